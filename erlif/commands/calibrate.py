@@ -76,7 +76,8 @@ def calibrate(
     if replaced is not None and replaced.fixture == calibration.fixture and output != against:
         click.echo(wrap(f"against the one replaced: {_compare(calibration, replaced)}"))
     click.echo(f"written: {output}, {figure}")
-    click.echo("next: name it as calibration in run.toml; erlif process RUN_DIR")
+    outside = " --allow-outside" * reading["allow_outside"]
+    click.echo(f"next: name it as calibration in run.toml; erlif process RUN_DIR{outside}")
 
 
 def _open_replaced(output: Path) -> Calibration | None:

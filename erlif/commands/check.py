@@ -65,4 +65,5 @@ def check(
         raise click.exceptions.Exit(DEFECT)
     if not as_json:
         command = "calibrate" if (directory / "fixture.toml").is_file() else "process"
-        click.echo(f"next: erlif {command} {directory}", err=True)
+        outside = " --allow-outside" * allow_outside
+        click.echo(f"next: erlif {command} {directory}{outside}", err=True)

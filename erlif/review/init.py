@@ -155,7 +155,10 @@ def init(
     recordings = [one for camera in survey.cameras[:2] for one in camera.recordings]
     of_fixture = [one.pattern for one in recordings if names_fixture(one)]
     if of_fixture and not fixture:
-        draft.note("of_fixture", names=", ".join(map(str, of_fixture)))
+        draft.note("of_fixture", names=", ".join(map(str, of_fixture)), folder=directory)
+    for folder in survey.left_out:
+        key = "fixture_folder" if (folder / "fixture.toml").is_file() else "of_fixture"
+        draft.note(key, names=folder.relative_to(directory).as_posix(), folder=folder)
     draft.set("optics.x_axis", "sliding", "Check the direction: the files do not show it.")
     if fixture:
         _draft_profile(draft, survey)

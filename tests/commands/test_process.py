@@ -20,6 +20,8 @@ def test_a_run_is_checked_and_processed(lab, film, command):
     checked = command("check", lab.run)
     assert "error" not in checked.stdout
     assert checked.stderr.splitlines()[-1] == f"next: erlif process {lab.run}"
+    outside = command("check", lab.run, "--allow-outside")
+    assert outside.stderr.splitlines()[-1] == f"next: erlif process {lab.run} --allow-outside"
     assert "error" not in command("check", lab.fixture).stdout
     result = command("process", lab.run)
     assert "6 triggers from 6 frame pairs of 128 x 96 pixels" in result.stdout

@@ -104,6 +104,66 @@ def test_a_run_without_settings_becomes_the_same_film_once_the_gaps_are_filled(l
             xr.testing.assert_equal(found[name], expected[name])
 
 
+def tidy_as_a_student(lab, folder: Path) -> None:
+    """All of a measurement in one folder: frames of both cameras under two names, a foreign log."""
+    for source, target in ((lab.fixture, folder / "calib"), (lab.run, folder / "images")):
+        target.mkdir(parents=True)
+        for camera, side in ((1, "left"), (2, "right")):
+            for path in (source / f"camera{camera}").iterdir():
+                number = int(re.findall(r"\d+", path.stem)[-1])
+                shutil.copy(path, target / f"{side}{number + 1}.tif")
+            for kind in ("dark", "flat"):
+                shutil.copy(source / f"camera{camera}_{kind}.tif", folder / f"{kind}_{side}.tif")
+    shutil.copy(lab.fixture / "profile.csv", folder / "calib" / "zeiss_profile.csv")
+    log = np.genfromtxt(lab.run / "encoder.csv", delimiter=",", names=True)
+    columns = (
+        *(log["frame"] + 1, 1e3 * log["time_s"], log["angle_deg"]),
+        *(log["load_N"] / 4.4482216152605, log["temperature_C"]),  # the pound-force of NIST
+    )
+    header = "sample\ttime (ms)\tencoder (deg)\tLoad cell [lbf]\tOil T (C)"
+    np.savetxt(
+        folder / "DAQ.txt", np.column_stack(columns), "%.10g", "\t", header=header, comments=""
+    )
+
+
+def test_a_measurement_in_one_folder_becomes_the_same_film(lab, film, tmp_path, command):
+    """The fixture is no camera of the run, before and after it has its own settings."""
+    folder = tmp_path / "measurement"
+    tidy_as_a_student(lab, folder)
+    texts = [note.text for note in erlif.init(folder)]
+    assert any(text.startswith("calib is of a fixture: erlif init --fixture") for text in texts)
+    shutil.copy(lab.fixture / "calibration.nc", folder / "calib")
+    erlif.init(folder / "calib", fixture=True)
+    notes = erlif.init(folder, overwrite=True)
+    assert "calib holds a fixture and has no camera of the run" in [note.text for note in notes]
+    assert "name no camera" not in warnings(notes)
+
+    found = read(folder)
+    for number, side in ((1, "left"), (2, "right")):
+        expected = {"files": f"images/{side}*.tif", "dark": f"dark_{side}.tif"}
+        assert expected.items() <= found[f"camera{number}"].items()
+        assert found[f"camera{number}"]["flat"] == f"flat_{side}.tif"
+    assert {"frame": "sample", "load": "Load cell [lbf]"}.items() <= found["encoder"].items()
+
+    # gain, noise, zero and region of the rig, which no file shows
+    original = read(lab.run)
+    bands = {f"camera{n}.band": f'"{original[f"camera{n}"]["band"]}"' for n in (1, 2)}
+    fill_gaps(folder / "run.toml", KNOWN | bands)
+    text = (folder / "run.toml").read_text()
+    for n in (1, 2):
+        given = "".join(
+            f'{key} = "{original[f"camera{n}"][key]}"\n' for key in ("gain", "read_noise")
+        )
+        text = text.replace(f"[camera{n}]\n", f"[camera{n}]\n{given}")
+    text = text.replace("[encoder]\n", f'[encoder]\nzero = "{original["encoder"]["zero"]}"\n')
+    roi = re.search(r"roi = .*", (lab.run / "run.toml").read_text())[0]
+    (folder / "run.toml").write_text(f"{text}\n[thickness]\n{roi}\n")
+    command("process", folder)
+    with erlif.open_film(folder / "film.nc") as own, erlif.open_film(film) as expected:
+        np.testing.assert_array_equal(own.thickness, expected.thickness)  # times are rounded
+        np.testing.assert_allclose(own["load"], expected["load"], rtol=1e-8)
+
+
 @pytest.mark.slow
 def test_a_run_with_a_log_in_time_goes_from_init_to_the_report(small_rig, film, tmp_path, command):
     """The frames of the same seed; a log at 10 kHz in the form of another logger."""

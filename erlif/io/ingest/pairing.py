@@ -31,6 +31,9 @@ from erlif.io.refusals import refusal
 # Least width and height of a frame: registration needs several windows along each axis. [px]
 _SMALLEST = 64
 
+# Ratio of the frames of two cameras above which files are wrong rather than frames lost.
+_UNEQUAL = 2
+
 _STAMPED = (
     "the first pixels of {name} hold the time {time}, as PCO cameras write it, and no light; as "
     "text it covers 8 rows of 271 pixels. Switch the time stamp off, or choose a region of "
@@ -215,6 +218,8 @@ def _check_pairs(
     if len(files) > 1 and min(files.values()) > 1:
         names = list_some((f"{path.name} ({count})" for path, count in files.items()), most=3)
         cure = f"camera{camera} has the frames of {names}: name one recording alone as files."
+    elif max(len(one), len(two)) > _UNEQUAL * min(len(one), len(two)):
+        cure = "Check files of [camera1] and [camera2] first: they hardly name one recording."
     elif is_one_file(one) or is_one_file(two):
         cure = (
             "Export the same frames of both recordings with the camera's software"

@@ -22,7 +22,7 @@ from erlif.core.bounded import read_rows
 from erlif.core.errors import FrameError
 from erlif.io.ingest.counts import FEW_LEVELS, count_padding
 from erlif.io.ingest.images import Page, match_files, natural_key, read_headers, read_page
-from erlif.io.ingest.logs.proposal import LOG_SUFFIXES
+from erlif.io.ingest.logs.proposal import LOG_SUFFIXES, PROFILE
 from erlif.io.ingest.selection import WHOLE, Selection
 from erlif.io.ingest.shared import SharedFile, find_cameras_in_file
 from erlif.io.readers.hdf5 import list_datasets
@@ -71,7 +71,7 @@ _PURPOSES = {
 # Formats of which a file is a whole recording; parts of others may differ in their number alone.
 _MOVIES = frozenset({".avi", ".cine", ".cin", ".mraw", ".seq", ".spe"})
 
-# Words in the names of recordings of a fixture.
+# Words in the names of recordings and folders of a fixture.
 _FIXTURE = re.compile(r"(?<![a-z])(wedge|keil|calib|kalib|fixture)")
 
 _CAMERA = re.compile(
@@ -223,6 +223,8 @@ class Survey:
         their names.
     lossy : tuple[Path, ...]
         JPEG files, which hold no counts.
+    left_out : tuple[Path, ...]
+        Folders of fixtures, whose images are none of this run.
     """
 
     directory: Path
@@ -232,6 +234,7 @@ class Survey:
     logs: tuple[Path, ...] = ()
     in_order: tuple[str, ...] = ()
     lossy: tuple[Path, ...] = ()
+    left_out: tuple[Path, ...] = ()
 
     @property
     def lone_darks(self) -> tuple[Path, ...]:
@@ -248,7 +251,8 @@ def survey_directory(directory: Path, *, fixture: bool = False) -> Survey:
     directory : Path
         Folder of a run or of a fixture; the folders in it are searched too.
     fixture : bool
-        Whether recordings of a fixture are meant, where their names show them, or all others.
+        Whether recordings of a fixture are meant, where their names show them, or all others:
+        folders of fixtures then have no camera of the run.
 
     Returns
     -------
@@ -276,6 +280,9 @@ def survey_directory(directory: Path, *, fixture: bool = False) -> Survey:
     tables = [_read_table(path) for path in sorted(files) if path.suffix.lower() == ".csv"]
     read = tuple(table for table in tables if table is not None)
     images = sorted((path for path in files if _is_image(path)), key=natural_key)
+    left_out: list[Path] = []
+    if not fixture:
+        images, left_out = _leave_out_fixtures(images, directory, read)
     groups, unassigned = _group_by_camera(images, directory)
     in_order = _assign_in_order(groups, unassigned, directory)
     cameras = [
@@ -291,7 +298,16 @@ def survey_directory(directory: Path, *, fixture: bool = False) -> Survey:
 
     logs = tuple(path for path in sorted(files) if path.suffix.lower() in LOG_SUFFIXES)
     lossy = tuple(path for path in files if path.suffix.lower() in _LOSSY)
-    return Survey(directory, tuple(cameras), tuple(unassigned), read, logs, in_order, lossy)
+    return Survey(
+        directory,
+        tuple(cameras),
+        tuple(unassigned),
+        read,
+        logs,
+        in_order,
+        lossy,
+        tuple(left_out),
+    )
 
 
 # files
@@ -324,6 +340,23 @@ def _read_table(path: Path) -> TextTable | None:
     return TextTable(path, tuple(rows[0][1]), len(rows) - 1) if rows else None
 
 
+def _leave_out_fixtures(
+    images: list[Path], directory: Path, tables: Sequence[TextTable]
+) -> tuple[list[Path], list[Path]]:
+    """Images outside the folders of fixtures, and these folders; all where no frames are left."""
+    profiles = {table.path.parent for table in tables if set(table.header) >= PROFILE}
+    inside: dict[Path, Path] = {}
+    for path in images:
+        for folder in path.parents[: len(path.relative_to(directory).parts) - 1]:
+            settings = (folder / "fixture.toml").is_file()
+            if settings or folder in profiles or _FIXTURE.search(folder.name.lower()):
+                inside[path] = folder
+    rest = [path for path in images if path not in inside]
+    if not any(_purpose(_plain_name(path, directory)) == "frames" for path in rest):
+        return images, []
+    return rest, list(dict.fromkeys(inside.values()))
+
+
 # names
 
 
@@ -345,12 +378,16 @@ def _group_by_camera(
         else:
             groups.setdefault(label, defaultdict(list))["frames"].append(path)
 
-    # darks and flats may lie elsewhere, "darks/left.tif": there the label is looked for in the name
+    # darks and flats may lie elsewhere, "darks/left.tif", "dark_left.tif": there the label, or a
+    # word of the names of one camera alone, is looked for in the name
+    words = {one: _words(one) for one in groups}
+    common = set.intersection(*words.values()) if words else set()
     for path in images:
         if purposes[path] == "frames":
             continue
         label = rule(names[path])
-        named = [one for one in groups if one in names[path]]
+        named = [one for one in groups if (words[one] - common) & _words(names[path])]
+        named = named or [one for one in groups if one in names[path]]
         if label not in groups and len(named) == 1:
             label = named[0]
         if label in groups:
@@ -397,6 +434,10 @@ def _plain_name(path: Path, directory: Path) -> str:
     """Name in the directory, in lower case and with "Cam1Dark" written as "cam1_dark"."""
     name = path.relative_to(directory).with_suffix("").as_posix()
     return re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", name).lower()
+
+
+def _words(name: str) -> set[str]:
+    return set(re.findall("[a-z]+", name.rpartition("/")[2]))
 
 
 def _purpose(name: str) -> str:

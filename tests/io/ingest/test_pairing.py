@@ -232,6 +232,16 @@ def test_frames_of_recordings_in_one_file_each_are_not_dropped_by_empty_files(tm
     assert "empty file" not in message
 
 
+@pytest.mark.parametrize(("frames", "asks"), [(7, True), (5, False)])
+def test_very_unequal_counts_are_a_matter_of_the_names_of_the_files(tmp_path, frames, asks):
+    for number, count in ((1, frames), (2, 3)):
+        for k in range(count):
+            write_pages(tmp_path / f"{number}_{k}.tif", [GREY])
+    message = refusal(tmp_path, patterns=("1_*.tif", "2_*.tif"))
+    assert ("Check files of [camera1] and [camera2] first" in message) == asks
+    assert ("empty file" in message) != asks
+
+
 def test_two_recordings_under_one_pattern_are_named_with_their_frames(tmp_path):
     for name, count in {"run_1": 4, "wedge_1": 2, "run_2": 4}.items():
         write_pages(tmp_path / f"{name}.tif", [GREY] * count)

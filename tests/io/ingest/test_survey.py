@@ -75,6 +75,41 @@ def test_darks_of_left_and_right_are_found_in_their_own_folder(tmp_path):
     assert [camera.darks.pattern for camera in survey_directory(tmp_path).cameras] == darks
 
 
+@pytest.mark.parametrize("sides", [("left", "right"), ("a_", "b_"), ("cam0_", "cam1_")])
+def test_two_names_in_one_folder_are_two_cameras_with_their_darks_and_flats(tmp_path, sides):
+    """Given against the order of the names, in which they would be taken else."""
+    photograph(tmp_path, *(f"images/{side}{k}.tif" for side in sides for k in range(3)))
+    words = [side.rstrip("_") for side in sides]
+    photograph(tmp_path, f"dark_{words[1]}.tif", f"1_flat_{words[1]}.tif", f"2_flat_{words[0]}.tif")
+    survey = survey_directory(tmp_path)
+    one, two = survey.cameras
+    assert [one.frames.pattern, two.frames.pattern] == [f"images/{side}*.tif" for side in sides]
+    assert [one.darks, two.darks.pattern] == [None, f"dark_{words[1]}.tif"]
+    assert one.flats.pattern == f"2_flat_{words[0]}.tif"
+    assert survey.in_order == ()
+
+
+@pytest.mark.parametrize(
+    ("folder", "file", "text"),
+    [
+        ("wedge_may", None, ""),
+        ("images/Kalib", None, ""),
+        ("old", "fixture.toml", ""),
+        ("old", "cmm.csv", "x_mm,thickness_um\n0,1\n"),
+    ],
+)
+def test_the_folder_of_a_fixture_is_no_camera_of_a_run(tmp_path, folder, file, text):
+    photograph(tmp_path, *numbered("images/left{}.tif"), *numbered("images/right{}.tif"))
+    photograph(tmp_path, *numbered(f"{folder}/left{{}}.tif", 2), f"{folder}/dark_left.tif")
+    if file:
+        (tmp_path / folder / file).write_text(text)
+    survey = survey_directory(tmp_path)
+    assert [camera.frames.pages for camera in survey.cameras] == [3, 3]
+    assert survey.left_out == (tmp_path / folder,)
+    assert survey.cameras[0].darks is None
+    assert len(survey_directory(tmp_path / folder).cameras) == 1  # where nothing else is meant
+
+
 def test_a_photograph_of_the_scale_is_not_a_frame(tmp_path):
     photograph(tmp_path, *numbered("cam1/{}.tif"), *numbered("cam2/{}.tif"), "scale.tif")
     survey = survey_directory(tmp_path)

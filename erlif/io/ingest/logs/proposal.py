@@ -17,6 +17,7 @@ from erlif.io.ingest.logs.columns import (
     convert_column,
     find_columns,
     find_unit,
+    plain_name,
 )
 from erlif.io.ingest.logs.table import LogColumn, LogTable
 from erlif.io.ingest.logs.text import read_log_table
@@ -28,10 +29,13 @@ LOG_SUFFIXES = frozenset(
 )
 
 # Columns of the profile of a fixture, which is no log.
-_PROFILE = {"x_mm", "thickness_um"}
+PROFILE = {"x_mm", "thickness_um"}
 
 # Quantities that a unit alone shows where one column has it, and the units they become.
 _BY_UNIT = {"angle": "degree", "time": "s", "load": "N", "temperature": "degree_Celsius"}
+
+# Names of a column that numbers the rows, where its values show it.
+_COUNTER = re.compile(r"(sample|index|row|no|nr)( (no|nr|number|index))?")
 
 _TRIGGER = re.compile(r"trigger|pulse|ttl|camera|strobe|q-?switch", re.IGNORECASE)
 
@@ -109,10 +113,12 @@ def propose_log(paths: Iterable[Path], frames: int, *, unnamed: bool = False) ->
             named = columns = {}
         by_frame = "frame" in columns or len(table.rows) == frames
         if "angle" in columns and (by_frame or "time" in columns):
+            if "frame" not in columns and len(table.rows) == frames:
+                columns |= _find_counter(table, columns)
             return _describe(path, table, columns, named, by_frame=by_frame)
 
         # a log in another language; the profile of a fixture is known by its columns
-        long = len(table.rows) >= frames and not _PROFILE & set(table.names)
+        long = len(table.rows) >= frames and not PROFILE & set(table.names)
         if unnamed and other is None and long:
             other = _describe(path, table, columns, named, by_frame=by_frame)
     return other
@@ -129,6 +135,20 @@ def _find_by_unit(table: LogTable, named: dict[str, LogColumn]) -> Iterator[tupl
         fitting = [column for column, scale in scales if scale and scale.unit == result]
         if quantity not in named and len(fitting) == 1 and not fitting[0].texts:
             yield quantity, fitting[0]
+
+
+def _find_counter(table: LogTable, columns: dict[str, LogColumn]) -> dict[str, LogColumn]:
+    """The column that counts the rows from 0 or 1, as the number of the frame."""
+    rows = np.arange(len(table.rows))
+    fitting = [
+        column
+        for column in table.columns
+        if column not in columns.values()
+        and not column.texts
+        and _COUNTER.fullmatch(plain_name(column.name))
+        and any(np.array_equal(column.values, rows + first) for first in (0, 1))
+    ]
+    return {"frame": fitting[0]} if len(fitting) == 1 else {}
 
 
 def _describe(
@@ -163,7 +183,7 @@ def _describe(
         pulse,
         values,
         known=tuple(columns),
-        by_unit=tuple(quantity for quantity in columns if quantity not in named),
+        by_unit=tuple(one for one in columns if one not in named and one in _BY_UNIT),
     )
 
 

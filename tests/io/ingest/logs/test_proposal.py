@@ -57,6 +57,17 @@ def test_a_unit_shows_the_quantity_where_one_column_alone_has_it(folder):
     assert found.values.angle.values.tolist() == [10.5, 11.5, 12.5, 13.5]
 
 
+@pytest.mark.parametrize(
+    ("samples", "found"), [("012", "Sample"), ("123", "Sample"), ("124", None), ("321", None)]
+)
+def test_a_column_of_samples_that_counts_is_the_number_of_the_frame(folder, samples, found):
+    rows = [f"{k};1{k},5\n" for k in samples]
+    (folder / "rig.csv").write_text("Sample;Encoder [deg]\n" + "".join(rows))
+    assert propose_log(sorted(folder.iterdir()), 3).columns.get("frame") == found
+    (folder / "rig.csv").write_text("Sample;Encoder [deg];t [s]\n0;1;1\n1;2;2\n")
+    assert "frame" not in propose_log(sorted(folder.iterdir()), 9).columns  # a log in time
+
+
 def test_two_columns_of_one_unit_are_no_proposal(folder):
     """Which of both angles is that of the disc, their unit does not show."""
     rows = [f"{k};1{k},5;2{k},5\n" for k in range(4)]
