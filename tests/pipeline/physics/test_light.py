@@ -67,7 +67,8 @@ def test_reported_background_is_in_the_error_of_the_pin(reported, truth):
     """The circles nearest to the true film of each trigger, by least squares over the region."""
     x, y = reported.x.values, reported.y.values
     inside_x, inside_y = (x >= 4) & (x <= 15), (y >= 2) & (y <= 13)
-    place = (x - x.mean())[inside_x], (y - y.mean())[inside_y]
+    load_line = float(reported.pin_displacement.attrs["load_line"])
+    place = (x - load_line)[inside_x], (y - y.mean())[inside_y]
     inside = np.ix_(inside_y, inside_x)
     known = [fit_true_film(film[inside], *place)[0] for film in truth.film.values]
     error = reported.pin_displacement.values[:, 0] - known
