@@ -437,7 +437,7 @@ def _plain_name(path: Path, directory: Path) -> str:
 
 
 def _words(name: str) -> set[str]:
-    return set(re.findall("[a-z]+", name.rpartition("/")[2]))
+    return set(re.findall("[a-z]+", name))
 
 
 def _purpose(name: str) -> str:

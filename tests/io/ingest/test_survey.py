@@ -68,9 +68,13 @@ def test_darks_and_flats_are_assigned_to_their_camera_by_name(tmp_path, dark, fl
         assert set(tmp_path.glob(camera.frames.pattern)) == set(camera.frames.files)
 
 
-def test_darks_of_left_and_right_are_found_in_their_own_folder(tmp_path):
-    photograph(tmp_path, *numbered("left/{}.tif"), *numbered("right/{}.tif"))
-    darks = ["darks/left.tif", "darks/right.tif"]
+@pytest.mark.parametrize(
+    "darks", [["darks/left.tif", "darks/right.tif"], ["2_left_dark.tif", "1_right_dark.tif"]]
+)
+@pytest.mark.parametrize("folder", ["", "raw/"])
+def test_darks_of_left_and_right_are_found_in_their_own_folder(tmp_path, darks, folder):
+    for side in ("left", "right"):
+        photograph(tmp_path, *numbered(f"{side}/{folder}{{}}.tif"))
     photograph(tmp_path, *darks)
     assert [camera.darks.pattern for camera in survey_directory(tmp_path).cameras] == darks
 
