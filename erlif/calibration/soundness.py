@@ -17,7 +17,7 @@ from erlif.calibration.departure import Departure
 from erlif.calibration.profile import THICKEST
 from erlif.calibration.refusals import refusal
 from erlif.calibration.regression import BLACK
-from erlif.calibration.systematics import TERMS, Systematics
+from erlif.calibration.systematics import COURSES, TERMS, Systematics
 from erlif.core.arrays import Array, Image
 from erlif.core.format import is_later
 
@@ -254,7 +254,7 @@ def _curve_faults(curve: xr.Dataset) -> Iterator[str]:
 
 
 def _systematics_faults(systematics: Systematics, parameters: int) -> Iterator[str]:
-    known = {(term, kind) for term, kinds in TERMS.items() for kind in kinds}
+    known = {(term, kind) for term, kinds in TERMS.items() for kind in kinds} | {*COURSES}
     unknown = set(zip(systematics.terms, systematics.kinds, strict=True)) - known
     if unknown:
         yield f"its systematics have a term that this version does not know, {min(unknown)[0]}"

@@ -49,6 +49,9 @@ TERMS: dict[str, tuple[str, ...]] = {
     "later": ("rising constant",),
 }
 
+# Kinds of the ratio that a run adds, with a step or a drift (`Systematics.with_course`).
+COURSES = (("ratio", "rising constant"), ("ratio", "stepped constant"))
+
 # Correlation of the background of both bands where it is not measured: fluorescence of a window
 # and light that leaks through a filter change little from 580 to 610 nm.
 ALIKE = 0.9

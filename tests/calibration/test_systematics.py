@@ -17,9 +17,16 @@ from scenes.fixture import (
     with_systematics,
 )
 
-from erlif.calibration import TERMS, Systematics, open_calibration, save_calibration
+from erlif.calibration import (
+    TERMS,
+    Systematics,
+    calibration_of,
+    open_calibration,
+    record_calibration,
+    save_calibration,
+)
 from erlif.models.fluorescence import band_light, wall_ratio
-from erlif.show.plots import example_calibration
+from erlif.show.plots import example_calibration, example_film
 
 CALIBRATION = example_calibration()
 FILMS = np.array([1.0, 3.0, 6.0, 10.0])
@@ -161,6 +168,12 @@ def test_a_course_is_stored_with_the_calibration_and_needs_the_ratio():
     back = Systematics.from_record(systematics.to_record())
     npt.assert_array_equal(back.covariance, systematics.covariance)
     assert (back.kinds, back.start) == (systematics.kinds, 0.4)
+    for start in (0.4, None):
+        course = extend(ratio=0.01).systematics.with_course(0.03, start=start)
+        changed = replace(CALIBRATION, systematics=course)
+        film = example_film().assign_attrs(calibration=record_calibration(changed))
+        assert calibration_of(film).systematics.kinds == course.kinds
+
     without = extend(wall=0.01).systematics
     assert without.with_course(0.03, start=None) is without
 
