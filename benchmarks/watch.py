@@ -10,6 +10,7 @@ map on the page. Pairs that are not shown were passed by a newer one.
 from __future__ import annotations
 
 import argparse
+import io
 import json
 import os
 import re
@@ -23,6 +24,7 @@ import time
 from pathlib import Path
 
 import numpy as np
+import tifffile
 
 from erlif import calibrate, save_calibration
 from erlif.rig import RigSettings, simulate
@@ -38,11 +40,16 @@ _OBSERVE = """() => {
 }"""
 
 
+def plain(path: Path) -> bytes:
+    """A frame as camera software writes it, without compression."""
+    file = io.BytesIO()
+    tifffile.imwrite(file, tifffile.imread(path), photometric="minisblack")
+    return file.getvalue()
+
+
 def write_frames(kept: Path, run: Path, rate: float, pairs: int) -> None:
     """Write `pairs` pairs at a rate; print the time at which each was complete, as JSON."""
-    content = {
-        n: [path.read_bytes() for path in sorted((kept / f"camera{n}").iterdir())] for n in (1, 2)
-    }
+    content = {n: [plain(path) for path in sorted((kept / f"camera{n}").iterdir())] for n in (1, 2)}
     times = []
     begun = time.time()
     for k in range(pairs):
@@ -131,7 +138,9 @@ def follow(run: Path, kept: Path, rate: float, pairs: int, browser: bool) -> Non
         f"{last:.0f} MB in the last"
     )
     if seen:
-        shown = {int(text.split()[1]): stamp / 1e3 for text, stamp in reversed(seen) if text}
+        shown = {
+            int(text.split()[1].rstrip(",")): stamp / 1e3 for text, stamp in reversed(seen) if text
+        }
         # the start, in which cameras are registered, stands apart
         ages = np.array([shown[k] - times[k] for k in shown if times[k] > times[0] + 5])
         first = min(shown.values()) - times[0]
