@@ -69,7 +69,7 @@ class Outcome(NamedTuple):
         return bool(self.warnings) and bool(re.search(cause, self.warnings[0]))
 
 
-USUAL = "the course of the minimum film over the run is not that of a"
+USUAL = "the course of the minimum film is not that of a"
 """A warning of sound rigs whose film is a formula."""
 
 

@@ -151,5 +151,7 @@ def mean_at_constant_minimum(displacement: Array, clearance: float, angle: Array
     nearest = np.clip(attitude, angle.min(), angle.max())
     across = np.cos(nearest - attitude)
     minimum = clearance - eccentricity * across
+    if not np.isfinite(minimum).any():
+        return np.full(len(minimum), np.nan)
     kept = (clearance - np.nanmedian(minimum)) / across
     return np.asarray(clearance - kept * np.cos(angle - attitude[:, np.newaxis]).mean(axis=1))

@@ -116,3 +116,8 @@ def test_the_mean_at_a_constant_minimum_is_that_of_a_parabola():
     place = np.stack([e * np.cos(beside / radius), e * np.sin(beside / radius)], axis=1)
     found = mean_at_constant_minimum(place, clearance, angle)
     npt.assert_allclose(found - 6.0, (100 / 12 + beside**2) / (2 * 4.872), rtol=0.03)
+
+
+def test_without_a_displacement_there_is_no_mean_and_no_warning():
+    found = mean_at_constant_minimum(np.full((5, 2), np.nan), 230.0, np.linspace(-0.1, 0.1, 21))
+    assert np.isnan(found).all()
