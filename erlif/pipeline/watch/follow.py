@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import math
 import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Self
+from typing import Any, Self
 
 from erlif.core.errors import ErlifError
 from erlif.io.ingest import FramePairs
@@ -103,6 +104,10 @@ class Follower:
         with self._changed:
             self._changed.wait_for(lambda: self._version > version, timeout)
             return self._version
+
+    def describe(self) -> dict[str, Any]:
+        """Name of the run, and size of a pixel [mm], as `erlif.show.view.live.LiveSource`."""
+        return {"name": self.settings.name, "pitch": self.settings.optics.pixel_pitch * 1e3}
 
     @property
     def silence(self) -> float:
@@ -201,3 +206,21 @@ def _describe_missing(missing: dict[str, int]) -> dict[str, str]:
             text = f"camera {camera} lacks the partner of {listed}{more}"
             texts[f"frames of camera {camera}"] = text
     return texts
+
+
+def as_plain(record: Any) -> dict[str, Any]:
+    """A named tuple as names and values for JSON, None for what is not known.
+
+    Examples
+    --------
+    >>> from collections import namedtuple
+    >>> as_plain(namedtuple("Pair", "film drift")(2.0, (math.nan, 0.5)))
+    {'film': 2.0, 'drift': [None, 0.5]}
+    """
+    return {name: _plain(value) for name, value in record._asdict().items()}
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, tuple):
+        return [_plain(one) for one in value]
+    return None if isinstance(value, float) and math.isnan(value) else value

@@ -20,7 +20,7 @@ from erlif.io.ingest.logs.resample import ContinuousLog
 from erlif.io.ingest.recording import choose_columns
 from erlif.pipeline.fixture import find_calibration
 from erlif.pipeline.watch.alarms import Alarms
-from erlif.pipeline.watch.follow import Follower
+from erlif.pipeline.watch.follow import Follower, as_plain
 from erlif.pipeline.watch.live import LiveFilm, LiveMap, LivePair, run_of
 
 # Pairs from which references and camera map are found, and found again: up to what the
@@ -159,10 +159,6 @@ class Watch(Follower):
 
     # the source of the page
 
-    def describe(self) -> dict[str, Any]:
-        """As `erlif.show.view.live.LiveSource`."""
-        return {"name": self.settings.name, "pitch": self.settings.optics.pixel_pitch * 1e3}
-
     def news(self, version: int, pairs: int, angles: int, timeout: float) -> dict[str, Any]:
         """As `erlif.show.view.live.LiveSource`."""
         self.wait(version, timeout)
@@ -174,8 +170,8 @@ class Watch(Follower):
             "frames": state.frames,
             "arrived": state.arrived,
             "measured": len(state.measured),
-            "pairs": [as_row(one) for one in state.measured[pairs:]],
-            "newest": None if state.latest is None else as_row(state.latest),
+            "pairs": [as_plain(one) for one in state.measured[pairs:]],
+            "newest": None if state.latest is None else as_plain(state.latest),
             "shape": None if state.newest is None else state.newest.flags.shape,
             "angles": [round(float(angle), 3) for angle in state.angles[angles:]],
             "registered_on": state.registered_on,
@@ -320,22 +316,3 @@ def describe_fall(pairs: Sequence[LivePair]) -> str:
                 f"{_ENDS} pairs, {first:.0f} DN at the start"
             )
     return ""
-
-
-def as_row(pair: LivePair) -> dict[str, Any]:
-    """A pair as names and plain numbers, None for what is not known.
-
-    Examples
-    --------
-    >>> zero = (0.0, 0.0)
-    >>> pair = LivePair(0, "", 0.0, 2.0, 0.1, float("nan"), 0.1, 1.0, zero, zero, zero)
-    >>> as_row(pair)["film_min"], as_row(pair)["film_mean"]
-    (2.0, None)
-    """
-    return {name: _plain(value) for name, value in pair._asdict().items()}
-
-
-def _plain(value: Any) -> Any:
-    if isinstance(value, tuple):
-        return [_plain(one) for one in value]
-    return None if isinstance(value, float) and not np.isfinite(value) else value

@@ -1,5 +1,7 @@
 """A directory that is followed: what is in it, what comes, and the end."""
 
+import json
+import math
 import shutil
 import time
 
@@ -7,7 +9,8 @@ import pytest
 
 from erlif.core.errors import ErlifError
 from erlif.pipeline.watch import follow
-from erlif.pipeline.watch.follow import Follower
+from erlif.pipeline.watch.follow import Follower, as_plain
+from erlif.pipeline.watch.live import LivePair
 
 
 def wait_until(condition, follower, seconds=20.0):
@@ -78,3 +81,13 @@ def test_missing_frames_are_listed_in_words(lab, monkeypatch):
             ),
             follower,
         )
+
+
+def test_a_row_for_the_page_has_no_value_that_json_lacks():
+    pair = LivePair(
+        3, "a.tif", 1.0, math.nan, 0.1, 2.0, 0.1, 1.0, (9.0, 8.0), (0.0, 0.0), (math.nan, 0.5)
+    )
+    row = as_plain(pair)
+    assert row["film_min"] is None
+    assert row["drift"] == [None, 0.5]
+    assert json.loads(json.dumps(row, allow_nan=False)) == row

@@ -1,17 +1,18 @@
 """A run that is watched while another thread writes it."""
 
 import importlib
-import math
 import shutil
 import threading
 import time
 
+import numpy as np
 import pytest
+import tifffile
 
 import erlif
 from erlif.pipeline.watch.alarms import Alarms
 from erlif.pipeline.watch.live import LiveFilm
-from erlif.pipeline.watch.watch import Watch, as_row
+from erlif.pipeline.watch.watch import Watch
 from tests.pipeline.watch.test_follow import wait_until
 
 module = importlib.import_module("erlif.pipeline.watch.watch")
@@ -119,9 +120,6 @@ def test_a_pair_that_cannot_be_used_is_named_and_the_others_go_on(empty_run):
             write(frame)
         wait_until(lambda: len(watch.state().measured) == 4, watch)
         # another shape than all other frames
-        import numpy as np
-        import tifffile
-
         for n in (1, 2):
             tifffile.imwrite(run_dir / f"camera{n}" / "frame_0004.tif", np.ones((8, 8), np.uint16))
         wait_until(lambda: any("96" in fault for fault in watch.state().faults.values()), watch)
@@ -150,16 +148,3 @@ def test_pairs_on_a_share_that_goes_away_are_measured_when_it_is_back(empty_run,
         away.rename(run_dir)
         wait_until(lambda: len(watch.state().measured) == 4, watch)
         assert "share" not in watch.state().faults
-
-
-def test_a_row_for_the_page_has_no_value_that_json_lacks(empty_run):
-    run_dir, write = empty_run
-    watch = Watch(run_dir, workers=1)
-    with watch.running():
-        for frame in range(2):
-            write(frame)
-        wait_until(lambda: watch.state().measured, watch)
-    pair = watch.state().latest
-    row = as_row(pair._replace(film_min=math.nan, drift=(math.nan, 0.5)))
-    assert row["film_min"] is None
-    assert row["drift"] == [None, 0.5]
