@@ -30,18 +30,14 @@ class Arrival(NamedTuple):
 
     Attributes
     ----------
-    number : int
-        Number of the frame of camera 1: that in the name of its file, or its place in a file of
-        many.
     place : int
-        Place in the recording, counted from 0 at the first frame.
+        Place in the recording, counted from 0 at the first frame of camera 1.
     pages : tuple[Page, Page]
         Camera 1 and camera 2.
     time : float
         When its second image was found complete, on the clock of the arrivals. [s]
     """
 
-    number: int
     place: int
     pages: tuple[Page, Page]
     time: float
@@ -179,7 +175,6 @@ class Arrivals:
         first = min(one.pages)
         return [
             Arrival(
-                number,
                 number - first,
                 (one.pages[number], two.pages[number + shift]),
                 max(one.times[number], two.times[number + shift]),

@@ -18,7 +18,7 @@ def live(small_rig):
 
 def measure(run, film, frame):
     pages = run.pairs.pages[0][frame], run.pairs.pages[1][frame]
-    return film.measure(run.pairs, frame, Arrival(frame, frame, pages, 12.5))
+    return film.measure(run.pairs, frame, Arrival(frame, pages, 12.5))
 
 
 def test_a_pair_has_the_film_of_the_finished_run_within_its_error(live, film):
