@@ -66,7 +66,7 @@ OVERWRITE = click.option("--overwrite", is_flag=True, help="Replace an existing 
 SKIP_BAD_FRAMES = click.option(
     "--skip-bad-frames",
     is_flag=True,
-    help="Leave out unreadable frame pairs; the output lists them.",
+    help="Leave out frame pairs of which a file is missing or unreadable; the output lists them.",
 )
 
 ALLOW_OUTSIDE = click.option(

@@ -27,7 +27,7 @@ from erlif.commands.process import process_one
 from erlif.commands.progress import announced_compiling
 from erlif.commands.refusals import refusal
 from erlif.commands.view import leading_to
-from erlif.core.errors import ErlifError
+from erlif.core.errors import EncoderError, ErlifError, FrameError
 from erlif.core.speed.imports import large_imports
 from erlif.core.units import count_of
 
@@ -136,11 +136,24 @@ def watch(
         if not watched.state().arrived:
             raise refusal("no_pair", run_dir=run_dir)
         watched.announce("The recording has ended; the run is being processed.")
-        process_one(run_dir, calibration, output, options)
+        _finish(run_dir, calibration, output, options)
     if watched.alarmed:
         for text in watched.alarmed.values():
             echo_aside(f"alarm: {text}")
         click.get_current_context().exit(ALARMED)
+
+
+def _finish(run_dir: Path, calibration: Path | None, output: Path, options: dict[str, Any]) -> None:
+    """Process the run; without its bad frames where it is refused because of them."""
+    from erlif.pipeline.recording.pulses import PulseError
+
+    try:
+        process_one(run_dir, calibration, output, options)
+    except (FrameError, EncoderError) as error:
+        if options["skip_bad_frames"] or isinstance(error, PulseError):
+            raise
+        echo_aside(f"{error}\nBad frames are left out, as by --skip-bad-frames of erlif process.")
+        process_one(run_dir, calibration, output, options | {"skip_bad_frames": True})
 
 
 @contextmanager

@@ -63,7 +63,7 @@ def calibrate(
     fixture_dir : path
         Directory with ``fixture.toml``, frames of both cameras and the CMM profile.
     skip_bad_frames : bool
-        Leave out unreadable frame pairs.
+        Leave out frame pairs of which a file is missing or unreadable.
     allow_outside : bool
         Follow links and names of files that leave the directory.
     progress : "bar", bool or callable, optional

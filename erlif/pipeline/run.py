@@ -64,7 +64,7 @@ def process(
     overwrite : bool
         Replace an existing output.
     skip_bad_frames : bool
-        Leave out unreadable frame pairs; the film lists them.
+        Leave out frame pairs of which a file is missing or unreadable; the film lists them.
     allow_outside : bool
         Follow links and names of files that leave the directory.
     workers : int, optional

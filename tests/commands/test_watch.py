@@ -71,11 +71,26 @@ def test_an_alarm_gives_the_exit_status_and_runs_the_command(recording, tmp_path
     assert ran.exists()
 
 
-def test_a_frame_that_was_lost_is_named_and_refused_as_by_process(recording):
+def test_a_frame_that_was_lost_is_named_and_its_pair_left_out(recording, command):
     run = recording(rate=50.0, faults=[Fault("camera2-loses", 2)])
-    result = run_watch(run, "--quiet", "1.5 s")
-    assert result.exit_code == 2
+    result = run_watch(run, "--quiet", "1.5 s", "--workers", "1")
+    assert result.exit_code == 0, result.output
     assert "The first unmatched one is camera1/frame_0002.tif" in result.stderr
+    assert "6 triggers from 5 frame pairs" in result.stdout
+    watched = (run / "film.nc").read_bytes()
+    command("process", run, "--skip-bad-frames", "--overwrite", "--workers", "1")
+    assert (run / "film.nc").read_bytes() == watched
+
+
+def test_a_frame_that_cannot_be_read_is_left_out(recording, command):
+    run = recording()
+    while not (broken := run / "camera2" / "frame_0003.tif").exists():
+        time.sleep(0.005)
+    broken.write_bytes(broken.read_bytes()[:5000])
+    result = run_watch(run, "--quiet", "1.5 s", "--workers", "1")
+    assert result.exit_code == 0, result.output
+    assert "frame_0003.tif: the file is truncated" in result.stderr
+    assert "6 triggers from 5 frame pairs" in result.stdout
 
 
 @pytest.mark.parametrize(

@@ -16,7 +16,7 @@ from erlif.io.ingest.logs.columns import ColumnChoice, convert_columns, find_col
 from erlif.io.ingest.logs.resample import FEWEST_SAMPLES, ContinuousLog, unwrap_angle
 from erlif.io.ingest.logs.table import LogColumn, LogTable
 from erlif.io.ingest.logs.text import read_log_table
-from erlif.io.ingest.pairing import frame_numbers
+from erlif.io.ingest.pairing import find_missing, frame_numbers
 from erlif.io.refusals import refusal
 
 
@@ -157,6 +157,8 @@ def check_rows(log: EncoderLog, pages: Sequence[Page], name: str) -> None:
             "Take the rows without a frame out of the log and number the rows anew; or export from "
             "both recordings only the frames that have a row"
         )
+    elif rows - frames == len(find_missing(frame_numbers(pages))):
+        cure = "--skip-bad-frames leaves out the rows of the numbers that no file has"
     else:
         cure = (
             "To leave a frame out, put an empty file of its name into both camera folders and use "

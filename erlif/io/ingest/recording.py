@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import NamedTuple
@@ -11,6 +12,7 @@ import numpy as np
 import xarray as xr
 
 from erlif.core.arrays import Array
+from erlif.core.errors import EncoderError
 from erlif.core.notes import Note, list_some
 from erlif.core.products import EncoderLog
 from erlif.io.ingest.containment import named_files, refuse_outside
@@ -20,7 +22,7 @@ from erlif.io.ingest.images import match_files
 from erlif.io.ingest.logs.checks import is_nearly_by_frame
 from erlif.io.ingest.logs.columns import MEANINGS, ColumnChoice
 from erlif.io.ingest.logs.resample import ContinuousLog, find_pulses, sample_log
-from erlif.io.ingest.pairing import pair_cameras
+from erlif.io.ingest.pairing import fill_gaps, pair_cameras
 from erlif.io.ingest.selection import select_counts
 from erlif.io.refusals import refusal
 from erlif.io.settings import (
@@ -127,7 +129,7 @@ def open_run(
     run_dir : Path
         Directory with ``run.toml``.
     skip_bad_frames : bool
-        Leave out frame pairs with an unreadable file instead of refusing the run.
+        Leave out frame pairs with a missing or unreadable file instead of refusing the run.
     allow_outside : bool
         Follow links and names that leave the directory.
     find_start : callable, optional
@@ -153,6 +155,12 @@ def open_run(
         refuse_outside(run_dir, named_files(settings))
     pairs = _open_pairs(run_dir, settings, skip_bad_frames=skip_bad_frames)
 
+    # the log may have rows of pulses that neither camera has; it fits with them or without
+    whole = fill_gaps(pairs) if skip_bad_frames else pairs
+    if whole is not pairs and settings.encoder is not None and settings.encoder.file is not None:
+        with suppress(EncoderError):
+            log, notes = _open_log(run_dir, settings, whole, find_start)
+            return Run(run_dir, settings, whole, log, notes)
     log, notes = _open_log(run_dir, settings, pairs, find_start)
     return Run(run_dir, settings, pairs, log, notes)
 

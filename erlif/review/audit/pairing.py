@@ -5,11 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
-import numpy as np
-
 from erlif.core.notes import Note, list_some, note_writer
 from erlif.io.ingest import FramePairs, Run
-from erlif.io.ingest.pairing import frame_numbers
+from erlif.io.ingest.pairing import find_missing, frame_numbers
 
 _note = note_writer("erlif.review.audit")
 
@@ -54,7 +52,6 @@ class PairRow:
 
 _FIRST, _LAST = 2, 1  # pairs at both ends of the table
 _LISTED = 20  # rows of the table at most
-_USUAL = 0.5  # share of equal steps from number to number, below which others are no gaps
 
 
 def tabulate_pairs(pairs: FramePairs, run: Run | None, *, odd: Iterable[int] = ()) -> list[PairRow]:
@@ -99,30 +96,3 @@ def note_numbers(pairs: FramePairs) -> Iterator[Note]:
         if missing:
             numbers, first, last = list_some(missing), pages[0].name, pages[-1].name
             yield _note("missing", camera=camera, numbers=numbers, first=first, last=last)
-
-
-def find_missing(numbers: list[int]) -> list[int]:
-    """Numbers that are missing in a sequence of equal steps.
-
-    Parameters
-    ----------
-    numbers : list of int
-        In rising order.
-
-    Returns
-    -------
-    list of int
-        Empty where the steps are mostly unlike: the numbers then count something else.
-
-    Examples
-    --------
-    >>> find_missing([10, 12, 14, 18, 20])
-    [16]
-    """
-    steps = np.diff(numbers)
-    if steps.size < 2:
-        return []
-    step = int(np.median(steps))
-    if step < 1 or (steps == step).mean() <= _USUAL or (steps % step).any():
-        return []
-    return sorted(set(range(numbers[0], numbers[-1], step)) - set(numbers))

@@ -8,7 +8,7 @@ from scenes.tiff_pages import write_pages
 
 from erlif.core.errors import FrameError
 from erlif.io.ingest import Page, read_frames, read_pair
-from erlif.io.ingest.pairing import frame_numbers, pair_cameras
+from erlif.io.ingest.pairing import fill_gaps, find_missing, frame_numbers, pair_cameras
 from erlif.io.ingest.recording import number_frames
 from erlif.io.ingest.selection import Selection
 
@@ -65,6 +65,20 @@ def break_data(path):
 )
 def test_a_frame_has_the_last_number_of_its_name_or_its_position(tmp_path, names, numbers):
     assert frame_numbers([Page(tmp_path / name, 0) for name in names]) == numbers
+
+
+@pytest.mark.parametrize(
+    ("numbers", "missing"),
+    [
+        ([0, 1, 2, 3], []),
+        ([0, 1, 3, 4, 7, 8], [2, 5, 6]),
+        ([10, 20, 30, 50], [40]),
+        ([0, 5, 6, 20], []),  # numbers that count something else
+        ([3, 1], []),
+    ],
+)
+def test_gaps_in_equal_steps_are_found(numbers, missing):
+    assert find_missing(numbers) == missing
 
 
 # frames that pair
@@ -148,6 +162,71 @@ def test_a_truncated_multi_page_file_loses_its_last_pairs_only(tmp_path, camera)
     assert pairs.usable == [0, 1, 2]
     assert sorted(pairs.skipped) == [3, 4, 5]
     assert all("the file is truncated" in reason for reason in pairs.skipped.values())
+
+
+# frames that are lost
+
+
+@pytest.mark.parametrize(
+    ("one", "two", "skipped"),
+    [
+        ([0, 1, 2, 3], [0, 1, 3], {2: 2}),
+        ([0, 1, 3], [0, 1, 2, 3], {2: 1}),
+        ([0, 1, 3, 4], [0, 2, 3, 4], {1: 2, 2: 1}),  # as many of both cameras
+        ([0, 1, 2, 3], [0, 1, 2], {3: 2}),
+        ([8, 9, 10, 11], [8, 9, 11], {2: 2}),
+        ([1, 3, 7], [1, 3, 5, 7], {2: 1}),
+    ],
+)
+def test_a_lost_frame_is_left_out_with_its_partner_on_request(record, one, two, skipped):
+    directory = record(one, two)
+    assert "--skip-bad-frames leaves it out" in refusal(directory)
+    pairs = pair(directory, skip_bad_frames=True)
+    numbers = sorted({*one, *two})
+    assert [page.name for page in pairs.pages[0]] == [f"f_{number}.tif" for number in numbers]
+    assert pairs.pages[0][0].path.parent != pairs.pages[1][0].path.parent
+    assert pairs.skipped == {
+        k: f"camera{camera}/f_{numbers[k]}.tif: the file is missing"
+        for k, camera in skipped.items()
+    }
+    for k in pairs.usable:
+        assert all(pages[k].path.exists() for pages in pairs.pages)
+
+
+def test_a_lost_frame_and_a_damaged_one_have_their_own_reasons(record):
+    directory = record([0, 1, 2, 3], [0, 1, 3], names=("a_{:03}.tif", "b_{:03}.tif"))
+    (directory / "camera2" / "b_003.tif").write_bytes(b"")
+    assert pair(directory, skip_bad_frames=True).skipped == {
+        2: "camera2/b_002.tif: the file is missing",
+        3: "camera2/b_003.tif: the file is empty",
+    }
+
+
+@pytest.mark.parametrize(
+    ("one", "two", "names"),
+    [
+        (range(5), range(1, 5), ("f_{}.tif", "f_{}.tif")),  # the first one, or another first number
+        (range(5), [100, 101, 103, 104], ("f_{}.tif", "f_{}.tif")),
+        (range(5), range(4), ("{}.tif", "{}_b1.tif")),  # no number of camera 2 counts frames
+        (range(6), [0, 1, 7, 8, 9], ("f_{}.tif", "f_{}.tif")),  # few are common
+    ],
+)
+def test_frames_without_numbers_that_show_the_lost_one_stay_refused(record, one, two, names):
+    directory = record(one, two, names=names)
+    message = refusal(directory, skip_bad_frames=True)
+    assert f"camera1 has {len(one)}, camera2 has {len(two)}" in message
+    assert "--skip-bad-frames leaves it out" not in message
+
+
+def test_numbers_that_neither_camera_has_are_pairs_that_are_left_out(record):
+    pairs = pair(record([0, 1, 2, 4, 5], [0, 1, 2, 4]), skip_bad_frames=True)
+    whole = fill_gaps(pairs)
+    assert [page.name for page in whole.pages[1]] == [f"f_{number}.tif" for number in range(6)]
+    assert whole.skipped == {
+        3: "neither camera has f_3.tif",
+        5: "camera2/f_5.tif: the file is missing",
+    }
+    assert fill_gaps(whole) is whole
 
 
 # two cameras in one file
@@ -239,7 +318,7 @@ def test_very_unequal_counts_are_a_matter_of_the_names_of_the_files(tmp_path, fr
             write_pages(tmp_path / f"{number}_{k}.tif", [GREY])
     message = refusal(tmp_path, patterns=("1_*.tif", "2_*.tif"))
     assert ("Check files of [camera1] and [camera2] first" in message) == asks
-    assert ("empty file" in message) != asks
+    assert ("--skip-bad-frames" in message) != asks
 
 
 def test_two_recordings_under_one_pattern_are_named_with_their_frames(tmp_path):

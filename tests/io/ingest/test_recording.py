@@ -35,6 +35,35 @@ def test_absolute_patterns_and_unusual_directory_names_are_found(lab, tmp_path):
         open_run(unusual, allow_outside=True)
 
 
+@pytest.mark.parametrize("cameras", [(1,), (2,), (1, 2)])
+def test_a_pulse_without_its_frames_keeps_its_row(lab, cameras):
+    for camera in cameras:
+        lab.frames(camera)[2].unlink()
+    with pytest.raises((FrameError, EncoderError), match="--skip-bad-frames leaves"):
+        open_run(lab.run)
+    run = open_run(lab.run, skip_bad_frames=True)
+    assert run.pairs.usable == [0, 1, 3, 4, 5]
+    written = np.genfromtxt(lab.run / "encoder.csv", delimiter=",", names=True)
+    np.testing.assert_array_equal(run.log.angle, written["angle_deg"])
+
+
+def test_a_log_without_the_row_of_a_pulse_that_both_cameras_lack_fits_the_others(lab):
+    for camera in (1, 2):
+        lab.frames(camera)[2].unlink()
+    log = lab.run / "encoder.csv"
+    head, *rows = log.read_text().splitlines()
+    del rows[2]
+    rows = [f"{n},{row.partition(',')[2]}" for n, row in enumerate(rows)]
+    log.write_text("\n".join([head, *rows]) + "\n")
+    run = open_run(lab.run, skip_bad_frames=True)
+    assert run.pairs.usable == list(range(5))
+    np.testing.assert_array_equal(run.log.angle, open_run(lab.run).log.angle)
+    # one row less: neither count fits
+    log.write_text("\n".join([head, *rows[:-1]]) + "\n")
+    with pytest.raises(EncoderError, match="has 4 rows, the cameras have 5 frames"):
+        open_run(lab.run, skip_bad_frames=True)
+
+
 def test_a_run_without_an_encoder_opens(lab):
     text = (lab.run / "run.toml").read_text(encoding="utf-8")
     kept = text.partition("[encoder]")[0] + "[thickness]" + text.partition("[thickness]")[2]

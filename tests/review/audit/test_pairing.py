@@ -3,24 +3,9 @@
 from pathlib import Path
 
 import numpy as np
-import pytest
 
 from erlif.io.ingest import FramePairs, Page
-from erlif.review.audit.pairing import find_missing, note_numbers, tabulate_pairs
-
-
-@pytest.mark.parametrize(
-    ("numbers", "missing"),
-    [
-        ([0, 1, 2, 3], []),
-        ([0, 1, 3, 4, 7, 8], [2, 5, 6]),
-        ([10, 20, 30, 50], [40]),
-        ([0, 5, 6, 20], []),  # numbers that count something else
-        ([3, 1], []),
-    ],
-)
-def test_gaps_in_equal_steps_are_found(numbers, missing):
-    assert find_missing(numbers) == missing
+from erlif.review.audit.pairing import note_numbers, tabulate_pairs
 
 
 def test_a_missing_number_is_named_for_each_camera():
