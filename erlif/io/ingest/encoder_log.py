@@ -158,7 +158,7 @@ def check_rows(log: EncoderLog, pages: Sequence[Page], name: str) -> None:
             "both recordings only the frames that have a row"
         )
     elif rows - frames == len(find_missing(frame_numbers(pages))):
-        cure = "--skip-bad-frames leaves out the rows of the numbers that no file has"
+        cure = "Use --skip-bad-frames to leave out the rows of the numbers that no file has"
     else:
         cure = (
             "To leave a frame out, put an empty file of its name into both camera folders and use "

@@ -292,7 +292,8 @@ def _check_pairs(
             f"{', and take the rows of frames that are left out from the encoder log' * has_log}."
         )
     elif _common_numbers((one, two)):
-        cure = f"--skip-bad-frames leaves it out{'; its row stays in the encoder log' * has_log}."
+        row = "; its row stays in the encoder log" * has_log
+        cure = f"Use --skip-bad-frames to leave it out{row}."
     else:
         cure = (
             "To drop it, put an empty file of its name into the other camera's folder and use "

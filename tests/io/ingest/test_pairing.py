@@ -180,7 +180,7 @@ def test_a_truncated_multi_page_file_loses_its_last_pairs_only(tmp_path, camera)
 )
 def test_a_lost_frame_is_left_out_with_its_partner_on_request(record, one, two, skipped):
     directory = record(one, two)
-    assert "--skip-bad-frames leaves it out" in refusal(directory)
+    assert "Use --skip-bad-frames to leave it out" in refusal(directory)
     pairs = pair(directory, skip_bad_frames=True)
     numbers = sorted({*one, *two})
     assert [page.name for page in pairs.pages[0]] == [f"f_{number}.tif" for number in numbers]
@@ -215,7 +215,7 @@ def test_frames_without_numbers_that_show_the_lost_one_stay_refused(record, one,
     directory = record(one, two, names=names)
     message = refusal(directory, skip_bad_frames=True)
     assert f"camera1 has {len(one)}, camera2 has {len(two)}" in message
-    assert "--skip-bad-frames leaves it out" not in message
+    assert "Use --skip-bad-frames to leave it out" not in message
 
 
 def test_numbers_that_neither_camera_has_are_pairs_that_are_left_out(record):

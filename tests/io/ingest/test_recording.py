@@ -39,7 +39,7 @@ def test_absolute_patterns_and_unusual_directory_names_are_found(lab, tmp_path):
 def test_a_pulse_without_its_frames_keeps_its_row(lab, cameras):
     for camera in cameras:
         lab.frames(camera)[2].unlink()
-    with pytest.raises((FrameError, EncoderError), match="--skip-bad-frames leaves"):
+    with pytest.raises((FrameError, EncoderError), match="Use --skip-bad-frames to leave"):
         open_run(lab.run)
     run = open_run(lab.run, skip_bad_frames=True)
     assert run.pairs.usable == [0, 1, 3, 4, 5]
