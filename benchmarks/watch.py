@@ -10,6 +10,7 @@ map on the page. Pairs that are not shown were passed by a newer one.
 from __future__ import annotations
 
 import argparse
+import contextlib
 import io
 import json
 import os
@@ -73,6 +74,16 @@ def seconds_of(process: int) -> float:
     return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
 
+def seconds_of_browsers() -> float:
+    """Processor time of all processes of the browser so far. [s]"""
+    total = 0.0
+    for folder in Path("/proc").glob("[0-9]*"):
+        with contextlib.suppress(OSError):
+            if b"chrom" in (folder / "cmdline").read_bytes().split(b"\0")[0]:
+                total += seconds_of(int(folder.name))
+    return total
+
+
 def prepare(scratch: Path, width: int, height: int) -> tuple[Path, Path]:
     """The frames that are written, and the run directory that receives them."""
     rig = RigSettings(width=width, height=height, fixture_frames=4)
@@ -110,7 +121,7 @@ def follow(run: Path, kept: Path, rate: float, pairs: int, browser: bool) -> Non
             text=True,
         )
         memory: list[float] = []
-        spent = seconds_of(watch.pid)
+        spent, drawn = seconds_of(watch.pid), seconds_of_browsers()
         while writer.poll() is None:
             time.sleep(0.5)
             memory.append(memory_of(watch.pid))
@@ -124,13 +135,17 @@ def follow(run: Path, kept: Path, rate: float, pairs: int, browser: bool) -> Non
             news = json.loads(state.get(f"{address}news?version=-1&pairs={pairs}&angles=0").text())
         rest = time.time() - end
         spent = seconds_of(watch.pid) - spent
+        drawn = seconds_of_browsers() - drawn
         seen = [] if page is None else page.evaluate("window.seen")
         watch.terminate()
         watch.wait()
 
     print(f"{pairs} pairs at {rate:g} a second, written in {times[-1] - times[0]:.1f} s")
     print(f"measured at the end of writing: {at_end}; the rest took {rest:.1f} s more")
-    print(f"processor time of the watch: {spent / pairs:.3f} s a pair")
+    print(
+        f"processor time of the watch: {spent / pairs:.3f} s a pair; "
+        f"of the browser: {drawn / (times[-1] - times[0] + rest):.2f} s a second"
+    )
     quarter = max(len(memory) // 4, 1)
     second, last = np.mean(memory[quarter : 2 * quarter]), np.mean(memory[-quarter:])
     print(

@@ -105,6 +105,16 @@ class Follower:
             self._changed.wait_for(lambda: self._version > version, timeout)
             return self._version
 
+    def next_map(self, after: int, timeout: float) -> tuple[int, tuple[int, int]]:
+        """As `erlif.show.view.live.LiveSource`."""
+        with self._changed:
+            self._changed.wait_for(lambda: self.closed or self.place() > after, timeout)
+            return self.place(), self._pairs.shape
+
+    def place(self) -> int:
+        """Place in the recording of the newest pair that can be shown; -1 before the first."""
+        return self._arrived[-1].place if self._arrived else -1
+
     def describe(self) -> dict[str, Any]:
         """Name of the run, and size of a pixel [mm], as `erlif.show.view.live.LiveSource`."""
         return {"name": self.settings.name, "pitch": self.settings.optics.pixel_pitch * 1e3}

@@ -172,7 +172,6 @@ class Watch(Follower):
             "measured": len(state.measured),
             "pairs": [as_plain(one) for one in state.measured[pairs:]],
             "newest": None if state.latest is None else as_plain(state.latest),
-            "shape": None if state.newest is None else state.newest.flags.shape,
             "angles": [round(float(angle), 3) for angle in state.angles[angles:]],
             "registered_on": state.registered_on,
             "faults": list(state.faults.values()),
@@ -183,6 +182,10 @@ class Watch(Follower):
         """As `erlif.show.view.live.LiveSource`; the film thickness is the only layer."""
         shown = self._newest
         return None if shown is None else (shown.title, shown.thickness, shown.flags)
+
+    def place(self) -> int:
+        """As `Follower.place`, of the pairs that are measured."""
+        return -1 if self._latest is None else self._latest.place
 
     # threads
 
@@ -268,7 +271,7 @@ class Watch(Follower):
             return
         with self._changed:
             self._measured.append(pair)
-            if self._latest is None or pair.place > self._latest.place:
+            if pair.place > self.place():
                 self._latest, self._newest = pair, shown
             self._keep_alarms([pair])
             self._note("share", "")

@@ -22,8 +22,8 @@ _PATIENCE = 5.0
 # Time between two looks whether the run has ended. [s]
 _LOOK = 0.1
 
-# Requests at a time: each open page waits for news in a thread.
-_THREADS = 8
+# Requests at a time: each open page waits for news in a thread, and for a map in another.
+_THREADS = 16
 
 
 class LiveSource(Protocol):
@@ -35,6 +35,10 @@ class LiveSource(Protocol):
 
     def news(self, version: int, pairs: int, angles: int, timeout: float) -> dict[str, Any]:
         """The state once it is newer than `version`, with the pairs and angles after so many."""
+        ...
+
+    def next_map(self, after: int, timeout: float) -> tuple[int, tuple[int, int]]:
+        """Place and shape of the newest map once its place is beyond `after`, or at the timeout."""
         ...
 
     def newest(self, layer: str) -> tuple[str, Image, FlagImage] | None:
@@ -68,6 +72,10 @@ def readings_of(source: LiveSource) -> dict[str, Callable[[Request], Found]]:
         found = source.news(version, pairs, angles, _PATIENCE)
         return {**found, "now": time.time()}
 
+    def next_map(request: Request) -> Found:
+        place, shape = source.next_map(request.whole("after"), _PATIENCE)
+        return {"place": place, "shape": shape}
+
     def newest(request: Request) -> Found:
         layer = LAYERS[request.text("layer")]
         shown = source.newest(layer.name)
@@ -76,7 +84,7 @@ def readings_of(source: LiveSource) -> dict[str, Callable[[Request], Found]]:
         title, values, flags = shown
         return pack_values(request, layer, values, flags, text=title)
 
-    return {"run": describe, "news": news, "map": newest}
+    return {"run": describe, "news": news, "next": next_map, "map": newest}
 
 
 @contextmanager

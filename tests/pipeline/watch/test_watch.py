@@ -82,6 +82,10 @@ def test_news_hold_what_is_new_and_wait_for_it(empty_run):
     assert title == "pair 5, frame_0005.tif"
     assert thickness.shape == flags.shape == (96, 128)
     assert watch.news(-1, 0, 0, 0.0)["closed"] is False
+    assert watch.next_map(4, 10.0) == (5, (96, 128))
+    begun = time.monotonic()
+    assert watch.next_map(5, 0.2)[0] == 5
+    assert 0.15 < time.monotonic() - begun < 5
 
 
 def test_an_alarm_is_raised_kept_and_named(empty_run):

@@ -56,11 +56,16 @@ class Source:
             "measured": 3,
             "pairs": self.rows[pairs:],
             "newest": self.rows[-1],
-            "shape": [64, 96],
             "angles": [10.0, 20.0, 30.0][angles:],
             "faults": ["camera 2 lacks frame 1"],
             "alarms": self.alarms,
         }
+
+    def next_map(self, after, timeout):
+        end = time.monotonic() + timeout
+        while after >= 2 and time.monotonic() < end and not self.ended:
+            time.sleep(0.01)
+        return 2, (64, 96)
 
     def newest(self, layer):
         return "pair 2", self.thickness, self.flags
@@ -82,11 +87,34 @@ class Trial(Source):
         }
         shift = {"shift": [4.0, -3.0], "quality": 0.98, "overlap": 0.97, "poor": 0.0}
         return super().news(version, pairs, angles, timeout) | {
+            "shape": [64, 96],
             "cameras": [one, one | {"dark": None, "sharpness": None, "measurable": None}],
             "best": [0.3, None],
             "map": shift,
             "advice": ["camera 2 saturates"],
         }
+
+
+class Film(Source):
+    """A map ten times as large, and sixteen pairs a second until the fortieth."""
+
+    def __init__(self):
+        super().__init__()
+        self.thickness = np.kron(self.thickness, np.ones((10, 10), np.float32))
+        self.flags = np.kron(self.flags, np.ones((10, 10), np.uint8))
+        self.begun = time.monotonic()
+
+    def next_map(self, after, timeout):
+        end = time.monotonic() + timeout
+        while self.place() <= after and time.monotonic() < end:
+            time.sleep(0.005)
+        return self.place(), (640, 960)
+
+    def place(self):
+        return min(int(16 * (time.monotonic() - self.begun)), 40)
+
+    def newest(self, layer):
+        return f"pair {self.place()}", self.thickness, self.flags
 
 
 SIZES = [{"width": 1280, "height": 900}, {"width": 390, "height": 800}]
@@ -98,6 +126,7 @@ def test_news_and_map_are_what_the_source_has():
     news = reading["news"](Request([], {"version": "-1", "pairs": "2", "angles": "1"}))
     assert [row["place"] for row in news["pairs"]] == [2]
     assert news["angles"] == [20.0, 30.0]
+    assert reading["next"](Request([], {"after": "1"})) == {"place": 2, "shape": (64, 96)}
     packed = reading["map"](
         Request([], {"layer": "thickness", "window": "0,0,96,64", "room": "96,64"})
     )
@@ -151,6 +180,21 @@ class TestInTheBrowser:
                 source.ended, source.version = True, 5
                 page.wait_for_selector("#status.bad")
                 assert page.inner_text("#status") == "film.nc is written"
+
+    def test_maps_that_pass_quickly_have_half_the_detail_and_the_last_all(self):
+        with live_page(Film()) as address, chromium() as browser:  # noqa: SIM117
+            with pages(browser, own=address) as start:
+                page = start(viewport={"width": 1280, "height": 900})
+                page.goto(address)
+                page.wait_for_function(
+                    "document.querySelector('#panel figcaption').textContent.includes('2 × 2')"
+                )
+                page.wait_for_function(
+                    """() => {
+                    const text = document.querySelector('#panel figcaption').textContent;
+                    return text.includes('pair 40') && !text.includes('2 × 2');
+                    }"""
+                )
 
     @pytest.mark.parametrize("size", SIZES)
     def test_both_cameras_and_what_to_turn_are_shown(self, size):

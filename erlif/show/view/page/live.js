@@ -4,6 +4,7 @@ import { Chart, axis, ink } from "./charts.js";
 import { byId, fixed, follow, get, percent, showAge, showFaults } from "./news.js";
 
 const MOST = 2000; // pairs that a chart shows, the latest
+const QUICK = 200; // maps that follow each other in less have half the detail, in milliseconds
 
 let about = null;
 let panel = null;
@@ -11,6 +12,7 @@ let first = Infinity; // time of the first pair
 let state = { window: null, limits: {}, tool: "move" };
 let film = { x: [0, 1], y: [0, 1], width: 1, height: 1, labels: ["x [mm]", "y [mm]"] };
 let news = { version: -1 };
+let quick = false;
 const pairs = [];
 const angles = []; // of the encoder, by place in the recording
 
@@ -19,7 +21,7 @@ const angles = []; // of the encoder, by place in the recording
 function makePanel() {
   panel = new MapPanel(byId("panel"), {
     about, state, film: () => film, layer: () => "thickness",
-    load: async (view) => (await get("map", { ...view, layer: "thickness" })).arrayBuffer(),
+    load: async (view) => (await get("map", { ...view, layer: "thickness", coarse: +quick })).arrayBuffer(),
     shown: (found) => {
       if (!byId("hold").checked) state.limits.thickness = found.limits.map((v) => +v.toPrecision(3));
       showKey(found.shares);
@@ -164,20 +166,37 @@ function show(found) {
   news = found;
   pairs.push(...news.pairs);
   angles.push(...news.angles);
-  if (news.newest && !state.window) {
-    film = { ...film, width: news.shape[1], height: news.shape[0], x: [0, about.pitch],
-      y: [0, about.pitch] };
-    state.window = [0, 0, news.shape[1], news.shape[0]];
-  }
   showNumbers();
   showFaults(news);
   showAlarms();
   showAge(news);
-  if (news.newest && news.newest.place !== Number(document.body.dataset.asked)) {
-    document.body.dataset.asked = news.newest.place;
-    panel.refresh().catch(() => {});
-  }
   requestAnimationFrame(showCharts);
+}
+
+function showInFull() {
+  quick = false;
+  panel.refresh().catch(() => {});
+}
+
+// shows every map that is newer than the one on the page, until the recording ends
+async function followMaps() {
+  let shown = -Infinity;
+  let settled = 0;
+  for (let place = -1; !news.closed;) {
+    const next = await (await get("next", { after: place })).json();
+    if (next.place === place) continue;
+    place = next.place;
+    quick = performance.now() - shown < QUICK;
+    shown = performance.now();
+    clearTimeout(settled);
+    if (quick) settled = setTimeout(showInFull, 2 * QUICK);
+    if (!state.window) {
+      const [height, width] = next.shape;
+      film = { ...film, width, height, x: [0, about.pitch], y: [0, about.pitch] };
+      state.window = [0, 0, width, height];
+    }
+    await panel.refresh().catch(() => {});
+  }
 }
 
 byId("axis").addEventListener("change", showCharts);
@@ -188,4 +207,5 @@ addEventListener("resize", () => {
 about = await (await get("run")).json();
 byId("run").textContent = about.name;
 makePanel();
+followMaps().catch(() => {}); // what follows the news states why
 await follow(() => ({ pairs: pairs.length, angles: angles.length }), show);

@@ -4,6 +4,7 @@ export const fixed = (value, digits) =>
   (value === null || value === undefined ? "–" : value.toFixed(digits).replace("-", "−"));
 export const percent = (value) => (value === null ? "–" : `${fixed(100 * value, 1)} %`);
 
+const PACE = 500; // time between two requests for news, in milliseconds
 const OLD = 2; // age of the picture that is marked, in seconds
 let clock = 0; // of the server less that of this page, in seconds
 
@@ -29,6 +30,7 @@ export async function follow(known, show) {
     show(news);
     if (news.status) end(news.status);
     if (news.closed) return;
+    await new Promise((done) => { setTimeout(done, PACE); });
   }
 }
 
