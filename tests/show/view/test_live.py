@@ -186,15 +186,9 @@ class TestInTheBrowser:
             with pages(browser, own=address) as start:
                 page = start(viewport={"width": 1280, "height": 900})
                 page.goto(address)
-                page.wait_for_function(
-                    "document.querySelector('#panel figcaption').textContent.includes('2 × 2')"
-                )
-                page.wait_for_function(
-                    """() => {
-                    const text = document.querySelector('#panel figcaption').textContent;
-                    return text.includes('pair 40') && !text.includes('2 × 2');
-                    }"""
-                )
+                caption = page.locator("#panel figcaption")
+                caption.filter(has_text="2 × 2").wait_for()
+                caption.filter(has_text="pair 40").filter(has_not_text="2 × 2").wait_for()
 
     @pytest.mark.parametrize("size", SIZES)
     def test_both_cameras_and_what_to_turn_are_shown(self, size):
