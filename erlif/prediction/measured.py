@@ -228,9 +228,11 @@ def _share_marks(covariances: Array, seen: Array) -> Array:
     places = np.linspace(seen[known, 0].min(), seen[known, 1].max(), _PLACES)
     shapes = np.stack([np.cos(places), np.sin(places)], axis=1)
     width = places[1] - places[0]
+    # two displacements need two places, also where nothing of a film is within the range
+    middle, half = seen.mean(axis=1), np.maximum(0.5 * np.ptp(seen, axis=1), width)
     for k in np.flatnonzero(known):
         # the place at an end counts as far as it is seen, so that windows change continuously
-        inside = np.minimum(places - seen[k, 0], seen[k, 1] - places) / width + 0.5
+        inside = (half[k] - np.abs(places - middle[k])) / width + 0.5
         weight = np.clip(inside, 0.0, 1.0)[:, np.newaxis]
         fit = np.linalg.pinv(shapes * weight).T * weight
         shares[k] = (

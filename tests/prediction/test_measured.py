@@ -11,6 +11,7 @@ from scenes.gap import LOAD_LINE, VIEW, WHOLE, X, Y, circle_gap, known_calibrati
 
 from erlif.core.errors import ConfigError, ErlifError
 from erlif.prediction import measured_minima, measured_positions
+from erlif.prediction.measured import _share_marks
 from erlif.rig import RigSettings
 from erlif.rig.film import draw_marks
 from erlif.show.plots import example_film
@@ -51,6 +52,13 @@ def test_triggers_share_errors_as_the_gradients_state():
     gradient = positions.pin_position_gradient.values[:, :2]
     between = found.shared[0] @ found.shared[3].T * 1e12
     npt.assert_allclose(between, gradient[0] @ calibration @ gradient[3].T, rtol=1e-6, atol=1e-9)
+
+
+def test_a_trigger_that_sees_nothing_of_its_film_keeps_its_covariance():
+    covariances = np.array([np.diag([1e-16, 4e-16])] * 3)
+    seen = np.array([[-1.0, 1.0], [-0.5, 0.8], [1.0, 1.0]])
+    shared = _share_marks(covariances, seen)
+    npt.assert_allclose(shared @ np.swapaxes(shared, 1, 2), covariances, rtol=0.02, atol=2e-18)
 
 
 def test_another_calibration_is_refused():

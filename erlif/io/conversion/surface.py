@@ -17,9 +17,10 @@ def find_surface(film: xr.Dataset) -> Array:
     """Place the pixels on the surface that they show.
 
     With [joint], positions along sliding are arcs on a cylinder of the radius of the pin, whose
-    axis passes through the origin; the load line, else the middle of the image, is at the top,
-    where Z is the radius. Without [joint] the surface is the plane Z = 0. Seen from above, the
-    surface looks as in the camera: X to the right, Y up, so that Y is -y.
+    axis passes through the origin; the load line (that of the settings, else of the positions of
+    the pin, else the middle of the image) is at the top, where Z is the radius. Without [joint] the
+    surface is the plane Z = 0. Seen from above, the surface looks as in the camera: X to the right,
+    Y up, so that Y is -y.
 
     Parameters
     ----------
@@ -56,9 +57,12 @@ def find_surface(film: xr.Dataset) -> Array:
     length = float(sliding.max() - sliding.min())
     if length > 2 * np.pi * radius:
         raise refusal("too_long", length=length, around=2 * np.pi * radius)
-    line = settings.prediction.load_line
     # the load line is measured from the first pixel of the camera, also where the film is cropped
-    middle = 0.5 * float(sliding.max() + sliding.min())
-    angle = (sliding - (middle if line is None else line * 1e3)) / radius
+    line = 0.5 * float(sliding.max() + sliding.min())
+    if settings.prediction.load_line is not None:
+        line = settings.prediction.load_line * 1e3
+    elif "pin_displacement" in film:
+        line = film.pin_displacement.attrs.get("load_line", line)
+    angle = (sliding - line) / radius
     wound, height = radius * np.sin(angle), radius * np.cos(angle)
     return np.stack([wound, y, height] if along_x else [x, -wound, height], axis=-1)

@@ -39,6 +39,12 @@ def test_the_load_line_is_at_the_top(film):
     npt.assert_allclose(find_surface(moved)[0, 20], [0, 0, RADIUS], atol=1e-9)
 
 
+def test_the_load_line_of_the_positions_is_at_the_top_where_none_is_given(film):
+    found = film.copy()
+    found["pin_displacement"] = found.pin_displacement.assign_attrs(load_line=5.0)
+    npt.assert_allclose(find_surface(found)[0, 20], [0, 0, RADIUS], atol=1e-9)
+
+
 def test_an_image_with_the_axis_along_x_is_wound_along_y(film):
     turned = with_settings(film, ('x_axis = "sliding"', 'x_axis = "axial"'))
     points = find_surface(turned)
