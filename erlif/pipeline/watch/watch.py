@@ -278,6 +278,12 @@ class Watch(Follower):
             self._note("light", describe_fall(self._measured))
             self._notify()
 
+    def _audit(self) -> None:
+        super()._audit()
+        with self._changed:
+            if self.alarms.raised([], silence=self.silence):
+                self._notify()  # nothing else does while no pair comes
+
     def _keep_alarms(self, pairs: list[LivePair]) -> None:
         silence = 0.0 if pairs else self.silence
         self.alarmed = self.alarms.raised(pairs, silence=silence) | self.alarmed

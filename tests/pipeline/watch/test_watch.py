@@ -98,6 +98,9 @@ def test_an_alarm_is_raised_kept_and_named(empty_run):
         assert watch.alarmed["film"].endswith("(limit 1000 um)")
         # a silence counts once another pair has ended it: the last one is the end of the run
         wait_until(lambda: "no pulse" in watch.state().alarms, watch)
+        # the page is woken although no pair comes
+        version = watch.state().version
+        wait_until(lambda: watch.state().version >= version + 3, watch)
         assert "no pulse" not in watch.alarmed
         write(3)
         wait_until(lambda: "no pulse" in watch.alarmed, watch)
