@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import time
-from collections.abc import Callable, Collection, Iterable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import NamedTuple
@@ -49,51 +49,103 @@ class _Camera:
 
     Attributes
     ----------
+    directory : Path
+        The run directory.
     pattern : str
         File name or glob of its frames.
     selection : Selection
         Part of the files that belongs to it.
     pages : dict[int, Page]
         Complete images by their number.
-    times : dict[int, float]
-        When each was found complete. [s]
+    alone : dict[int, float]
+        Those without a partner, and when each was found complete. [s]
+    fresh : list[int]
+        Those of them for which no partner was sought yet.
+    first, latest : int
+        Least and greatest number.
     """
 
+    directory: Path
     pattern: str
     selection: Selection
     pages: dict[int, Page] = field(default_factory=dict)
-    times: dict[int, float] = field(default_factory=dict)
+    alone: dict[int, float] = field(default_factory=dict)
+    fresh: list[int] = field(default_factory=list)
+    first: int = 0
+    latest: int = -1
+    _several: bool = False
     _files: dict[Path, list[Page]] = field(default_factory=dict)
     _stamps: dict[Path, tuple[int, int, int]] = field(default_factory=dict)
     _broken: dict[Path, tuple[float, str]] = field(default_factory=dict)
-    _several: bool = False
+    _rewritten: dict[Path, str] = field(default_factory=dict)
+    _whole: set[str] = field(default_factory=set)
+    _last: str = ""
 
-    def look(self, paths: Iterable[Path], now: float) -> None:
-        """Read the headers of those files that are new or have changed."""
-        for path in paths:
+    def look(self, changed: Collection[Path] | None, now: float) -> bool:
+        """Read the headers of files that are new or have changed.
+
+        Whether the frames are numbered anew: the files turn out to hold several images.
+        """
+        several, grown = self._several, False
+        for path in self._choose(changed):
             found = self._read(path, now)
             if not found:
                 continue
             self._several |= len(found) > 1 or not _WILD.search(self.pattern)
-            self._files[path] = found
+            self._files[path], grown = found, True
             if not self._several:
+                self._whole.add(self._last)
+                self._last = self._name(path)
                 self._add(_number_in(path), found[0], now)
-        if self._several:  # files of many images: each goes on counting where the last one ended
-            number = 0
-            for path in sorted(self._files, key=natural_key):
-                for page in self._files[path]:
-                    self._add(number, page, now)
-                    number += 1
+
+        paired = len(self.pages) - len(self.alone)
+        if anew := self._several and not several:
+            self.pages, self.alone, self.fresh, self._whole = {}, {}, [], set()
+        if self._several and grown:
+            self._count_on(now)
+        if anew:
+            for number in range(paired):
+                self.alone.pop(number, None)
+        return anew
+
+    def _choose(self, changed: Collection[Path] | None) -> list[Path]:
+        """Files that may have changed, without those of single images before the last one."""
+        if changed is None or "**" in self.pattern:
+            return match_files(self.directory, self.pattern, known=self._whole)
+        wanted = str(self.directory / self.pattern)
+        matched = (path for path in changed if path.match(wanted))
+        return sorted((p for p in matched if not p.name.startswith(".")), key=natural_key)
+
+    def _count_on(self, now: float) -> None:
+        """Number files of many images: each goes on counting where the last one ended."""
+        known, number = len(self.pages), 0
+        for path in sorted(self._files, key=natural_key):
+            pages = self._files[path]
+            for n in range(max(0, known - number), len(pages)):
+                self._add(number + n, pages[n], now)
+            number += len(pages)
 
     def _add(self, number: int, page: Page, now: float) -> None:
-        if number not in self.pages:
-            self.pages[number], self.times[number] = page, now
+        if number in self.pages:
+            if not self.pages[number].path.exists():  # it had another name at first
+                self.pages[number] = page
+            return
+        self.first = min(self.first, number) if self.pages else number
+        self.latest = max(self.latest, number)
+        self.pages[number], self.alone[number] = page, now
+        self.fresh.append(number)
+
+    def _name(self, path: Path) -> str:
+        """Name of a file as its pattern has it."""
+        inside = path.is_relative_to(self.directory)
+        return str(path.relative_to(self.directory) if inside else path)
 
     def _read(self, path: Path, now: float) -> list[Page]:
         """Complete images of a file that has changed; none where it has not, or is not whole."""
         try:
             stamp = file_stamp(path)
-            if self._stamps.get(path) == stamp:
+            before = self._stamps.get(path)
+            if before == stamp:
                 return []
             found = read_headers([path], self.selection)
             if file_stamp(path) != stamp:
@@ -102,19 +154,21 @@ class _Camera:
             return []  # it was renamed or removed meanwhile
 
         self._stamps[path] = stamp
+        single = path in self._files and len(self._files[path]) == 1 and len(found.pages) == 1
+        if single and before is not None and stamp[1] - before[1] > 1e9 * PATIENCE:
+            self._rewritten[path] = "it was written again after its pair was taken"
         if found.faults:
-            self._broken.setdefault(path, (now, next(iter(found.faults.values()))))
+            self._broken[path] = (now, next(iter(found.faults.values())))
         else:
             self._broken.pop(path, None)
         return [page for n, page in enumerate(found.pages) if n not in found.faults]
 
-    def broken(self, now: float) -> list[str]:
-        """Files that have been unreadable for long, with the reason."""
-        return [
-            f"{path.name}: {reason}"
-            for path, (since, reason) in self._broken.items()
-            if now - since > PATIENCE
-        ]
+    def doubtful(self, now: float) -> list[str]:
+        """Files that are unreadable and have not changed for long, or were written twice."""
+        broken = {
+            path: reason for path, (since, reason) in self._broken.items() if now - since > PATIENCE
+        }
+        return [f"{path.name}: {reason}" for path, reason in (self._rewritten | broken).items()]
 
 
 class Arrivals:
@@ -134,11 +188,10 @@ class Arrivals:
     ) -> None:
         self.directory, self._clock = directory, clock
         self._cameras = tuple(
-            _Camera(camera.files, select_counts(camera))
+            _Camera(directory, camera.files, select_counts(camera))
             for camera in (settings.camera1, settings.camera2)
         )
         self._shift: int | None = None
-        self._paired: set[int] = set()
 
     def look(self, changed: Collection[Path] | None = None) -> list[Arrival]:
         """Find the pairs that have become complete since the last look.
@@ -157,12 +210,8 @@ class Arrivals:
         """
         now = self._clock()
         for camera in self._cameras:
-            if changed is None or "**" in camera.pattern:
-                paths = match_files(self.directory, camera.pattern)
-            else:
-                wanted = str(self.directory / camera.pattern)
-                paths = sorted((p for p in changed if p.match(wanted)), key=natural_key)
-            camera.look(paths, now)
+            if camera.look(changed, now):
+                self._shift = None
         return self._pair()
 
     def _pair(self) -> list[Arrival]:
@@ -170,28 +219,35 @@ class Arrivals:
         shift = self._find_shift()
         if shift is None:
             return []
-        fresh = sorted(n for n in one.pages.keys() - self._paired if n + shift in two.pages)
-        self._paired.update(fresh)
-        first = min(one.pages)
+        fresh = {*one.fresh, *(number - shift for number in two.fresh)}
+        one.fresh, two.fresh = [], []
         return [
             Arrival(
-                number - first,
+                number - one.first,
                 (one.pages[number], two.pages[number + shift]),
-                max(one.times[number], two.times[number + shift]),
+                max(one.alone.pop(number), two.alone.pop(number + shift)),
             )
-            for number in fresh
+            for number in sorted(fresh)
+            if number in one.alone and number + shift in two.alone
         ]
+
+    def renew(self, arrival: Arrival) -> Arrival:
+        """The same pair with the names that its files have now."""
+        one, two = self._cameras
+        number = arrival.place + one.first
+        pages = one.pages[number], two.pages[number + (self._shift or 0)]
+        return arrival._replace(pages=pages)
 
     def _find_shift(self) -> int | None:
         """Number of camera 2 less that of camera 1 for one pulse; None where it is not known yet.
 
         As for a finished recording, the cameras may count from different first numbers.
         """
-        one, two = (camera.pages for camera in self._cameras)
-        if self._shift is None and one.keys() & two.keys():
+        one, two = self._cameras
+        if self._shift is None and one.pages.keys() & two.pages.keys():
             self._shift = 0
-        if self._shift is None and min(len(one), len(two)) >= _FEW:
-            self._shift = min(two) - min(one)
+        if self._shift is None and min(len(one.pages), len(two.pages)) >= _FEW:
+            self._shift = two.first - one.first
         return self._shift
 
     def counts(self) -> tuple[int, int]:
@@ -208,10 +264,10 @@ class Arrivals:
             return {}
         lost: dict[str, int] = {}
         one, two = self._cameras
+        until = self._clock() - PATIENCE
         for lacking, own, other, shift in (1, one, two, -self._shift), (2, two, one, self._shift):
-            latest, until = max(own.pages), self._clock() - PATIENCE
-            for number in sorted(other.pages.keys() - {n - shift for n in own.pages}):
-                if number + shift < latest and other.times[number] < until:
+            for number in sorted(n for n in other.alone if n + shift < own.latest):
+                if other.alone[number] < until:
                     lost[other.pages[number].name] = lacking
         return lost
 
@@ -225,16 +281,15 @@ class Arrivals:
         one, two = self._cameras
         until = self._clock() - PATIENCE
         for lacking, own, other, shift in (1, one, two, -self._shift), (2, two, one, self._shift):
-            latest = max(own.pages)
-            later = [n for n in other.pages if n + shift > latest]
-            if later and other.times[min(later)] < until:
+            later = [n for n in other.alone if n + shift > own.latest]
+            if later and other.alone[min(later)] < until:
                 return lacking, len(later)
         return None
 
-    def unreadable(self) -> list[str]:
-        """Files that have been unreadable for longer than `PATIENCE`, with the reason."""
+    def doubtful(self) -> list[str]:
+        """Files that are unreadable for longer than `PATIENCE`, or written twice; the reasons."""
         now = self._clock()
-        return [text for camera in self._cameras for text in camera.broken(now)]
+        return [text for camera in self._cameras for text in camera.doubtful(now)]
 
 
 def _number_in(path: Path) -> int:

@@ -6,7 +6,7 @@ import glob
 import hashlib
 import os
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import NamedTuple
@@ -151,10 +151,13 @@ def natural_key(path: Path) -> list[tuple[int, int, str]]:
     return [(0, int(part), "") if n % 2 else (1, 0, part) for n, part in enumerate(parts)]
 
 
-def match_files(directory: Path, pattern: str) -> list[Path]:
-    """Files that a pattern of the settings matches, in natural order; hidden files are left out."""
+def match_files(directory: Path, pattern: str, *, known: Collection[str] = ()) -> list[Path]:
+    """Files that a pattern of the settings matches, in natural order.
+
+    Hidden files are left out, and those whose names relative to the directory are `known`.
+    """
     names = glob.glob(pattern, root_dir=directory, recursive=True)
-    paths = (directory / name for name in names)
+    paths = (directory / name for name in names if name not in known)
     return sorted((path for path in paths if not path.is_dir()), key=natural_key)
 
 

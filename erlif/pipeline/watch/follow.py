@@ -180,7 +180,7 @@ class Follower:
 
     def _audit(self) -> None:
         """Frames that are missing, and files that cannot be read."""
-        missing, broken = self._arrivals.missing(), "; ".join(self._arrivals.unreadable()[:3])
+        missing, broken = self._arrivals.missing(), "; ".join(self._arrivals.doubtful()[:3])
         behind = self._arrivals.stopped()
         stopped = "" if behind is None else _STOPPED.format(camera=behind[0], frames=behind[1])
         found = {"files": broken, "stopped": stopped}

@@ -75,13 +75,13 @@ def test_a_file_that_stays_damaged_is_reported_after_a_while(rig):
     rig.write(1, 0)
     rig.write(2, 0, part=50)
     rig.look()
-    assert rig.arrivals.unreadable() == []
+    assert rig.arrivals.doubtful() == []
     rig.clock.now += PATIENCE + 0.1
-    (text,) = rig.arrivals.unreadable()
+    (text,) = rig.arrivals.doubtful()
     assert text.startswith("frame_0000.tif: ")
     rig.write(2, 0)
     assert rig.look() == [0]
-    assert rig.arrivals.unreadable() == []
+    assert rig.arrivals.doubtful() == []
 
 
 def test_a_lost_frame_is_missed_by_number_and_camera_and_shifts_no_pair(rig):
