@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
@@ -56,8 +57,7 @@ class Follower:
             refuse_outside(run_dir, named_files(self.settings))
         self._arrivals = Arrivals(run_dir, self.settings)
         self._arrived: list[Arrival] = []
-        depths = self.settings.camera1.bit_depth, self.settings.camera2.bit_depth
-        self._pairs = FramePairs(run_dir, ((), ()), (0, 0), depths)
+        self._shape = (0, 0)
         self._missing: dict[str, int] = {}
         self._faults: dict[str, str] = {}
         self._version = 0
@@ -109,7 +109,7 @@ class Follower:
         """As `erlif.show.view.live.LiveSource`."""
         with self._changed:
             self._changed.wait_for(lambda: self.closed or self.place() > after, timeout)
-            return self.place(), self._pairs.shape
+            return self.place(), self._shape
 
     def place(self) -> int:
         """Place in the recording of the newest pair that can be shown; -1 before the first."""
@@ -137,8 +137,9 @@ class Follower:
         from watchfiles import watch
 
         looked = pause = 0.0
+        here = self.directory.absolute()
         changes = watch(
-            self.directory,
+            here,
             debounce=_GATHER,
             step=1,
             stop_event=self._ended,
@@ -155,7 +156,8 @@ class Follower:
                 pause = (looked - now) / _SHARE
                 self._audit()
             elif found:
-                self._take(self._arrivals.look([Path(path) for _, path in found]))
+                names = (os.path.relpath(path, here) for _, path in found)
+                self._take(self._arrivals.look([self.directory / name for name in names]))
 
     def _take(self, fresh: list[Arrival]) -> None:
         """Add pairs that have arrived to those that are known."""
@@ -165,18 +167,19 @@ class Follower:
             if not self._arrived:
                 self._open(fresh[0])
             self._arrived += fresh
-            one, two = self._pairs.pages
-            pages = ((*one, *(a.pages[0] for a in fresh)), (*two, *(a.pages[1] for a in fresh)))
-            self._pairs = FramePairs(
-                self.directory, pages, self._pairs.shape, self._pairs.bit_depths
-            )
             self._notify()
 
     def _open(self, first: Arrival) -> None:
         """Learn the shape of the frames from the first pair."""
         kind = read_headers([first.pages[0].path], first.pages[0].selection).kinds[0]
         rows, columns = kind.shape[:2]
-        self._pairs = FramePairs(self.directory, ((), ()), (rows, columns), self._pairs.bit_depths)
+        self._shape = (rows, columns)
+
+    def _pairs_of(self, arrivals: Sequence[Arrival]) -> FramePairs:
+        """Some of the pairs that have arrived."""
+        pages = tuple(one.pages[0] for one in arrivals), tuple(one.pages[1] for one in arrivals)
+        depths = self.settings.camera1.bit_depth, self.settings.camera2.bit_depth
+        return FramePairs(self.directory, pages, self._shape, depths)
 
     def _audit(self) -> None:
         """Frames that are missing, and files that cannot be read."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -74,7 +74,7 @@ class Setup(Follower):
                 "pairs": [],
                 "angles": [],
                 "newest": None if newest is None else {"place": newest.place, "time": newest.time},
-                "shape": self._pairs.shape if self._images else None,
+                "shape": self._shape if self._images else None,
                 "cameras": [as_plain(camera) for camera in self._cameras],
                 "best": [None if math.isnan(one) else one for one in self._best],
                 "map": None if self._map is None else self._map._asdict(),
@@ -97,12 +97,13 @@ class Setup(Follower):
     def _look(self) -> None:
         """Look at the counts of the newest pair."""
         with self._changed:
-            frame, pairs = len(self._arrived) - 1, self._pairs
+            frame = len(self._arrived) - 1
             if frame == self._looked:
                 self._changed.wait(0.2)
                 return
+            pairs = self._pairs_of(self._arrived[-1:])
         try:
-            counts = read_pair(pairs, frame).counts
+            counts = read_pair(pairs, 0).counts
         except ErlifError as error:
             with self._changed:
                 self._looked = frame
@@ -145,8 +146,7 @@ class Setup(Follower):
         frame = self._looked
         if frame == self._registered or self._known is None or self._known.correct is None:
             return
-        one, two = (pages[frame : frame + 1] for pages in self._pairs.pages)
-        pairs = replace(self._pairs, pages=(one, two))
+        pairs = self._pairs_of([self._arrived[frame]])
         try:
             found, fault = (
                 register_cameras(

@@ -110,7 +110,7 @@ class Watch(Follower):
         allow_outside: bool = False,
     ) -> None:
         super().__init__(run_dir, allow_outside=allow_outside)
-        run = run_of(run_dir, self.settings, self._pairs)
+        run = run_of(run_dir, self.settings, self._pairs_of([]))
         self.calibration = find_calibration(run, calibration, allow_outside=allow_outside)
         self.alarms = alarms or Alarms()
         self.alarmed: dict[str, str] = {}
@@ -231,12 +231,11 @@ class Watch(Follower):
                 return
             else:
                 film, frame = self._film, self._waiting.pop()
-                arrival = self._arrived[frame]
-            pairs = self._pairs
+            pairs = self._pairs_of(self._arrived if prepare else [self._arrived[frame]])
         if prepare:
             self._prepare(run_of(self.directory, self.settings, pairs))
         else:
-            self._measure(film, pairs, frame, arrival)
+            self._measure(film, pairs, frame)
 
     def _is_due(self) -> bool:
         """Whether references and camera map are to be found, or found again."""
@@ -256,15 +255,17 @@ class Watch(Follower):
             self._note("film", "" if film is not None else fault)
             self._notify()
 
-    def _measure(self, film: LiveFilm, pairs: FramePairs, frame: int, arrival: Arrival) -> None:
+    def _measure(self, film: LiveFilm, pairs: FramePairs, frame: int) -> None:
+        arrival = self._arrived[frame]
         try:
-            pair, shown = film.measure(pairs, frame, arrival)
+            pair, shown = film.measure(pairs, 0, arrival)
         except ErlifError as error:
             away = not all(page.path.exists() for page in arrival.pages)
             if away:
                 self._ended.wait(_AGAIN)  # a share that has gone may come back
             with self._changed:
                 if away:
+                    self._arrived[frame] = self._arrivals.renew(arrival)
                     self._waiting.insert(0, frame)
                 self._note("share" if away else f"pair {arrival.place}", error)
                 self._notify()

@@ -1,5 +1,8 @@
 """Pairs of a recording that grows: files are written here one by one, whole or in part."""
 
+import importlib
+import os
+
 import numpy as np
 import pytest
 import tifffile
@@ -7,6 +10,8 @@ import tifffile
 from erlif.io.ingest.arrivals import PATIENCE, Arrivals
 from erlif.io.settings import read_run_settings
 from tests.scenes.camera_files import write_cine, write_mraw
+
+module = importlib.import_module("erlif.io.ingest.arrivals")
 
 RNG = np.random.default_rng(3)
 
@@ -84,6 +89,57 @@ def test_a_file_that_stays_damaged_is_reported_after_a_while(rig):
     assert rig.arrivals.doubtful() == []
 
 
+def test_a_file_that_grows_slowly_is_not_reported(rig):
+    rig.write(1, 0)
+    for part in range(100, len(rig.files[2][0]), 5000):
+        rig.write(2, 0, part=part)
+        assert rig.look() == []
+        rig.clock.now += PATIENCE / 2
+        assert rig.arrivals.doubtful() == []
+    rig.write(2, 0)
+    assert rig.look() == [0]
+
+
+def test_a_frame_that_is_written_again_later_is_reported(rig):
+    paths = [rig.write(camera, number) for camera in (1, 2) for number in (0, 1)]
+    assert rig.look() == [0, 1]
+    state = paths[2].stat()
+    os.utime(paths[2], ns=(state.st_atime_ns, state.st_mtime_ns + int(0.5e9 * PATIENCE)))
+    assert rig.look(paths) == []
+    assert rig.arrivals.doubtful() == []  # the program that wrote it has set its time
+    os.utime(paths[2], ns=(state.st_atime_ns, state.st_mtime_ns + int(2e9 * PATIENCE)))
+    assert rig.look(paths) == []
+    (text,) = rig.arrivals.doubtful()
+    assert text == "frame_0000.tif: it was written again after its pair was taken"
+
+
+def test_a_frame_has_the_name_that_its_file_has_in_the_end(rig):
+    rig.write(1, 0)
+    first = rig.write(2, 0, name="part_0000.tif")
+    hidden = rig.write(1, 1, name=".frame_0001.tif")
+    (pair,) = rig.arrivals.look([*rig.run.glob("camera?/*"), hidden])
+    assert pair.pages[1].path == first
+    last = first.rename(first.with_name("frame_0000.tif"))
+    assert rig.look() == []
+    assert rig.arrivals.counts() == (1, 1)
+    assert rig.arrivals.renew(pair).pages[1].path == last
+
+
+def test_a_look_at_all_files_reads_those_that_are_new(rig, monkeypatch):
+    for number in range(20):
+        rig.write(1, number)
+        rig.write(2, number)
+        rig.look()
+    read = []
+    stamp = module.file_stamp
+    monkeypatch.setattr(module, "file_stamp", lambda path: read.append(path.name) or stamp(path))
+    rig.write(1, 20)
+    rig.write(2, 20)
+    assert rig.look() == [20]
+    # the last one may become a stack
+    assert sorted({*read}) == ["frame_0019.tif", "frame_0020.tif"]
+
+
 def test_a_lost_frame_is_missed_by_number_and_camera_and_shifts_no_pair(rig):
     for number in range(6):
         rig.write(1, number)
@@ -128,21 +184,32 @@ def test_cameras_may_count_from_different_first_numbers(rig):
     assert rig.arrivals.counts() == (5, 5)
 
 
-def test_a_stack_that_grows_gives_its_whole_pages(lab):
+@pytest.mark.parametrize(
+    ("patterns", "names", "late"),
+    [
+        (("one.tif", "two.tif"), ("one.tif", "two.tif"), 0),
+        (("camera1/*.tif", "camera2/*.tif"), ("camera1/run_7.tif", "camera2/run_7.tif"), 0),
+        # single images of these names are not known to be a pair
+        (("camera1/*.tif", "camera2/*.tif"), ("camera1/a_580.tif", "camera2/a_610.tif"), 1),
+    ],
+)
+def test_a_stack_that_grows_gives_its_whole_pages(lab, patterns, names, late):
     for n in (1, 2):
         for path in lab.frames(n):
             path.unlink()
-    lab.edit("run/run.toml", ("camera1/*.tif", "one.tif"), ("camera2/*.tif", "two.tif"))
+        lab.edit("run/run.toml", (f"camera{n}/*.tif", patterns[n - 1]))
     arrivals = Arrivals(lab.run, read_run_settings(lab.run))
     images = RNG.integers(100, 2000, (5, 96, 128)).astype(np.uint16)
     seen = []
     for k in range(5):
-        for name in ("one.tif", "two.tif"):
+        for name in names:
             tifffile.imwrite(
                 lab.run / name, images[k], append=k > 0, photometric="minisblack", metadata=None
             )
-        seen += [pair.place for pair in arrivals.look()]
-        assert seen == list(range(k + 1))
+        for pair in arrivals.look():
+            seen.append(pair.place)
+            assert [page.index for page in pair.pages] == [pair.place] * 2
+        assert seen == list(range(k + 1 if k >= late else 0))
     assert arrivals.counts() == (5, 5)
 
 

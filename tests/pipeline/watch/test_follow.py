@@ -4,6 +4,7 @@ import json
 import math
 import shutil
 import time
+from pathlib import Path
 
 import pytest
 
@@ -32,7 +33,7 @@ def test_pairs_that_are_there_and_pairs_that_come_are_found(lab, tmp_path):
         for n in (1, 2):
             shutil.copy(kept / f"{n}.tif", lab.run / f"camera{n}" / "frame_0005.tif")
         wait_until(lambda: len(follower._arrived) == 6, follower)
-        assert follower._pairs.shape == (96, 128)
+        assert follower._shape == (96, 128)
         assert 0 <= follower.silence < 20
 
 
@@ -63,6 +64,17 @@ def test_a_directory_that_goes_away_and_comes_back_loses_nothing(lab, monkeypatc
         (tmp_path / "away").rename(lab.run)
         shutil.move(tmp_path / "last.tif", last)
         wait_until(lambda: len(follower._arrived) == 6, follower)
+
+
+def test_a_directory_named_from_here_has_each_file_once(lab, monkeypatch, tmp_path):
+    shutil.move(lab.frames(2)[-1], tmp_path / "last.tif")
+    monkeypatch.chdir(lab.directory)
+    follower = Follower(Path("run"))
+    with follower.running():
+        wait_until(lambda: len(follower._arrived) == 5, follower)
+        shutil.move(tmp_path / "last.tif", "run/camera2/frame_0005.tif")
+        wait_until(lambda: len(follower._arrived) == 6, follower)
+    assert follower._arrived[5].pages[1].path == Path("run/camera2/frame_0005.tif")
 
 
 def test_a_directory_without_settings_is_refused(tmp_path):

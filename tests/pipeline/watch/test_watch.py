@@ -141,7 +141,7 @@ def test_pairs_on_a_share_that_goes_away_are_measured_when_it_is_back(empty_run,
     measure, away = LiveFilm.measure, run_dir.with_name("away")
 
     def measure_and_lose(film, pairs, frame, arrival):
-        if frame == 3 and not away.exists() and not lost:
+        if arrival.place == 3 and not away.exists() and not lost:
             lost.append(frame)
             run_dir.rename(away)
         return measure(film, pairs, frame, arrival)
