@@ -83,7 +83,7 @@ def read_log(
     path: Path,
     choice: ColumnChoice,
     *,
-    frames: int,
+    frames: int | None,
     in_time: bool = False,
     needs_angle: bool = True,
 ) -> ReadLog:
@@ -96,8 +96,9 @@ def read_log(
     ----------
     path : Path
     choice : ColumnChoice
-    frames : int
-        Number of frame pairs.
+    frames : int or None
+        Number of frame pairs; None while log and frames are recorded. A log is then continuous
+        where it has pulses or the settings state how the frames lie in time.
     in_time : bool
         Whether the settings state how the frames lie in time, so that the log is continuous.
     needs_angle : bool
@@ -115,7 +116,7 @@ def read_log(
     table = read_log_table(path, choice.wanted)
     known = find_columns(table, choice)
     columns, _ = known
-    by_frame = "frame" in columns or len(table.rows) == frames
+    by_frame = "frame" in columns or frames is None or len(table.rows) == frames
     in_time = in_time or "pulse" in columns or (not by_frame and "time" in columns)
     if not in_time and not by_frame:
         names, rows = ", ".join(table.names), len(table.rows)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, field
+from os import SEEK_END
 from pathlib import Path
 from typing import NamedTuple
 
@@ -21,7 +22,7 @@ from erlif.io.ingest.frames import FramePairs
 from erlif.io.ingest.images import match_files
 from erlif.io.ingest.logs.checks import is_nearly_by_frame
 from erlif.io.ingest.logs.columns import MEANINGS, ColumnChoice
-from erlif.io.ingest.logs.resample import ContinuousLog, find_pulses, sample_log
+from erlif.io.ingest.logs.resample import ContinuousLog, find_pulses, find_rises, sample_log
 from erlif.io.ingest.pairing import fill_gaps, pair_cameras
 from erlif.io.ingest.selection import select_counts
 from erlif.io.refusals import refusal
@@ -224,6 +225,65 @@ def _open_log(
         _refuse_missing_row(log, len(pairs.pages[0]))
         raise refusal("no_start", log=log, first=first, last=last)
     return sample_log(log, since + encoder.start), notes
+
+
+def read_angles(run_dir: Path, encoder: EncoderSettings, pulses: int) -> Array:
+    """Encoder angle of each pulse, as far as a log that is being written has it.
+
+    Parameters
+    ----------
+    run_dir : Path
+    encoder : EncoderSettings
+    pulses : int
+        Number of pulses that the cameras have recorded.
+
+    Returns
+    -------
+    array, (frame,)
+        Empty without a log of angles, and where the times of the frames are those of the camera
+        files or are fitted. [degree]
+
+    Raises
+    ------
+    EncoderError
+        If the log cannot be read, as where its last row lacks columns.
+    OSError
+        If there is no log yet.
+
+    Examples
+    --------
+    >>> from erlif.io.settings import EncoderSettings
+    >>> run_dir = Path("data_samples/straight_bushing")
+    >>> read_angles(run_dir, EncoderSettings(file="encoder.csv"), pulses=20).shape
+    (20,)
+    """
+    if encoder.file is None:
+        return np.empty(0)
+    path = run_dir / encoder.file
+    with path.open("rb") as file:
+        file.seek(-1, SEEK_END)
+        begun = file.read() != b"\n"  # the last number may not be whole
+    log, _ = read_log(
+        path,
+        choose_columns(encoder),
+        frames=None,
+        in_time=encoder.start is not None,
+        needs_angle=False,
+    )
+    if not isinstance(log, ContinuousLog):
+        angles = log["angle"].values if "angle" in log else np.empty(0)
+        return np.asarray(angles[: angles.size - begun][:pulses])
+
+    samples = log.samples.isel(sample=slice(-1 if begun else None))
+    times, last = np.empty(0), float(samples["time"][-1])
+    if "pulse" in samples:
+        times = find_rises(log, samples["pulse"].values)
+    elif encoder.frame_rate is not None and not isinstance(encoder.start, str | None):
+        times = encoder.start + np.arange(pulses) / encoder.frame_rate
+    if "angle" not in samples:
+        return np.empty(0)
+    known = times[times <= last][:pulses]
+    return np.asarray(np.interp(known, samples["time"], samples["angle"]))
 
 
 def number_frames(pairs: FramePairs) -> EncoderLog:

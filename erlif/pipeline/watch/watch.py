@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,12 +13,11 @@ import numpy as np
 
 from erlif.calibration import Calibration
 from erlif.core.arrays import Array, FlagImage, Image
-from erlif.core.errors import ErlifError
+from erlif.core.errors import EncoderError, ErlifError
+from erlif.core.guarded import file_stamp
 from erlif.io.ingest import FramePairs, Run
 from erlif.io.ingest.arrivals import Arrival
-from erlif.io.ingest.encoder_log import read_log
-from erlif.io.ingest.logs.resample import ContinuousLog
-from erlif.io.ingest.recording import choose_columns
+from erlif.io.ingest.recording import read_angles
 from erlif.pipeline.fixture import find_calibration
 from erlif.pipeline.watch.alarms import Alarms
 from erlif.pipeline.watch.follow import Follower, as_plain
@@ -29,6 +29,9 @@ _REFINED = (2, 12)
 
 # Time between two readings of the log, and between two attempts to register. [s]
 _LOG, _AGAIN = 0.5, 1.0
+
+# Reading a long log may take this share of the time at most. [1]
+_SHARE = 0.1
 
 # Pairs at either end of a run whose brightest are compared, and share of the light from which on a
 # fall is stated: a film that changes with the angle changes the light of single pairs as much.
@@ -123,6 +126,8 @@ class Watch(Follower):
         self._film: LiveFilm | None = None
         self._preparing = False
         self._angles: Array = np.empty(0)
+        self._log: tuple[tuple[int, int, int], int] | None = None
+        self._pause = _LOG
 
     def jobs(self) -> Sequence[Callable[[], None]]:
         """As `Follower.jobs`: pairs are measured, and the log is read."""
@@ -200,24 +205,22 @@ class Watch(Follower):
 
     def _read_log(self) -> None:
         """Angles of the log, as far as it has come; a log that cannot be read yet has none."""
-        self._ended.wait(_LOG)
+        self._ended.wait(self._pause)
         encoder = self.settings.encoder
-        if encoder is None or encoder.file is None or not (self.directory / encoder.file).exists():
+        if encoder is None or encoder.file is None or not self._arrived:
             return
+        begun, pulses = time.monotonic(), self._arrived[-1].place + 1
         try:
-            log, _ = read_log(
-                self.directory / encoder.file,
-                choose_columns(encoder),
-                frames=len(self._arrived),
-                needs_angle=False,
-            )
-        except ErlifError:
+            state = file_stamp(self.directory / encoder.file), pulses
+            if state == self._log:
+                return
+            angles = read_angles(self.directory, encoder, pulses)
+        except (OSError, EncoderError):
             return
-        if isinstance(log, ContinuousLog) or "angle" not in log:
-            return
+        self._log, self._pause = state, max(_LOG, (time.monotonic() - begun) / _SHARE)
         with self._changed:
-            if log.angle.size != self._angles.size:
-                self._angles = log.angle.values
+            if not np.array_equal(angles, self._angles):
+                self._angles = angles
                 self._notify()
 
     def _work(self) -> None:

@@ -9,6 +9,8 @@ import tifffile
 
 from erlif.core.errors import EncoderError, FrameError
 from erlif.io.ingest import open_run, read_frames
+from erlif.io.ingest.recording import read_angles
+from erlif.io.settings import EncoderSettings
 
 
 def test_a_run_has_settings_frames_and_log(lab):
@@ -90,3 +92,47 @@ def test_darks_and_flats_under_the_pattern_of_the_frames_are_named(lab):
     with pytest.raises(FrameError) as refused:
         open_run(lab.run)
     assert "among them camera1_dark.tif (dark), camera1_flat.tif (flat)" in str(refused.value)
+
+
+# a log that is being written
+
+TIMES = np.arange(200) / 100
+ANGLES = 20 * np.sin(TIMES)
+
+
+def write_in_time(lab, columns, keys, rows=200, pulses=None):
+    """A log of 100 rows a second; gives the settings."""
+    values = [TIMES, ANGLES] if pulses is None else [TIMES, ANGLES, pulses]
+    table = np.column_stack(values)[:rows]
+    head = f"time_s,angle_deg{columns}"
+    np.savetxt(lab.run / "encoder.csv", table, delimiter=",", header=head, comments="")
+    return EncoderSettings(file="encoder.csv", **keys)
+
+
+def test_angles_of_a_log_by_frame_come_row_by_row(lab):
+    log = lab.run / "encoder.csv"
+    encoder = EncoderSettings(file="encoder.csv")
+    text = log.read_text()
+    angles = np.genfromtxt(log, delimiter=",", names=True)["angle_deg"]
+    np.testing.assert_array_equal(read_angles(lab.run, encoder, 6), angles)
+    np.testing.assert_array_equal(read_angles(lab.run, encoder, 4), angles[:4])
+    log.write_text(text[:-3])  # the last row is begun
+    np.testing.assert_array_equal(read_angles(lab.run, encoder, 6), angles[:5])
+    log.unlink()
+    with pytest.raises(OSError, match="encoder"):
+        read_angles(lab.run, encoder, 6)
+
+
+@pytest.mark.parametrize("rows", [60, 200])
+def test_angles_of_a_log_in_time_come_as_far_as_it_has_the_pulses(lab, rows):
+    pulse = np.where(np.arange(200) % 25 == 12, 5.0, 0.01)
+    expected = 20 * np.sin((np.arange(8) * 25 + 11.5) / 100)[: (rows - 13) // 25 + 1]
+    encoder = write_in_time(lab, ",trigger_V", {"pulse": "trigger_V"}, rows, pulse)
+    found = read_angles(lab.run, encoder, 8)
+    np.testing.assert_allclose(found, expected, atol=1e-3)
+    assert read_angles(lab.run, encoder, 2).size == 2
+
+    encoder = write_in_time(lab, "", {"frame_rate": "4 Hz", "start": "0.115 s"}, rows)
+    np.testing.assert_allclose(read_angles(lab.run, encoder, 8), expected, atol=1e-3)
+    encoder = write_in_time(lab, "", {"frame_rate": "4 Hz", "start": "fit"}, rows)
+    assert read_angles(lab.run, encoder, 8).size == 0

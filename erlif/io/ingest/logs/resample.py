@@ -101,6 +101,22 @@ def find_pulses(log: ContinuousLog, signal: Array, frames: int) -> Array:
     EncoderError
         If the signal does not rise once for each frame.
     """
+    times = find_rises(log, signal)
+    if times.size != frames:
+        where = f", from {times[0]:.6g} to {times[-1]:.6g} s" if times.size else ""
+        raise refusal("pulses", log=log, pulses=times.size, where=where, frames=frames)
+    return times
+
+
+def find_rises(log: ContinuousLog, signal: Array) -> Array:
+    """Times at which a signal rises, or counts one more; as `find_pulses`, for any number of them.
+
+    Examples
+    --------
+    >>> rows = xr.Dataset({"time": ("sample", [0.0, 1.0, 2.0, 3.0])})
+    >>> find_rises(ContinuousLog("log.csv", rows), np.array([0.0, 5.0, 0.0, 5.0]))
+    array([0.5, 2.5])
+    """
     low, high = float(signal.min()), float(signal.max())
     is_count = np.array_equal(signal, np.round(signal)) and bool((np.diff(signal) >= 0).all())
     if is_count and high - low > 1:
@@ -115,11 +131,7 @@ def find_pulses(log: ContinuousLog, signal: Array, frames: int) -> Array:
         rises = np.flatnonzero(~above[:-1] & above[1:])
 
     time = log.samples["time"].values
-    times = np.asarray((time[rises] + time[rises + 1]) / 2)
-    if times.size != frames:
-        where = f", from {times[0]:.6g} to {times[-1]:.6g} s" if times.size else ""
-        raise refusal("pulses", log=log, pulses=times.size, where=where, frames=frames)
-    return times
+    return np.asarray((time[rises] + time[rises + 1]) / 2)
 
 
 def sample_log(log: ContinuousLog, times: Array) -> EncoderLog:
