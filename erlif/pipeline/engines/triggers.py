@@ -45,12 +45,15 @@ class TriggerTask(PickledByFields):
         Region of interest of the statistics, reference patch, and the joint as the camera sees it.
     sampled : frozenset[int]
         Frame pairs whose light is kept in coarse cells.
+    with_position : bool
+        Whether the position of the pin is found, where the joint shows it.
     """
 
     chain: FrameChain
     calibration: Calibration
     plane: ObjectPlane
     sampled: frozenset[int]
+    with_position: bool = True
 
     def __call__(self, frames: Sequence[int]) -> tuple[dict[str, AnyArray], TriggerResult]:
         """Maps and numbers of a trigger.
@@ -101,7 +104,7 @@ class TriggerTask(PickledByFields):
         )
         statistics = summarise_blocks(film.sums, curve, minima[plane.contacts[0]])
         position = None
-        if plane.view is not None:
+        if self.with_position and plane.view is not None:
             position = find_pin_in_blocks(film.sums, curve, region=region, view=plane.view)
 
         # the statistics above need pixels with independent noise, so smoothing comes last

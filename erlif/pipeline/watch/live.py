@@ -119,9 +119,8 @@ class LiveFilm:
         trigger = xr.Dataset({"trigger": ("frame", np.arange(len(run.pairs.pages[0])))})
         ready = prepare_run(run, trigger, plain, known, silent)
         plane = ObjectPlane(run.settings, run.pairs.shape)
-        return cls(
-            TriggerTask(ready.chain, ready.measuring, plane, frozenset()), len(run.pairs.pages[0])
-        )
+        task = TriggerTask(ready.chain, ready.measuring, plane, frozenset(), with_position=False)
+        return cls(task, len(run.pairs.pages[0]))
 
     def measure(self, pairs: FramePairs, frame: int, arrival: Arrival) -> tuple[LivePair, LiveMap]:
         """Measure one pair.
