@@ -105,11 +105,10 @@ class Follower:
             self._changed.wait_for(lambda: self._version > version, timeout)
             return self._version
 
-    def next_map(self, after: int, timeout: float) -> tuple[int, tuple[int, int]]:
+    def wait_for_map(self, after: int, timeout: float) -> None:
         """As `erlif.show.view.live.LiveSource`."""
         with self._changed:
             self._changed.wait_for(lambda: self.closed or self.place() > after, timeout)
-            return self.place(), self._shape
 
     def place(self) -> int:
         """Place in the recording of the newest pair that can be shown; -1 before the first."""

@@ -83,14 +83,14 @@ class Setup(Follower):
                 "alarms": {},
             }
 
-    def newest(self, layer: str) -> tuple[str, Image, FlagImage] | None:
+    def newest(self, layer: str) -> tuple[int, str, Image, FlagImage] | None:
         """As `erlif.show.view.live.LiveSource`: the counts of a camera."""
         with self._changed:
             if not self._images or layer not in ("camera1", "camera2"):
                 return None
             n = int(layer[-1]) - 1
-            title = self._arrived[self._looked].pages[n].name
-            return title, self._images[n], self._saturated[n]
+            arrival = self._arrived[self._looked]
+            return arrival.place, arrival.pages[n].name, self._images[n], self._saturated[n]
 
     # threads
 

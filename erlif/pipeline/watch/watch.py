@@ -183,10 +183,11 @@ class Watch(Follower):
             "alarms": state.alarms,
         }
 
-    def newest(self, layer: str) -> tuple[str, Image, FlagImage] | None:
+    def newest(self, layer: str) -> tuple[int, str, Image, FlagImage] | None:
         """As `erlif.show.view.live.LiveSource`; the film thickness is the only layer."""
-        shown = self._newest
-        return None if shown is None else (shown.title, shown.thickness, shown.flags)
+        with self._changed:
+            place, shown = self.place(), self._newest
+        return None if shown is None else (place, *shown)
 
     def place(self) -> int:
         """As `Follower.place`, of the pairs that are measured."""

@@ -37,12 +37,12 @@ class LiveSource(Protocol):
         """The state once it is newer than `version`, with the pairs and angles after so many."""
         ...
 
-    def next_map(self, after: int, timeout: float) -> tuple[int, tuple[int, int]]:
-        """Place and shape of the newest map once its place is beyond `after`, or at the timeout."""
+    def wait_for_map(self, after: int, timeout: float) -> None:
+        """Wait until the newest map is of a later pair than `after`, at most `timeout` seconds."""
         ...
 
-    def newest(self, layer: str) -> tuple[str, Image, FlagImage] | None:
-        """Title, values and flags of a layer of the newest pair, (y, x); None before the first."""
+    def newest(self, layer: str) -> tuple[int, str, Image, FlagImage] | None:
+        """Place, title, values and flags of a layer of the newest pair, (y, x); None before one."""
         ...
 
 
@@ -72,19 +72,16 @@ def readings_of(source: LiveSource) -> dict[str, Callable[[Request], Found]]:
         found = source.news(version, pairs, angles, _PATIENCE)
         return {**found, "now": time.time()}
 
-    def next_map(request: Request) -> Found:
-        place, shape = source.next_map(request.whole("after"), _PATIENCE)
-        return {"place": place, "shape": shape}
-
     def newest(request: Request) -> Found:
         layer = LAYERS[request.text("layer")]
+        source.wait_for_map(request.whole("after"), _PATIENCE)
         shown = source.newest(layer.name)
         if shown is None:
             raise refusal("no_map_yet")
-        title, values, flags = shown
-        return pack_values(request, layer, values, flags, text=title)
+        place, title, values, flags = shown
+        return pack_values(request, layer, values, flags, text=title, place=place)
 
-    return {"run": describe, "news": news, "next": next_map, "map": newest}
+    return {"run": describe, "news": news, "map": newest}
 
 
 @contextmanager

@@ -208,9 +208,9 @@ def _subtract(request: Request) -> tuple[Image, Image, FlagImage]:
 
 
 def pack_values(
-    request: Request, layer: Layer, values: Image, flags: FlagImage, *, text: str
+    request: Request, layer: Layer, values: Image, flags: FlagImage, **about: str | int
 ) -> bytes:
-    """The visible part of any map; `request` and the bytes as for `pack_map`."""
+    """The visible part of any map, described by `about`; the rest as for `pack_map`."""
     left, top, right, bottom = request.numbers("window", 4)
     window = Window.within((values.shape[0], values.shape[1]), (left, top, right, bottom))
     width, height = request.numbers("room", 2)
@@ -218,16 +218,16 @@ def pack_values(
     step = choose_step(window, (int(width), int(height)), coarse=coarse)
     shown, reasons = reduce_map(window.cut(values), window.cut(flags), step=step)
 
-    about = {
+    described = {
+        **about,
         "layer": layer.name,
         "window": [window.left, window.top, window.right, window.bottom],
         "step": step,
         "shape": shown.shape,
         "limits": colour_limits(shown, reasons, symmetric=layer in (DIFFERENCE, SIGNIFICANCE)),
-        "text": text,
         "shares": _flag_shares(flags),
     }
-    return join_parts(about, shown, reasons)
+    return join_parts(described, shown, reasons)
 
 
 def _flag_shares(flags: FlagImage) -> list[float]:

@@ -15,7 +15,7 @@ def test_a_pair_is_shown_with_sharpness_and_registration(lab, small_rig):
         wait_until(lambda: setup.news(-1, 0, 0, 0.0).get("map"), setup)
         news = setup.news(-1, 0, 0, 0.0)
         assert setup.newest("thickness") is None
-        _, image, flags = setup.newest("camera2")
+        _, _, image, flags = setup.newest("camera2")
     assert news["faults"] == []
     assert len(news["cameras"]) == 2
     assert news["cameras"][0]["dark"] == pytest.approx(64, abs=1)

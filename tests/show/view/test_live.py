@@ -61,14 +61,13 @@ class Source:
             "alarms": self.alarms,
         }
 
-    def next_map(self, after, timeout):
+    def wait_for_map(self, after, timeout):
         end = time.monotonic() + timeout
         while after >= 2 and time.monotonic() < end and not self.ended:
             time.sleep(0.01)
-        return 2, (64, 96)
 
     def newest(self, layer):
-        return "pair 2", self.thickness, self.flags
+        return 2, "pair 2", self.thickness, self.flags
 
 
 class Trial(Source):
@@ -104,17 +103,16 @@ class Film(Source):
         self.flags = np.kron(self.flags, np.ones((10, 10), np.uint8))
         self.begun = time.monotonic()
 
-    def next_map(self, after, timeout):
+    def wait_for_map(self, after, timeout):
         end = time.monotonic() + timeout
         while self.place() <= after and time.monotonic() < end:
             time.sleep(0.005)
-        return self.place(), (640, 960)
 
     def place(self):
         return min(int(16 * (time.monotonic() - self.begun)), 40)
 
     def newest(self, layer):
-        return f"pair {self.place()}", self.thickness, self.flags
+        return (place := self.place()), f"pair {place}", self.thickness, self.flags
 
 
 SIZES = [{"width": 1280, "height": 900}, {"width": 390, "height": 800}]
@@ -126,13 +124,13 @@ def test_news_and_map_are_what_the_source_has():
     news = reading["news"](Request([], {"version": "-1", "pairs": "2", "angles": "1"}))
     assert [row["place"] for row in news["pairs"]] == [2]
     assert news["angles"] == [20.0, 30.0]
-    assert reading["next"](Request([], {"after": "1"})) == {"place": 2, "shape": (64, 96)}
     packed = reading["map"](
-        Request([], {"layer": "thickness", "window": "0,0,96,64", "room": "96,64"})
+        Request([], {"layer": "thickness", "window": "0,0,96,64", "room": "96,64", "after": "1"})
     )
     length = int.from_bytes(packed[:4], "little")
     about = json.loads(packed[4 : 4 + length])
     assert about["shape"] == [64, 96]
+    assert about["place"] == 2
     values = np.frombuffer(packed[4 + length : 4 + length + 4 * 64 * 96], "<f4")
     assert np.nanmax(values) == pytest.approx(3)
     assert np.isnan(values[0])

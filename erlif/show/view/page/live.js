@@ -1,7 +1,7 @@
 // The page of `erlif watch`: the newest map, the film over the run, and alarms.
 import { MapPanel } from "./map.js";
 import { Chart, axis, ink } from "./charts.js";
-import { byId, fixed, follow, get, percent, showAge, showFaults } from "./news.js";
+import { byId, fixed, follow, get, pause, percent, showAge, showFaults } from "./news.js";
 
 const MOST = 2000; // pairs that a chart shows, the latest
 const QUICK = 200; // maps that follow each other in less have half the detail, in milliseconds
@@ -9,20 +9,34 @@ const QUICK = 200; // maps that follow each other in less have half the detail, 
 let about = null;
 let panel = null;
 let first = Infinity; // time of the first pair
-let state = { window: null, limits: {}, tool: "move" };
-let film = { x: [0, 1], y: [0, 1], width: 1, height: 1, labels: ["x [mm]", "y [mm]"] };
+const WHOLE = [0, 0, 65536, 65536]; // of a map whose size is not known yet
+let state = { window: WHOLE, limits: {}, tool: "move" };
+let film = { x: [0, 1], y: [0, 1], width: 65536, height: 65536, labels: ["x [mm]", "y [mm]"] };
 let news = { version: -1 };
 let quick = false;
+let place = -1; // of the pair on the page
+let ended = false;
 const pairs = [];
 const angles = []; // of the encoder, by place in the recording
 
 // the map
 
+// the newest map, as soon as it is of a later pair than `after`
+async function loadMap(view, after) {
+  const query = { ...view, layer: "thickness", coarse: +quick, after };
+  return (await get("map", query)).arrayBuffer();
+}
+
 function makePanel() {
   panel = new MapPanel(byId("panel"), {
     about, state, film: () => film, layer: () => "thickness",
-    load: async (view) => (await get("map", { ...view, layer: "thickness", coarse: +quick })).arrayBuffer(),
+    load: (view) => loadMap(view, -1),
     shown: (found) => {
+      place = found.place;
+      if (state.window === WHOLE) {
+        const [, , width, height] = state.window = found.window;
+        film = { ...film, width, height, x: [0, about.pitch], y: [0, about.pitch] };
+      }
       if (!byId("hold").checked) state.limits.thickness = found.limits.map((v) => +v.toPrecision(3));
       showKey(found.shares);
       document.body.dataset.shown = found.text;
@@ -182,20 +196,19 @@ function showInFull() {
 async function followMaps() {
   let shown = -Infinity;
   let settled = 0;
-  for (let place = -1; !news.closed;) {
-    const next = await (await get("next", { after: place })).json();
-    if (next.place === place) continue;
-    place = next.place;
+  while (!ended) {
+    const before = place;
+    const data = await loadMap(panel.view(), place).catch(() => null);
+    if (data === null) { // none yet
+      await pause();
+      continue;
+    }
+    panel.show(data);
+    if (place === before) continue;
     quick = performance.now() - shown < QUICK;
     shown = performance.now();
     clearTimeout(settled);
     if (quick) settled = setTimeout(showInFull, 2 * QUICK);
-    if (!state.window) {
-      const [height, width] = next.shape;
-      film = { ...film, width, height, x: [0, about.pitch], y: [0, about.pitch] };
-      state.window = [0, 0, width, height];
-    }
-    await panel.refresh().catch(() => {});
   }
 }
 
@@ -207,5 +220,6 @@ addEventListener("resize", () => {
 about = await (await get("run")).json();
 byId("run").textContent = about.name;
 makePanel();
-followMaps().catch(() => {}); // what follows the news states why
+followMaps();
 await follow(() => ({ pairs: pairs.length, angles: angles.length }), show);
+ended = true;

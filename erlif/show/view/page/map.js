@@ -51,14 +51,10 @@ export class MapPanel {
   async loadAll() {
     do {
       this.again = false;
-      this.layout();
-      const window = this.use.state.window.join();
-      const ratio = devicePixelRatio;
-      const room = `${Math.round(this.width * ratio)},${Math.round(this.height * ratio)}`;
       let data;
       const busy = setTimeout(() => this.figure.classList.add("busy"), 400); // most are faster
       try {
-        data = await this.use.load({ window, room });
+        data = await this.use.load(this.view());
       } catch (error) {
         this.shown = null;
         this.draw();
@@ -69,6 +65,13 @@ export class MapPanel {
       }
       this.show(data);
     } while (this.again);
+  }
+
+  // the part of the map that is to be shown, and its size on the screen
+  view() {
+    this.layout();
+    const room = [this.width, this.height].map((length) => Math.round(length * devicePixelRatio));
+    return { window: this.use.state.window.join(), room: room.join() };
   }
 
   show(data) {

@@ -14,6 +14,8 @@ export async function get(name, values = {}) {
   return response;
 }
 
+export const pause = () => new Promise((done) => { setTimeout(done, PACE); });
+
 // asks for news again and again, and hands them to `show`, until the recording ends
 export async function follow(known, show) {
   let version = -1;
@@ -30,7 +32,7 @@ export async function follow(known, show) {
     show(news);
     if (news.status) end(news.status);
     if (news.closed) return;
-    await new Promise((done) => { setTimeout(done, PACE); });
+    await pause();
   }
 }
 

@@ -35,7 +35,7 @@ class Histogram extends Chart {
 const histograms = [1, 2].map((n) => new Histogram(byId(`histogram-${n}`)));
 const panels = [1, 2].map((n) => new MapPanel(byId(`panel-${n}`), {
   about, state: views[n - 1], film: () => film, layer: () => `camera${n}`,
-  load: async (view) => (await get("map", { ...view, layer: `camera${n}` })).arrayBuffer(),
+  load: async (view) => (await get("map", { ...view, layer: `camera${n}`, after: -1 })).arrayBuffer(),
   shown: (found) => {
     views[n - 1].limits[`camera${n}`] = found.limits;
   },
