@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import subprocess
 import time
 import webbrowser
@@ -152,8 +153,11 @@ def _finish(run_dir: Path, calibration: Path | None, output: Path, options: dict
     except (FrameError, EncoderError) as error:
         if options["skip_bad_frames"] or isinstance(error, PulseError):
             raise
-        echo_aside(f"{error}\nBad frames are left out, as by --skip-bad-frames of erlif process.")
-        process_one(run_dir, calibration, output, options | {"skip_bad_frames": True})
+        reason = str(error)
+    else:
+        return
+    process_one(run_dir, calibration, output, options | {"skip_bad_frames": True})
+    echo_aside(f"Frames are left out, as by --skip-bad-frames of erlif process. {reason}")
 
 
 @contextmanager
@@ -210,9 +214,11 @@ def _follow(watched: Watch, quiet: float | None, on_alarm: str | None) -> None:
                 echo_aside(f"ALARM {state.alarms[name]}")
                 if on_alarm:
                     _start(on_alarm)
-            for name in state.faults.keys() - reported:
-                echo_aside(state.faults[name])
-            known, reported = set(state.alarms), set(state.faults)
+            # a fault that lasts is printed again where another file or frame has joined it
+            faults = {re.sub(r"\d+", "", text): text for text in state.faults.values()}
+            for text in faults.keys() - reported:
+                echo_aside(faults[text])
+            known, reported = set(state.alarms), set(faults)
             if time.monotonic() - printed > _EVERY and _line(state) != line:
                 line, printed = _line(state), time.monotonic()
                 click.echo(line)

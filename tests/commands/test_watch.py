@@ -75,6 +75,7 @@ def test_a_frame_that_was_lost_is_named_and_its_pair_left_out(recording, command
     run = recording(rate=50.0, faults=[Fault("camera2-loses", 2)])
     result = run_watch(run, "--quiet", "1.5 s", "--workers", "1")
     assert result.exit_code == 0, result.output
+    assert "Frames are left out, as by --skip-bad-frames of erlif process." in result.stderr
     assert "The first unmatched one is camera1/frame_0002.tif" in result.stderr
     assert "6 triggers from 5 frame pairs" in result.stdout
     watched = (run / "film.nc").read_bytes()

@@ -168,7 +168,9 @@ class _Camera:
         broken = {
             path: reason for path, (since, reason) in self._broken.items() if now - since > PATIENCE
         }
-        return [f"{path.name}: {reason}" for path, reason in (self._rewritten | broken).items()]
+        return [
+            f"{self._name(path)}: {reason}" for path, reason in (self._rewritten | broken).items()
+        ]
 
 
 class Arrivals:

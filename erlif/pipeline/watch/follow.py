@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any, Self
 
 from erlif.core.errors import ErlifError
+from erlif.core.units import count_of
 from erlif.io.ingest import FramePairs
 from erlif.io.ingest.arrivals import Arrival, Arrivals
 from erlif.io.ingest.containment import named_files, refuse_outside
@@ -30,7 +31,7 @@ _SHARE = 0.1
 # Time for which reports of changes are gathered. [ms]
 _GATHER = 10
 
-_STOPPED = "camera {camera} has stopped: the other one has written {frames} more frames"
+_STOPPED = "camera {camera} has stopped: the other one has written {frames} since"
 
 
 class Follower:
@@ -184,7 +185,11 @@ class Follower:
         """Frames that are missing, and files that cannot be read."""
         missing, broken = self._arrivals.missing(), "; ".join(self._arrivals.doubtful()[:3])
         behind = self._arrivals.stopped()
-        stopped = "" if behind is None else _STOPPED.format(camera=behind[0], frames=behind[1])
+        stopped = (
+            ""
+            if behind is None
+            else _STOPPED.format(camera=behind[0], frames=count_of(behind[1], "frame"))
+        )
         found = {"files": broken, "stopped": stopped}
         with self._changed:
             known = {name: self._faults.get(name, "") for name in found}

@@ -20,6 +20,7 @@ from erlif.pipeline.engines.triggers import TriggerTask
 from erlif.pipeline.plane import ObjectPlane
 from erlif.pipeline.recording.prepare import prepare_run
 from erlif.pipeline.recording.register import FixtureMap
+from erlif.ratio import PulseSample
 
 # Every n-th row and column gives the mean light and the share of saturated pixels. [px]
 _EVERY = 4
@@ -78,11 +79,14 @@ class LiveMap(NamedTuple):
         (y, x). [um]
     flags : FlagImage
         (y, x), bits of `erlif.core.flags.Flag`.
+    pulse : PulseSample
+        By which its pulse is recognised.
     """
 
     title: str
     thickness: Image
     flags: FlagImage
+    pulse: PulseSample
 
 
 @dataclass(frozen=True)
@@ -160,7 +164,12 @@ class LiveFilm:
             light,
             saturated,
             result.frames[0].drift,
-        ), LiveMap(f"pair {arrival.place}, {name}", maps["thickness"].copy(), maps["flags"].copy())
+        ), LiveMap(
+            f"pair {arrival.place}, {name}",
+            maps["thickness"].copy(),
+            maps["flags"].copy(),
+            result.frames[0].pulse,
+        )
 
     @property
     def _tables(self) -> dict[str, Any]:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Callable, Sequence
+from collections import deque
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -22,6 +23,7 @@ from erlif.pipeline.fixture import find_calibration
 from erlif.pipeline.watch.alarms import Alarms
 from erlif.pipeline.watch.follow import Follower, as_plain
 from erlif.pipeline.watch.live import LiveFilm, LiveMap, LivePair, run_of
+from erlif.ratio import PulseSample, find_pulse_faults
 
 # Pairs from which references and camera map are found, and found again: up to what the
 # registration of a whole run uses.
@@ -36,6 +38,9 @@ _SHARE = 0.1
 # Pairs at either end of a run whose brightest are compared, and share of the light from which on a
 # fall is stated: a film that changes with the angle changes the light of single pairs as much.
 _ENDS, _FALLEN = 20, 0.75
+
+# Pairs in which the pulses of both cameras are compared.
+_PULSES = 12
 
 # A file of this name in the run directory ends the watch.
 STOP = "stop"
@@ -125,6 +130,7 @@ class Watch(Follower):
         self._newest: LiveMap | None = None
         self._film: LiveFilm | None = None
         self._preparing = False
+        self._pulses: deque[tuple[int, PulseSample]] = deque(maxlen=_PULSES)
         self._angles: Array = np.empty(0)
         self._log: tuple[tuple[int, int, int], int] | None = None
         self._pause = _LOG
@@ -187,7 +193,7 @@ class Watch(Follower):
         """As `erlif.show.view.live.LiveSource`; the film thickness is the only layer."""
         with self._changed:
             place, shown = self.place(), self._newest
-        return None if shown is None else (place, *shown)
+        return None if shown is None else (place, shown.title, shown.thickness, shown.flags)
 
     def place(self) -> int:
         """As `Follower.place`, of the pairs that are measured."""
@@ -253,6 +259,8 @@ class Watch(Follower):
         except ErlifError as error:
             film, fault = self._film, str(error)
             self._ended.wait(_AGAIN)  # the next pairs may show what these do not
+            with self._changed:  # files may have got other names
+                self._arrived = [self._arrivals.renew(one) for one in self._arrived]
         with self._changed:
             self._preparing = False
             self._film = film
@@ -264,14 +272,16 @@ class Watch(Follower):
         try:
             pair, shown = film.measure(pairs, 0, arrival)
         except ErlifError as error:
-            away = not all(page.path.exists() for page in arrival.pages)
+            named = self._arrivals.renew(arrival)
+            away = not all(page.path.exists() for page in named.pages)
             if away:
                 self._ended.wait(_AGAIN)  # a share that has gone may come back
             with self._changed:
-                if away:
-                    self._arrived[frame] = self._arrivals.renew(arrival)
+                if away or named != arrival:
+                    self._arrived[frame] = named
                     self._waiting.insert(0, frame)
-                self._note("share" if away else f"pair {arrival.place}", error)
+                if named == arrival:
+                    self._note("share" if away else f"pair {arrival.place}", error)
                 self._notify()
             return
         with self._changed:
@@ -281,6 +291,9 @@ class Watch(Follower):
             self._keep_alarms([pair])
             self._note("share", "")
             self._note("light", describe_fall(self._measured))
+            self._pulses.append((pair.place, shown.pulse))
+            if len(self._measured) % _PULSES == 0:
+                self._note("pulses", describe_pulses(self._pulses))
             self._notify()
 
     def _audit(self) -> None:
@@ -292,6 +305,39 @@ class Watch(Follower):
     def _keep_alarms(self, pairs: list[LivePair]) -> None:
         silence = 0.0 if pairs else self.silence
         self.alarmed = self.alarms.raised(pairs, silence=silence) | self.alarmed
+
+
+def describe_pulses(pairs: Iterable[tuple[int, PulseSample]]) -> str:
+    """That most of some pairs are of two different pulses, in words; else empty.
+
+    Parameters
+    ----------
+    pairs : iterable of (int, PulseSample)
+        Places, and by what their pulses are recognised.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> speckle = 0.03 * np.random.default_rng(1).normal(size=(6, 64)).astype(np.float32)
+    >>> late = np.roll(speckle, 1, axis=0)
+    >>> pairs = [PulseSample(a, a, b - a) for a, b in zip(speckle, late)]
+    >>> describe_pulses(enumerate(pairs))
+    'the cameras show different laser pulses in 6 of the pairs 0 to 5: their film is wrong'
+    >>> describe_pulses(enumerate(PulseSample(a, a, 0 * a) for a in speckle))
+    ''
+    """
+    places, samples = zip(*sorted(pairs, key=lambda one: one[0]), strict=True)
+    faults = find_pulse_faults(samples)
+    wrong = {frame for one in faults if one.kind != "repeated" for frame in one.frames}
+    if 2 * len(wrong) <= len(samples):
+        return ""
+    return (
+        f"the cameras show different laser pulses in {len(wrong)} of the pairs {places[0]} to "
+        f"{places[-1]}: their film is wrong"
+    )
 
 
 def describe_fall(pairs: Sequence[LivePair]) -> str:

@@ -83,7 +83,7 @@ def test_a_file_that_stays_damaged_is_reported_after_a_while(rig):
     assert rig.arrivals.doubtful() == []
     rig.clock.now += PATIENCE + 0.1
     (text,) = rig.arrivals.doubtful()
-    assert text.startswith("frame_0000.tif: ")
+    assert text.startswith("camera2/frame_0000.tif: ")
     rig.write(2, 0)
     assert rig.look() == [0]
     assert rig.arrivals.doubtful() == []
@@ -110,7 +110,7 @@ def test_a_frame_that_is_written_again_later_is_reported(rig):
     os.utime(paths[2], ns=(state.st_atime_ns, state.st_mtime_ns + int(2e9 * PATIENCE)))
     assert rig.look(paths) == []
     (text,) = rig.arrivals.doubtful()
-    assert text == "frame_0000.tif: it was written again after its pair was taken"
+    assert text == "camera2/frame_0000.tif: it was written again after its pair was taken"
 
 
 def test_a_frame_has_the_name_that_its_file_has_in_the_end(rig):

@@ -157,3 +157,32 @@ def test_pairs_on_a_share_that_goes_away_are_measured_when_it_is_back(empty_run,
         away.rename(run_dir)
         wait_until(lambda: len(watch.state().measured) == 4, watch)
         assert "share" not in watch.state().faults
+
+
+def test_pairs_whose_files_got_other_names_are_measured(empty_run, monkeypatch):
+    """Cameras that write under another name which the pattern matches too."""
+    run_dir, write = empty_run
+    monkeypatch.setattr(module, "_AGAIN", 0.05)
+    watch = Watch(run_dir, workers=1)
+    with watch.running():
+        for frame in range(4):
+            write(frame)
+            first = run_dir / "camera2" / f"frame_{frame:04d}.tif"
+            part = first.rename(first.with_name(f"part_{frame:04d}.tif"))
+            wait_until(lambda: watch.state().arrived == frame + 1, watch)  # noqa: B023
+            part.rename(first)
+        wait_until(lambda: len(watch.state().measured) == 4, watch)
+        assert "share" not in watch.state().faults
+
+
+def test_a_frame_lost_without_a_gap_in_the_numbers_is_stated(lab, monkeypatch):
+    monkeypatch.setattr(module, "_PULSES", 4)
+    frames = lab.frames(2)
+    for frame in range(1, 5):
+        shutil.move(frames[frame + 1], frames[frame])
+    watch = Watch(lab.run, workers=1)
+    with watch.running():
+        wait_until(lambda: "pulses" in watch.state().faults, watch)
+    assert watch.state().faults["pulses"] == (
+        "the cameras show different laser pulses in 4 of the pairs 1 to 4: their film is wrong"
+    )
