@@ -44,6 +44,9 @@ ALARMED = 3
 # Time between two lines on the terminal. [s]
 _EVERY = 1.0
 
+# Time between two looks at the state. [s]
+_LOOK = 0.2
+
 
 @click.command()
 @click.argument("run_dir", type=PATH)
@@ -203,12 +206,12 @@ def _follow_setup(trials: Setup) -> None:
 
 def _follow(watched: Watch, quiet: float | None, on_alarm: str | None) -> None:
     """Print a line each second while pairs come, until the recording ends."""
-    version, printed, line = -1, 0.0, ""
+    printed, line = 0.0, ""
     known: set[str] = set()
     reported: set[str] = set()
     try:
         while not watched.is_quiet(quiet):
-            watched.wait(version, 0.2)
+            time.sleep(_LOOK)
             state = watched.state()
             for name in state.alarms.keys() - known:
                 echo_aside(f"ALARM {state.alarms[name]}")
@@ -222,7 +225,6 @@ def _follow(watched: Watch, quiet: float | None, on_alarm: str | None) -> None:
             if time.monotonic() - printed > _EVERY and _line(state) != line:
                 line, printed = _line(state), time.monotonic()
                 click.echo(line)
-            version = state.version
     except EndedBySignal:
         raise
     except KeyboardInterrupt:  # the end of the recording, not of the command

@@ -35,6 +35,9 @@ _LOG, _AGAIN = 0.5, 1.0
 # Reading a long log may take this share of the time at most. [1]
 _SHARE = 0.1
 
+# Time for which the alarm of a single pair is shown. [s]
+_HELD = 3.0
+
 # Pairs at either end of a run whose brightest are compared, and share of the light from which on a
 # fall is stated: a film that changes with the angle changes the light of single pairs as much.
 _ENDS, _FALLEN = 20, 0.75
@@ -72,7 +75,7 @@ class WatchState:
         Frames that are missing, files that cannot be read, light that falls, what keeps films from
         being found: subject to a sentence.
     alarms : dict[str, str]
-        Alarms that are raised now.
+        Alarms that are raised now, or were raised by a pair of the last seconds.
     """
 
     version: int
@@ -123,6 +126,7 @@ class Watch(Follower):
         self.alarms = alarms or Alarms()
         self.alarmed: dict[str, str] = {}
         """Every alarm that was raised, with its first sentence."""
+        self._raised: dict[str, tuple[float, str]] = {}
         self._workers = workers or os.cpu_count() or 1
         self._waiting: list[int] = []
         self._measured: list[LivePair] = []
@@ -144,8 +148,9 @@ class Watch(Follower):
     def state(self) -> WatchState:
         """What is known now."""
         with self._changed:
-            latest = [] if self._latest is None else [self._latest]
-            alarms = self.alarms.raised(latest, silence=self.silence)
+            since = time.monotonic() - _HELD
+            alarms = {name: text for name, (when, text) in self._raised.items() if when > since}
+            alarms |= self.alarms.raised([], silence=self.silence)
             return WatchState(
                 self._version,
                 self._arrivals.counts(),
@@ -303,8 +308,9 @@ class Watch(Follower):
                 self._notify()  # nothing else does while no pair comes
 
     def _keep_alarms(self, pairs: list[LivePair]) -> None:
-        silence = 0.0 if pairs else self.silence
-        self.alarmed = self.alarms.raised(pairs, silence=silence) | self.alarmed
+        raised = self.alarms.raised(pairs, silence=0.0 if pairs else self.silence)
+        self.alarmed = raised | self.alarmed
+        self._raised |= {name: (time.monotonic(), text) for name, text in raised.items()}
 
 
 def describe_pulses(pairs: Iterable[tuple[int, PulseSample]]) -> str:

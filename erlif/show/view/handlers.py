@@ -93,6 +93,9 @@ class _Guarded(tornado.web.RequestHandler):
             self.shared.executor, function, *values
         )
 
+    def compute_etag(self) -> None:
+        """None: no browser keeps what it gets, and the tag of a map takes a millisecond."""
+
     def log_exception(self, kind: Any, error: Any, traceback: Any) -> None:
         """Log a defect without its request, whose address holds the token."""
         if not isinstance(error, ErlifError | tornado.web.HTTPError):

@@ -11,7 +11,7 @@ import tifffile
 
 import erlif
 from erlif.pipeline.watch.alarms import Alarms
-from erlif.pipeline.watch.live import LiveFilm
+from erlif.pipeline.watch.live import LiveFilm, LivePair
 from erlif.pipeline.watch.watch import Watch
 from tests.pipeline.watch.test_follow import wait_until
 
@@ -106,6 +106,15 @@ def test_an_alarm_is_raised_kept_and_named(empty_run):
         assert "no pulse" not in watch.alarmed
         write(3)
         wait_until(lambda: "no pulse" in watch.alarmed, watch)
+
+
+def test_the_alarm_of_one_pair_is_shown_for_a_while(empty_run):
+    zero = (0.0, 0.0)
+    thick = LivePair(7, "", 0.0, 3.0, 0.1, 3.5, 0.1, 1.0, zero, zero, zero)
+    watch = Watch(empty_run[0], alarms=Alarms(film_below=2.0))
+    watch._keep_alarms([thick._replace(place=6, film_min=1.5)])
+    watch._keep_alarms([thick])
+    assert watch.state().alarms == {"film": "minimum film 1.50 um in pair 6 (limit 2 um)"}
 
 
 def test_the_end_is_a_quiet_time_or_a_file(empty_run):
