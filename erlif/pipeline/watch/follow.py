@@ -34,6 +34,9 @@ _GATHER = 10
 _STOPPED = "camera {camera} has stopped: the other one has written {frames} since"
 
 
+_AWAY = "{directory} is away: no frame can be seen until it is back"
+
+
 class Follower:
     """A run directory and the pairs that have arrived in it; threads do the rest.
 
@@ -59,6 +62,7 @@ class Follower:
         self._arrivals = Arrivals(run_dir, self.settings)
         self._arrived: list[Arrival] = []
         self._shape = (0, 0)
+        self._next_look = 0.0
         self._missing: dict[str, int] = {}
         self._faults: dict[str, str] = {}
         self._version = 0
@@ -124,6 +128,10 @@ class Follower:
         """Time since the last pair arrived; 0 before the first. [s]"""
         return time.time() - self._arrived[-1].time if self._arrived else 0.0
 
+    def is_there(self) -> bool:
+        """Whether the directory can be seen; a share that has gone may come back."""
+        return (self.directory / "run.toml").exists()
+
     def faults(self) -> dict[str, str]:
         """What keeps pairs from being used or needs a look: subject to a sentence."""
         return self._faults | _describe_missing(self._missing)
@@ -134,11 +142,19 @@ class Follower:
 
     def _find(self) -> None:
         """Look for new files when a change is reported, and from time to time."""
+        while not self._ended.is_set():
+            try:
+                self._follow_changes()
+            except OSError:  # no directory, or no more of them can be followed
+                self._ended.wait(_RESCAN)
+                self._look_at_all()
+
+    def _follow_changes(self) -> None:
+        """Take what is new until the directory is another one, as after a share was away."""
         from watchfiles import watch
 
-        looked = pause = 0.0
-        here = self.directory.absolute()
-        changes = watch(
+        here, state = self.directory.absolute(), self.directory.stat()
+        for found in watch(
             here,
             debounce=_GATHER,
             step=1,
@@ -147,24 +163,29 @@ class Follower:
             yield_on_timeout=True,
             watch_filter=None,
             raise_interrupt=False,
-        )
-        for found in changes:
-            now = time.monotonic()
-            if now - looked > max(_RESCAN, pause):
-                self._take(self._arrivals.look())
-                looked = time.monotonic()
-                pause = (looked - now) / _SHARE
-                self._audit()
+        ):
+            if time.monotonic() > self._next_look:
+                self._look_at_all()
+                if not os.path.samestat(self.directory.stat(), state):
+                    return
             elif found:
                 names = (os.path.relpath(path, here) for _, path in found)
                 self._take(self._arrivals.look([self.directory / name for name in names]))
+
+    def _look_at_all(self) -> None:
+        """Look for changes that nothing reported, and for what is missing."""
+        begun = time.monotonic()
+        self._take(self._arrivals.look())
+        ended = time.monotonic()
+        self._next_look = ended + max(_RESCAN, (ended - begun) / _SHARE)
+        self._audit()
 
     def _take(self, fresh: list[Arrival]) -> None:
         """Add pairs that have arrived to those that are known."""
         if not fresh:
             return
         with self._changed:
-            if not self._arrived:
+            if self._shape == (0, 0):
                 self._open(fresh[0])
             self._arrived += fresh
             self._notify()
@@ -185,12 +206,12 @@ class Follower:
         """Frames that are missing, and files that cannot be read."""
         missing, broken = self._arrivals.missing(), "; ".join(self._arrivals.doubtful()[:3])
         behind = self._arrivals.stopped()
-        stopped = (
-            ""
-            if behind is None
-            else _STOPPED.format(camera=behind[0], frames=count_of(behind[1], "frame"))
-        )
-        found = {"files": broken, "stopped": stopped}
+        found = {"files": broken, "stopped": "", "directory": ""}
+        if behind is not None:
+            frames = count_of(behind[1], "frame")
+            found["stopped"] = _STOPPED.format(camera=behind[0], frames=frames)
+        if not self.is_there():
+            found["directory"] = _AWAY.format(directory=self.directory)
         with self._changed:
             known = {name: self._faults.get(name, "") for name in found}
             if (missing, found) != (self._missing, known):

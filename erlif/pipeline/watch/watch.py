@@ -138,6 +138,7 @@ class Watch(Follower):
         self._angles: Array = np.empty(0)
         self._log: tuple[tuple[int, int, int], int] | None = None
         self._pause = _LOG
+        self._away = 0.0
 
     def jobs(self) -> Sequence[Callable[[], None]]:
         """As `Follower.jobs`: pairs are measured, and the log is read."""
@@ -167,11 +168,13 @@ class Watch(Follower):
     def is_quiet(self, limit: float | None) -> bool:
         """Whether the run has ended: a file ``stop``, or no new pair for `limit` seconds.
 
-        Before the first pair only the file ends it.
+        Before the first pair, and while the directory is away, only the file ends it.
         """
         if (self.directory / STOP).exists():
             return True
-        return limit is not None and self.silence > limit
+        if not self.is_there():
+            self._away = time.time()
+        return limit is not None and min(self.silence, time.time() - self._away) > limit
 
     # the source of the page
 

@@ -60,9 +60,29 @@ def test_a_directory_that_goes_away_and_comes_back_loses_nothing(lab, monkeypatc
     with follower.running():
         wait_until(lambda: len(follower._arrived) == 5, follower)
         lab.run.rename(tmp_path / "away")
-        time.sleep(0.3)
+        wait_until(lambda: "is away" in follower.faults().get("directory", ""), follower)
         (tmp_path / "away").rename(lab.run)
         shutil.move(tmp_path / "last.tif", last)
+        wait_until(lambda: len(follower._arrived) == 6, follower)
+        wait_until(lambda: not follower.faults(), follower)
+
+
+def test_a_directory_in_the_place_of_another_is_followed(lab, monkeypatch, tmp_path):
+    """As after a share was mounted again: changes of the old one are reported no more."""
+    last = [lab.frames(n)[-1] for n in (1, 2)]
+    kept = [path.rename(tmp_path / f"{path.parent.name}.tif") for path in last]
+    follower = Follower(lab.run)
+    with follower.running():
+        wait_until(lambda: len(follower._arrived) == 5, follower)
+        shutil.copytree(lab.run, tmp_path / "other")
+        lab.run.rename(tmp_path / "away")
+        (tmp_path / "other").rename(lab.run)
+        looked = follower._next_look
+        wait_until(lambda: follower._next_look > looked, follower)
+        time.sleep(0.2)
+        monkeypatch.setattr(follower, "_look_at_all", lambda: None)
+        for source, path in zip(kept, last, strict=True):
+            shutil.copy(source, path)
         wait_until(lambda: len(follower._arrived) == 6, follower)
 
 

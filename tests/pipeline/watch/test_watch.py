@@ -126,6 +126,12 @@ def test_the_end_is_a_quiet_time_or_a_file(empty_run):
         wait_until(lambda: watch.state().arrived, watch)
         assert not watch.is_quiet(None)
         wait_until(lambda: watch.is_quiet(0.1), watch)
+        # a share that is away is no end
+        run_dir.rename(run_dir.with_name("away"))
+        assert not watch.is_quiet(0.1)
+        run_dir.with_name("away").rename(run_dir)
+        assert not watch.is_quiet(0.1)
+        wait_until(lambda: watch.is_quiet(0.1), watch)
         (run_dir / "stop").touch()
         assert watch.is_quiet(None)
 
