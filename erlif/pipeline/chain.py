@@ -27,7 +27,7 @@ from erlif.pipeline.passes.ratio import BAND, measure_ratio
 from erlif.pipeline.passes.warp import MapTables, PairWarp, tabulate_map, turn_noise
 from erlif.ratio import BlurDifference, PairRatio, compute_ratio, measure_sharpness
 from erlif.ratio.log_ratio import empty_ratio
-from erlif.registration import CameraMap, align_frames
+from erlif.registration import CameraMap, align_bands, align_frames
 
 
 @dataclass(frozen=True)
@@ -240,13 +240,23 @@ class FrameChain(PickledByFields):
         The coordinates drift_x and drift_y (frame) hold the drift of camera 2, NaN where the
         cameras show no common texture. [px]
         """
+        corrected = self._locate(frame)
+        return corrected, align_frames(corrected, self.camera_map, drift=_drift_of(corrected))
+
+    def align_bands(self, frame: int, bands: Sequence[slice]) -> tuple[AlignedFrames, ...]:
+        """Some rows of one frame pair with camera 2 on the pixels of camera 1, as `align`."""
+        corrected = self._locate(frame)
+        return align_bands(corrected, self.camera_map, bands, drift=_drift_of(corrected))
+
+    def _locate(self, frame: int) -> CorrectedFrames:
+        """Light of one frame pair with its drift."""
         light = self.correct.light(frame)
-        drift = np.array([self._find_drift(light)])
-        frames = gather_light([light]).assign_coords(
-            frame=[frame], drift_x=("frame", drift[:, 0]), drift_y=("frame", drift[:, 1])
+        x, y = self._find_drift(light)
+        return CorrectedFrames(
+            gather_light([light]).assign_coords(
+                frame=[frame], drift_x=("frame", [x]), drift_y=("frame", [y])
+            )
         )
-        corrected = CorrectedFrames(frames)
-        return corrected, align_frames(corrected, self.camera_map, drift=drift)
 
     def align_variances(
         self, corrected: CorrectedFrames, one: AnyArray, other: AnyArray
@@ -255,8 +265,9 @@ class FrameChain(PickledByFields):
         dims = corrected.signal.dims
         replaced = corrected.assign(signal_var=(dims, one), signal_var_fixed=(dims, other))
         # with the drift of the frame itself, which the light alone determines
-        drift = np.column_stack([corrected.drift_x.values, corrected.drift_y.values])
-        return align_frames(CorrectedFrames(replaced), self.camera_map, drift=drift)
+        return align_frames(
+            CorrectedFrames(replaced), self.camera_map, drift=_drift_of(corrected)
+        )
 
     def divide(self, aligned: AlignedFrames) -> RatioImages:
         """The ratio images of aligned frame pairs."""
@@ -324,6 +335,11 @@ class FrameChain(PickledByFields):
     def _find_drift(self, light: PairLight) -> tuple[float, float]:
         drift = self.search.find(light)
         return drift.dx, drift.dy
+
+
+def _drift_of(corrected: CorrectedFrames) -> Array:
+    """Drift (frame, 2) of located frames, x first. [px]"""
+    return np.column_stack([corrected.drift_x.values, corrected.drift_y.values])
 
 
 @contextmanager

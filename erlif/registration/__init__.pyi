@@ -1,4 +1,4 @@
-from .alignment import align_frames
+from .alignment import align_bands, align_frames
 from .background import divide_by_light, is_steep
 from .camera_map import CameraMap, MapKind, describe_map, move_map
 from .drift import Drift, check_map, estimate_drift
@@ -19,6 +19,7 @@ __all__ = [
     "MapKind",
     "MapNodes",
     "RegistrationSettings",
+    "align_bands",
     "align_frames",
     "check_map",
     "compare_with_inverse",

@@ -6,10 +6,12 @@ bilinearly, and every flag reaches all pixels that depend on the flagged one.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 import xarray as xr
 
-from erlif.core.arrays import Array, FlagImage
+from erlif.core.arrays import AnyArray, Array, FlagImage
 from erlif.core.flags import FLAG_ATTRS, Flag
 from erlif.core.products import AlignedFrames, CorrectedFrames, require
 from erlif.registration.camera_map import CameraMap
@@ -69,52 +71,95 @@ def align_frames(
     >>> [Flag(int(bits)).name for bits in aligned.flags.values[1, 0, 2, [4, 5]]]
     [None, 'OUTSIDE_OVERLAP']
     """
+    return align_bands(frames, camera_map, [slice(0, frames.sizes["y"])], drift=drift)[0]
+
+
+def align_bands(
+    frames: CorrectedFrames,
+    camera_map: CameraMap,
+    bands: Sequence[slice],
+    *,
+    drift: Array | None = None,
+) -> tuple[AlignedFrames, ...]:
+    """Some rows of camera 1, with camera 2 at the points where it has its pixels.
+
+    Parameters
+    ----------
+    frames, camera_map, drift
+        As for `align_frames`.
+    bands : sequence of slice
+        The rows, start and stop. [px]
+
+    Returns
+    -------
+    tuple of AlignedFrames
+        One for each band, as `align_frames` returns them for all rows; the mean factor
+        interpolation is that of the band.
+
+    Raises
+    ------
+    ErlifError
+        If a variable of the frames is missing.
+    """
     names = ("signal", "signal_var", "signal_var_fixed", "flags")
     require(frames, *names)
-    shape = frames.signal.shape
-    aligned = {name: np.empty(shape, np.float32) for name in names[:3]}
-    aligned["flags"] = np.empty(shape, np.uint8)
-    for name, out in aligned.items():
-        out[0] = frames[name].values[0]  # camera 1 keeps its pixels
-
+    count, width = frames.sizes["frame"], frames.sizes["x"]
     turn = camera_map.settings.orientation
-    count = aligned["signal"].shape[1]
     offsets = np.zeros((count, 2)) if drift is None else np.asarray(drift, float)
     dx, dy = (
         np.ascontiguousarray(field, np.float32)
         for field in (camera_map.displacement_x, camera_map.displacement_y)
     )
-    averaging = np.ones(count)
+    aligned: list[dict[str, AnyArray]] = []
+    for band in bands:
+        shape = (2, count, band.stop - band.start, width)
+        of_band: dict[str, AnyArray] = {name: np.empty(shape, np.float32) for name in names[:3]}
+        of_band["flags"] = np.empty(shape, np.uint8)
+        for name, out in of_band.items():
+            out[0] = frames[name].values[0, :, band]  # camera 1 keeps its pixels
+        aligned.append(of_band | {"interpolation": np.ones(count)})
 
+    moved = np.empty(dx.shape, np.float32)
     for n, (x, y) in enumerate(offsets.astype(np.float32)):
         light, variance, fixed, flags = (
             np.ascontiguousarray(orient(frames[name].values[1, n], turn)) for name in names
         )
         spread = np.empty(flags.shape, np.uint8)
         spread_flags(flags, spread)
-        moved = tuple(aligned[name][1, n] for name in names)
         noise = np.asarray(variance, np.float32), np.asarray(fixed, np.float32), spread
-        total, points = sample_rows(  # type: ignore[call-arg]
-            spline_coefficients(light), dx, dy, x, y, NOTHING_BAD, *noise, *moved, 0, 0, len(dx)
-        )
-        averaging[n] = total / points if points else 1.0
+        spline = spline_coefficients(light)
 
-        # NaN drift leaves no pixel valid, and the reason belongs in the flags
-        aligned["flags"][1, n][~camera_map.overlap] |= _OUTSIDE
-        aligned["flags"][1, n][camera_map.poor | np.isnan(x)] |= _POOR
+        for band, of_band in zip(bands, aligned, strict=True):
+            outs = tuple(of_band[name][1, n] for name in names)
+            rows = band.start, band.start, band.stop
+            total, points = sample_rows(  # type: ignore[call-arg]
+                spline, dx, dy, x, y, NOTHING_BAD, *noise, moved, *outs[1:], *rows
+            )
+            outs[0][:] = moved[band]
+            of_band["interpolation"][n] = total / points if points else 1.0
+
+            # NaN drift leaves no pixel valid, and the reason belongs in the flags
+            outs[3][~camera_map.overlap[band]] |= _OUTSIDE
+            outs[3][camera_map.poor[band] | np.isnan(x)] |= _POOR
 
     dims = ("camera", "frame", "y", "x")
-    described = {name: (dims, aligned[name], frames[name].attrs) for name in names[:3]}
-    return AlignedFrames(
-        xr.Dataset(
-            {
-                **described,
-                "flags": (dims, aligned["flags"], FLAG_ATTRS),
-                "displacement_std": (("y", "x"), camera_map.displacement_std, {"units": "px"}),
-                "interpolation": ("frame", averaging, {"units": "1"}),
-            },
-            frames.coords,
+    return tuple(
+        AlignedFrames(
+            xr.Dataset(
+                {
+                    **{name: (dims, of_band[name], frames[name].attrs) for name in names[:3]},
+                    "flags": (dims, of_band["flags"], FLAG_ATTRS),
+                    "displacement_std": (
+                        ("y", "x"),
+                        camera_map.displacement_std[band],
+                        {"units": "px"},
+                    ),
+                    "interpolation": ("frame", of_band["interpolation"], {"units": "1"}),
+                },
+                frames.isel(y=band).coords,
+            )
         )
+        for band, of_band in zip(bands, aligned, strict=True)
     )
 
 

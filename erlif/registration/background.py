@@ -70,7 +70,7 @@ def local_light(image: AnyArray, weight: AnyArray) -> Image:
     # linear between the nodes, one of which lies beyond the image on every side
     rows, cols = nodes.shape
     light = cv2.resize(nodes, (cols * NODE, rows * NODE), interpolation=cv2.INTER_LINEAR)
-    return np.ascontiguousarray(light[NODE : NODE + image.shape[0], NODE : NODE + image.shape[1]])
+    return np.asarray(light[NODE : NODE + image.shape[0], NODE : NODE + image.shape[1]])
 
 
 def _fit(image: AnyArray, weight: AnyArray) -> Array:
@@ -136,7 +136,9 @@ def _values(light: Array, coefficients: Array) -> Array:
     return np.asarray((_data(light) * coefficients).sum(-1))
 
 
-def divide_by_light(image: AnyArray, weight: AnyArray) -> tuple[Image, Image]:
+def divide_by_light(
+    image: AnyArray, weight: AnyArray, *, out: Image | None = None
+) -> tuple[Image, Image]:
     """Divide an image by its smooth light.
 
     Parameters
@@ -145,6 +147,8 @@ def divide_by_light(image: AnyArray, weight: AnyArray) -> tuple[Image, Image]:
         Counts above the dark level.
     weight : array, (y, x)
         0 for a pixel that must not count, otherwise 1.
+    out : array, (y, x), float32, optional
+        Receives the texture; it may be the image.
 
     Returns
     -------
@@ -165,8 +169,9 @@ def divide_by_light(image: AnyArray, weight: AnyArray) -> tuple[Image, Image]:
     light = local_light(image, weight)
     bright = float(np.percentile(light[::CELL, ::CELL], BRIGHTER_PARTS))
     lit = (weight > 0) & (light > DARK * bright)
+    texture = np.empty(image.shape, np.float32) if out is None else out
     with np.errstate(divide="ignore", invalid="ignore"):
-        texture = np.asarray(np.divide(image, light, out=light), np.float32)
+        np.divide(image, light, out=texture)
     texture[~lit] = 1
     return texture, lit.astype(np.float32)
 

@@ -9,12 +9,12 @@ session, so it decides nothing: magnification, rotation and distortion do.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 from scipy import ndimage
 
-from erlif.core.arrays import Array, Mask
+from erlif.core.arrays import AnyArray, Array, Mask
 from erlif.registration.camera_map import CameraMap
 from erlif.registration.settings import orient
 
@@ -60,12 +60,12 @@ class InverseComparison:
 
 @dataclass(frozen=True)
 class MapField:
-    """Displacement, its standard deviation, and where they can be used; any one shape.
+    """Displacement at some points, its standard deviation, and where they can be used.
 
     Attributes
     ----------
     dx : Array
-        Displacement along x. [px]
+        Displacement along x, of any shape. [px]
     dy : Array
         Displacement along y. [px]
     std : Array
@@ -78,16 +78,6 @@ class MapField:
     dy: Array
     std: Array
     known: Mask
-
-    @classmethod
-    def of(cls, camera_map: CameraMap, at: Any = ...) -> MapField:
-        """The map at some pixels, or the whole map."""
-        dx, dy, std = (
-            getattr(camera_map, f"displacement_{name}")[at].astype(float)
-            for name in ("x", "y", "std")
-        )
-        known = camera_map.overlap[at] & ~camera_map.poor[at] & np.isfinite(dx + dy + std)
-        return cls(dx, dy, std, known)
 
 
 @dataclass(frozen=True)
@@ -119,7 +109,7 @@ class MapNodes:
         """The points of a map."""
         row, column = (np.unique(np.linspace(0, n - 1, NODES).round()) for n in camera_map.shape)
         x, y = np.meshgrid(column, row)
-        field = MapField.of(camera_map, np.ix_(row.astype(int), column.astype(int)))
+        field = _sample(camera_map, x, y)
         return cls(camera_map.shape, camera_map.settings.orientation, x, y, field)
 
 
@@ -158,12 +148,12 @@ def compare_with_inverse(stored: CameraMap | MapNodes, camera_map: CameraMap) ->
     own, x, y = nodes.field, nodes.x, nodes.y
     same = exchanged = None
     if nodes.shape == camera_map.shape and nodes.orientation == camera_map.settings.orientation:
-        same = _sample(MapField.of(camera_map), x, y)
+        same = _sample(camera_map, x, y)
 
     # the turn of the run's camera 2 undoes that of the stored map's camera 2
     turn = _turn(nodes.orientation)
     if (turn @ _turn(camera_map.settings.orientation) == np.eye(2)).all():
-        exchanged = _sample(_exchange(camera_map, nodes.orientation), x + own.dx, y + own.dy)
+        exchanged = _sample(camera_map, x + own.dx, y + own.dy, nodes.orientation)
 
     # one set of points for both candidates, so that their misfits can be compared
     known = own.known
@@ -210,19 +200,6 @@ def judge(misfit: float, misfit_inverse: float, *, apart: float, std: float) -> 
     )
 
 
-def _exchange(camera_map: CameraMap, orientation: str) -> MapField:
-    """The map of a run on the pixels of the stored map's camera 2, after its orientation.
-
-    The turn of camera 2 applies to camera 1 of the run if the cameras are exchanged: both the image
-    of the displacement and its vectors are turned.
-    """
-    own, turn = MapField.of(camera_map), _turn(orientation)
-    dx, dy, std, known = (orient(a, orientation) for a in (own.dx, own.dy, own.std, own.known))
-    return MapField(
-        turn[0, 0] * dx + turn[0, 1] * dy, turn[1, 0] * dx + turn[1, 1] * dy, std, known
-    )
-
-
 def _turn(orientation: str) -> Array:
     """Matrix that takes a vector (x, y) on the pixels of a camera to the oriented image."""
     row, column = (orient(index, orientation) for index in np.indices((2, 2), dtype=float))
@@ -235,12 +212,22 @@ def _turn(orientation: str) -> Array:
     )
 
 
-def _sample(field: MapField, x: Array, y: Array) -> MapField:
-    """The field at any points, by bilinear interpolation; not known beyond its edges."""
-    dx, dy, std = (
-        ndimage.map_coordinates(np.where(field.known, a, np.nan), [y, x], order=1, cval=np.nan)
-        for a in (field.dx, field.dy, field.std)
-    )
+def _sample(camera_map: CameraMap, x: Array, y: Array, orientation: str = "normal") -> MapField:
+    """A map at any points, by bilinear interpolation; not known beyond its edges.
+
+    With the orientation of a stored map, a map of a run on the pixels of the stored map's camera 2:
+    the turn of camera 2 applies to camera 1 of the run if the cameras are exchanged. Both the image
+    of the displacement and its vectors are turned.
+    """
+    usable, turn = camera_map.overlap & ~camera_map.poor, _turn(orientation)
+
+    def at_points(values: AnyArray) -> Array:
+        used = orient(np.where(usable, values, np.nan), orientation)
+        return np.asarray(ndimage.map_coordinates(used, [y, x], float, order=1, cval=np.nan))
+
+    dx, dy = at_points(camera_map.displacement_x), at_points(camera_map.displacement_y)
+    dx, dy = turn[0, 0] * dx + turn[0, 1] * dy, turn[1, 0] * dx + turn[1, 1] * dy
+    std = at_points(camera_map.displacement_std)
     return MapField(dx, dy, std, np.isfinite(dx + dy + std))
 
 

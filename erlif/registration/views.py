@@ -164,7 +164,9 @@ class Views:
         size = padded_size(texture.shape)
         if size not in self._grids:
             self._grids[size] = whitening.on_grid(size)
-        return whiten(texture, weight, self._grids[size], threads=self.settings.threads)
+        # a frame that is kept filtered is not needed as it was
+        out = (texture, weight) if self._keep else None
+        return whiten(texture, weight, self._grids[size], threads=self.settings.threads, out=out)
 
     def _prepared(self, plain: Textures) -> View:
         """A frame as it is summed: filtered, if there is a filter, with its spline."""
@@ -188,15 +190,14 @@ class Views:
         others = sorted(set(range(len(self.frames.chosen))) - known - useless)
         pairs = self.frames.pick([self.frames.chosen[number] for number in others])
         for number in others:
-            # no name holds one frame while the next is read
-            plain = textures(next(pairs), 1, self.settings.threads)
+            # no name here holds a frame while it is filtered, or while the next is read
+            handed = [textures(next(pairs), 1, self.settings.threads)]
             if number in self._unknown:
                 self._unknown.remove(number)
-                self.drift[number] = rough_drift(dx, dy, plain, threads=self.settings.threads)
+                self.drift[number] = rough_drift(dx, dy, handed[0], threads=self.settings.threads)
                 if np.isnan(self.drift[number]).any():
                     continue
-            yield number, plain
-            del plain
+            yield number, handed.pop()
 
     def _each(self, dx: Image, dy: Image) -> Iterator[tuple[int, View]]:
         """Number and textures of the frames that have a drift, ready to be summed."""

@@ -256,7 +256,12 @@ def slope_gain(spectra: Spectra, filter_: Filter | None) -> float:
 
 
 def whiten(
-    texture: Image, weight: Image, amplitude: Image, *, threads: int = 1
+    texture: Image,
+    weight: Image,
+    amplitude: Image,
+    *,
+    threads: int = 1,
+    out: tuple[Image, Image] | None = None,
 ) -> tuple[Image, Image]:
     """Filter a texture.
 
@@ -266,6 +271,10 @@ def whiten(
         As from `normalise`.
     amplitude : array
         From `Filter.on_grid` of the `padded_size` of the texture.
+    threads : int
+        Threads to use; the result does not depend on it.
+    out : tuple of two array, (y, x), float32, optional
+        Receive the result; they may be the given texture and weight.
 
     Returns
     -------
@@ -283,12 +292,12 @@ def whiten(
     )
 
     scale = cv2.norm(filtered) / np.sqrt(filtered.size)  # the rms, summed in double precision
-    if scale > 0:
-        filtered *= np.float32(1 / scale)
+    result, kept = (filtered, np.empty_like(weight)) if out is None else out
+    np.multiply(filtered, np.float32(1 / scale if scale > 0 else 1), out=result)
 
-    kept = weight.copy()
+    kept[:] = weight
     kept[:REACH] = 0
     kept[h - REACH :] = 0
     kept[:, :REACH] = 0
     kept[:, w - REACH :] = 0
-    return filtered, kept
+    return result, kept

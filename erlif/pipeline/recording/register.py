@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from erlif.calibration import Calibration
-from erlif.core.arrays import FlagImage, Image
+from erlif.core.arrays import FlagImage, Image, Mask
 from erlif.core.flags import Flag
 from erlif.core.progress import Progress
 from erlif.correction import PairLight
@@ -114,26 +114,23 @@ class LitPairs(Sequence[tuple[Image, Image, Image, Image]]):
 
     def __init__(self, correct: FrameCorrection, frames: list[int], progress: Progress) -> None:
         self.correct, self.frames, self.progress = correct, frames, progress
-        self._light: PairLight | None = None
 
     def __len__(self) -> int:
         return len(self.frames)
 
     def __getitem__(self, index: Any) -> Any:
-        # one set of arrays serves all frames, whose light is divided out into new ones; the frame
-        # that is read last usually ends the reading
-        out = self._light or PairLight.empty(self.correct.pairs.shape, with_noise=False)
+        out = PairLight.empty(self.correct.pairs.shape, with_noise=False)
         pair = self.correct.light(self.frames[index], out=out)
-        self._light = pair if index < len(self) - 1 else None
         self.progress("registration", index + 1, len(self))
+        # the textures take the places of the light
         one, two = (
-            divide_by_light(light, usable_pixels(flags, blocks))
+            divide_by_light(light, usable_pixels(flags, blocks), out=light)
             for light, flags, blocks in zip(pair.light, pair.flags, pair.blocks, strict=True)
         )
         return one[0], two[0], one[1], two[1]
 
 
-def usable_pixels(flags: FlagImage, blocks: Image) -> Image:
+def usable_pixels(flags: FlagImage, blocks: Image) -> Mask:
     """Pixels of one camera on which a registration can rely.
 
     Parameters
@@ -145,13 +142,13 @@ def usable_pixels(flags: FlagImage, blocks: Image) -> Image:
 
     Returns
     -------
-    array, (y, x), float32
-        0 for saturated and bad pixels and where the light is too steep, otherwise 1.
+    array, (y, x), bool
+        False for saturated and bad pixels and where the light is too steep.
     """
     rows, columns = flags.shape
-    usable = (flags & np.uint8(Flag.SATURATED | Flag.BAD_PIXEL)) == 0
+    usable = np.asarray((flags & np.uint8(Flag.SATURATED | Flag.BAD_PIXEL)) == 0)
     usable &= ~is_steep(blocks, (rows, columns))
-    return np.asarray(usable, np.float32)
+    return usable
 
 
 def _check_stored(stored: CameraMap, lit: LitPairs) -> CameraMap:

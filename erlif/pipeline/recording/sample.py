@@ -47,13 +47,7 @@ def sample_frames(chain: FrameChain) -> tuple[Bands, ...]:
     # the same rows of every frame: marks of the surfaces enter all of them alike
     rows = choose_bands(chain.pairs.shape)
     with one_thread_per_frame():
-        return tuple(_take(chain, frame, rows) for frame in chain.pairs.spread(_FRAMES))
-
-
-def _take(chain: FrameChain, frame: int, rows: list[slice]) -> Bands:
-    """Copies of some rows of an aligned pair: views would keep the whole of it."""
-    _, aligned = chain.align(frame)
-    return tuple(AlignedFrames(aligned.isel(y=band).copy(deep=True)) for band in rows)
+        return tuple(chain.align_bands(frame, rows) for frame in chain.pairs.spread(_FRAMES))
 
 
 def choose_bands(shape: tuple[int, int]) -> list[slice]:
