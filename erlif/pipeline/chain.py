@@ -265,9 +265,7 @@ class FrameChain(PickledByFields):
         dims = corrected.signal.dims
         replaced = corrected.assign(signal_var=(dims, one), signal_var_fixed=(dims, other))
         # with the drift of the frame itself, which the light alone determines
-        return align_frames(
-            CorrectedFrames(replaced), self.camera_map, drift=_drift_of(corrected)
-        )
+        return align_frames(CorrectedFrames(replaced), self.camera_map, drift=_drift_of(corrected))
 
     def divide(self, aligned: AlignedFrames) -> RatioImages:
         """The ratio images of aligned frame pairs."""

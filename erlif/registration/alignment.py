@@ -100,6 +100,21 @@ def align_bands(
     ------
     ErlifError
         If a variable of the frames is missing.
+
+    Examples
+    --------
+    >>> from erlif.registration import CameraMap, MapKind
+    >>> flat = np.zeros((5, 6), np.float32)
+    >>> camera_map = CameraMap(flat + 1, flat, flat, flat == 0, flat > 0, 1.0, MapKind.SURFACE)
+    >>> dims = ("camera", "frame", "y", "x")
+    >>> none = (dims, np.zeros((2, 1, 5, 6)))
+    >>> light = np.broadcast_to(np.arange(5.0)[:, None], (2, 1, 5, 6))
+    >>> flags = (dims, np.zeros(light.shape, np.uint8))
+    >>> frames = xr.Dataset({"signal": (dims, light), "signal_var": none,
+    ...     "signal_var_fixed": none, "flags": flags})
+    >>> (band,) = align_bands(CorrectedFrames(frames), camera_map, [slice(2, 4)])
+    >>> band.signal.values[1, 0, :, 0].round(3)
+    array([2., 3.], dtype=float32)
     """
     names = ("signal", "signal_var", "signal_var_fixed", "flags")
     require(frames, *names)
