@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Container
+from collections.abc import Container, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
@@ -288,15 +288,28 @@ class Calibration:
             "calibration", then the terms of `TERMS` that have an error. Where errors compensate
             each other, they are scaled to add up to the total. [unit of the quantity]
         """
+        return self.split_errors([gradient])[0]
+
+    def split_errors(self, gradients: Sequence[Array]) -> list[dict[str, float]]:
+        """The same of several quantities, as `split_error`."""
         alone = replace(self, systematics=None).full_covariance
-        own, others = gradient[: len(alone)], gradient[len(alone) :]
-        terms = {"calibration": float(own @ alone @ own)}
-        if self.systematics is not None:
-            split = self.systematics.split(others)
-            terms |= {name: std**2 for name, std in split.items() if std > 0}
-        total = float(gradient @ self.full_covariance @ gradient)
-        scale = total / max(sum(terms.values()), np.finfo(float).tiny)
-        return {name: float(np.sqrt(scale * variance)) for name, variance in terms.items()}
+        whole = self.full_covariance
+        split = {} if self.systematics is None else self.systematics.split()
+        found = []
+        for gradient in gradients:
+            own, others = gradient[: len(alone)], gradient[len(alone) :]
+            terms = {"calibration": float(own @ alone @ own)}
+            for name, (places, covariance) in split.items():
+                part = others[places]
+                std = float(np.sqrt(part @ covariance @ part))
+                if std > 0:
+                    terms[name] = std**2
+            total = float(gradient @ whole @ gradient)
+            scale = total / max(sum(terms.values()), np.finfo(float).tiny)
+            found.append(
+                {name: float(np.sqrt(scale * variance)) for name, variance in terms.items()}
+            )
+        return found
 
     def log_ratio_std(self, thickness: npt.ArrayLike) -> Array:
         """Standard deviation of the predicted logarithm of the ratio. [1]"""

@@ -456,25 +456,10 @@ class Systematics:
             covariance = self.fit_covariance
         return np.block([[covariance, self.cross], [self.cross.T, self.covariance]])
 
-    def split(self, gradient: Array) -> dict[str, float]:
-        """Standard deviation by each term.
-
-        Parameters
-        ----------
-        gradient : array, (parameter,)
-            Change of a quantity with the parameters. [unit of the quantity]
-
-        Returns
-        -------
-        dict of str to float
-            By term, in the order of the parameters.
-        """
-        found = {}
-        for term in dict.fromkeys(self.terms):
-            own = self.places(term)
-            part = gradient[own]
-            found[term] = float(np.sqrt(part @ self.covariance[np.ix_(own, own)] @ part))
-        return found
+    def split(self) -> dict[str, tuple[npt.NDArray[np.intp], Array]]:
+        """Numbers of the parameters of each term and their covariance, in their order."""
+        places = {term: self.places(term) for term in dict.fromkeys(self.terms)}
+        return {term: (own, self.covariance[np.ix_(own, own)]) for term, own in places.items()}
 
 
 def _act_of(kind: str) -> str:

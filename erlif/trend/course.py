@@ -32,6 +32,8 @@ _TINY = 1e-12  # in place of the scatter of values without noise
 
 _ROUNDS = 8  # of the search for the size, at most; four are usual
 
+_TOGETHER = 16  # frames whose products are in memory at a time
+
 _SETTLED = 0.1  # rest of a change over its standard deviation at which the search ends
 
 
@@ -86,7 +88,7 @@ class _Rows:
         inverse = np.linalg.pinv(others.T @ others, rcond=1e-10, hermitian=True)
         value = self.value - others @ (inverse @ (others.T @ self.value))
         first = np.searchsorted(self.frame, np.arange(n))
-        mixed = np.add.reduceat(others * self.response[:, None], first)
+        mixed = self._by_frame(first)
         normal = np.diag(np.bincount(self.frame, self.response**2, n)) - mixed @ inverse @ mixed.T
         score = courses @ np.bincount(self.frame, self.response * value, n)
         square = np.einsum("kn,nm,km->k", courses, normal, courses, optimize=True)
@@ -104,6 +106,17 @@ class _Rows:
         alone = float((rest**2).mean() * square[best])
         together = _long_run(np.bincount(self.frame, response * rest, n).astype(float))
         return best, size, float(np.sqrt(max(alone, together))) / float(square[best])
+
+    def _by_frame(self, first: npt.NDArray[np.intp]) -> Array:
+        """Sums of `response * others` over the rows of each frame, (frame, unknown)."""
+        sums = np.empty((self.count, self.others.shape[1]))
+        for start in range(0, self.count, _TOGETHER):
+            of = first[start : start + _TOGETHER]
+            end = first[start + _TOGETHER] if start + _TOGETHER < self.count else len(self.frame)
+            rows = slice(of[0], end)
+            products = self.others[rows] * self.response[rows, None]
+            sums[start : start + len(of)] = np.add.reduceat(products, of - of[0])
+        return sums
 
 
 def _long_run(values: Array) -> float:
@@ -202,6 +215,8 @@ def find_ratio_change(
     best, size, std = rows.find(courses)
     if not std < _LOOSE:
         return None
+    drifting = rows.find(courses[:1])[1]
+    del rows  # tens of megabytes, as those of each round
     significance = abs(size) / max(std, _TINY)
 
     def settle(number: int, size: float) -> tuple[float, float]:
@@ -227,7 +242,7 @@ def find_ratio_change(
     total, std = settle(best, size)
     if not std < _LOOSE:
         return None
-    drift = settle(0, rows.find(courses[:1])[1]) if best else (total, std)
+    drift = settle(0, drifting) if best else (total, std)
     median = float(np.median(film[used][chosen]))
     return Change(_frame_of(best, frames[used]), total, std, significance, median, drift)
 
@@ -257,14 +272,17 @@ def _compare(
 
     # the illumination of each cell, and what errors of the calibration do in all frames alike
     own = [response, response**2, response**3, film, film**2, film * response]
-    smooth = np.stack(own, axis=-1)[chosen]
-    others = np.concatenate([np.eye(light.shape[1])[cell], smooth], axis=1)
+    cells = light.shape[1]
+    columns = np.zeros((len(frame), 2 + cells + len(own)))
+    columns[np.arange(len(frame)), 2 + cell] = 1.0
+    for n, one in enumerate(own, 2 + cells):
+        columns[:, n] = one[chosen]
 
     # energy and pointing of each pulse: a plane over the cells of a frame
-    value = (light - np.log(of_film.signal))[chosen]
-    columns = np.concatenate([value[:, None], -response[chosen][:, None], others], axis=1)
+    columns[:, 0], columns[:, 1] = (light - np.log(of_film.signal))[chosen], -response[chosen]
     plane = np.stack([np.ones_like(places[0]), *places], axis=1)[cell]
-    for at in np.split(np.arange(len(frame)), np.searchsorted(frame, np.arange(1, len(light)))):
+    ends = np.searchsorted(frame, np.arange(len(light) + 1))
+    for at in map(slice, ends[:-1], ends[1:]):
         base = np.linalg.qr(plane[at])[0]
         columns[at] -= base @ (base.T @ columns[at])
     return _Rows(columns[:, 0], columns[:, 1], columns[:, 2:], frame, len(light))

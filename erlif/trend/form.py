@@ -99,6 +99,53 @@ class GapForm:
     imitations: tuple[Imitation, ...] = ()
 
 
+@dataclass(frozen=True)
+class _Covariance:
+    """Covariance of one number of the form over the triggers, of which a run may have thousands.
+
+    Attributes
+    ----------
+    random : Array
+        Variance by noise, new at every trigger, (trigger,). [um2/mm4]
+    surface : Array
+        Standard deviation by marks of the surfaces, common to all, (trigger,). [um/mm2]
+    gradient : Array
+        Change with the parameters of the calibration, common to all, (trigger, parameter).
+    calibration : Array
+        Their covariance, (parameter, parameter).
+    """
+
+    random: Array
+    surface: Array
+    gradient: Array
+    calibration: Array
+
+    @classmethod
+    def of(cls, forms: Sequence[FittedNumbers], number: int, calibration: Array) -> _Covariance:
+        """Of the number with this place in the form."""
+        random = np.array([one.random_cov[number, number] for one in forms])
+        surface = np.sqrt([one.surface_cov[number, number] for one in forms])
+        gradient = np.array([one.gradient[number] for one in forms])
+        return cls(random, surface, gradient, calibration)
+
+    def times(self, factor: float) -> _Covariance:
+        """The covariance of a multiple of the number."""
+        columns = factor * self.surface, factor * self.gradient
+        return _Covariance(factor**2 * self.random, *columns, self.calibration)
+
+    @property
+    def variance(self) -> Array:
+        """Of each trigger, (trigger,)."""
+        common = np.einsum("ti,ij,tj->t", self.gradient, self.calibration, self.gradient)
+        return np.asarray(self.random + self.surface**2 + common)
+
+    def of_sum(self, weight: Array) -> float:
+        """Variance of the sum with these weights, (trigger,)."""
+        along = weight @ self.gradient
+        common = along @ self.calibration @ along
+        return float(weight**2 @ self.random + (weight @ self.surface) ** 2 + common)
+
+
 def judge_form(
     positions: Sequence[PinPosition],
     view: PinView,
@@ -154,21 +201,22 @@ def judge_form(
         return None
     film = view.clearance - np.array([one.value[0] for one in known])
     excess, bend = np.array([one.form.value for one in known]).T
-    cov = [_covariance([one.form for one in known], number, calibration_cov) for number in (0, 1)]
+    cov = [_Covariance.of([one.form for one in known], n, calibration_cov) for n in (0, 1)]
 
     # weights by the variance of each trigger; what is common to all enters the variances alone
     rate = 1 / view.curvature
-    mean, mean_std = _combine(rate * excess, rate**2 * cov[0], np.ones((1, film.size)))
+    of_rate = cov[0].times(rate)
+    mean, mean_std = _combine(rate * excess, of_rate, np.ones((1, film.size)))
     bent, bent_std = _combine(bend, cov[1], np.ones((1, film.size)))
     change, change_std = math.nan, math.nan
     if np.ptp(film) > 0:
         line = np.stack([np.ones_like(film), (film - film.min()) / np.ptp(film)])
-        change, change_std = _combine(rate * excess, rate**2 * cov[0], line)
+        change, change_std = _combine(rate * excess, of_rate, line)
     excess_std = math.hypot(mean_std, SCALE_STD)
 
     # the pressure of a squeezed film, (1 + x^2/2Rh)^-2, flattens the middle by 3/4 b^2/(R h)
     flat = -1.5 * flattening / np.maximum(film, flattening)
-    rest, _ = _combine(rate * excess - flat, rate**2 * cov[0], np.ones((1, film.size)))
+    rest, _ = _combine(rate * excess - flat, of_rate, np.ones((1, film.size)))
     if abs(bent) > SIGNIFICANT * bent_std:
         cause = Cause.BENDING
     elif abs(mean) <= SIGNIFICANT * excess_std:
@@ -200,11 +248,11 @@ def judge_form(
 
 
 def _find_imitations(
-    values: Array, covariance: Array, gradient: Array, systematics: Systematics
+    values: Array, covariance: _Covariance, gradient: Array, systematics: Systematics
 ) -> list[Imitation]:
     """Terms whose size explains a number of all triggers, each by its best parameter."""
     found: dict[str, Imitation] = {}
-    width, scale = np.sqrt(np.diag(systematics.covariance)), np.diag(covariance)
+    width, scale = np.sqrt(np.diag(systematics.covariance)), covariance.variance
     for n, term in enumerate(systematics.terms):
         column = gradient[:, n - len(width)]
         if term == "position" or width[n] == 0 or not column.any():  # a position is in um
@@ -216,22 +264,8 @@ def _find_imitations(
     return sorted(found.values(), key=lambda one: one.cost)
 
 
-def _covariance(forms: Sequence[FittedNumbers], number: int, calibration_cov: Array) -> Array:
-    """Covariance of one number of the form over the triggers. [um2/mm4]
-
-    Noise is new at every trigger, marks of the surfaces and the calibration are common to all.
-    """
-    random = np.array([one.random_cov[number, number] for one in forms])
-    surface = np.sqrt([one.surface_cov[number, number] for one in forms])
-    gradient = np.array([one.gradient[number] for one in forms])
-    common = np.outer(surface, surface) + gradient @ calibration_cov @ gradient.T
-    return np.asarray(np.diag(random) + common)
-
-
-def _combine(values: Array, covariance: Array, design: Array) -> tuple[float, float]:
+def _combine(values: Array, covariance: _Covariance, design: Array) -> tuple[float, float]:
     """Last coefficient of a weighted fit and its standard deviation by the whole covariance."""
-    scale = np.diag(covariance)
-    weighted = design / np.maximum(scale, np.finfo(float).tiny)
+    weighted = design / np.maximum(covariance.variance, np.finfo(float).tiny)
     solve = np.linalg.solve(weighted @ design.T, weighted)
-    variance = float(solve[-1] @ covariance @ solve[-1])
-    return float(solve[-1] @ values), math.sqrt(max(variance, 0.0))
+    return float(solve[-1] @ values), math.sqrt(max(covariance.of_sum(solve[-1]), 0.0))

@@ -36,11 +36,9 @@ def describe_errors(
     dict of str to variable
     """
     columns: dict[str, list[dict[str, float]]] = {"film_mean_error": [], "film_min_error": []}
-    for one in statistics:
-        mean, minimum = (
-            calibration.split_error(gradient)
-            for gradient in (one.mean_gradient, one.minimum_gradient)
-        )
+    means = calibration.split_errors([one.mean_gradient for one in statistics])
+    minima = calibration.split_errors([one.minimum_gradient for one in statistics])
+    for one, mean, minimum in zip(statistics, means, minima, strict=True):
         columns["film_mean_error"].append({"noise": one.mean_random_std, "marks": 0.0} | mean)
         surface = "form" if one.minimum_departs else "marks"
         noise = {"noise": one.minimum_random_std, surface: one.minimum_surface_std}
