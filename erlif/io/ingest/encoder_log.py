@@ -16,7 +16,7 @@ from erlif.io.ingest.logs.columns import ColumnChoice, convert_columns, find_col
 from erlif.io.ingest.logs.resample import FEWEST_SAMPLES, ContinuousLog, unwrap_angle
 from erlif.io.ingest.logs.table import LogColumn, LogTable
 from erlif.io.ingest.logs.text import read_log_table
-from erlif.io.ingest.pairing import find_missing, frame_numbers
+from erlif.io.ingest.pairing import find_missing, frame_numbers, has_numbers
 from erlif.io.refusals import refusal
 
 
@@ -128,6 +128,32 @@ def read_log(
     return ReadLog(log, notes)
 
 
+def leave_out_late_rows(
+    log: EncoderLog, pages: Sequence[Page], name: str
+) -> tuple[EncoderLog, list[Note]]:
+    """The log without rows after the last frame, where files and rows have the same numbers.
+
+    Arguments as in `check_rows`.
+
+    Returns
+    -------
+    (EncoderLog, list of Note)
+        A warning where there are such rows.
+    """
+    if not _has_late_rows(log, pages):
+        return log, []
+    numbers, frames = log.number.values, len(pages)
+    late = f"frames {numbers[frames]} to {numbers[-1]} have no files and are left out"
+    return EncoderLog(log.isel(frame=slice(frames))), [Note(Level.WARNING, name, late)]
+
+
+def _has_late_rows(log: EncoderLog, pages: Sequence[Page]) -> bool:
+    """Whether the first rows have the numbers of the files, and more follow."""
+    numbers, frames = log.number.values.tolist(), len(pages)
+    same = len(numbers) > frames and numbers[:frames] == frame_numbers(pages)
+    return same and has_numbers(pages)
+
+
 def check_rows(log: EncoderLog, pages: Sequence[Page], name: str) -> None:
     """Refuse a log that does not have one row per frame.
 
@@ -158,7 +184,7 @@ def check_rows(log: EncoderLog, pages: Sequence[Page], name: str) -> None:
             "Take the rows without a frame out of the log and number the rows anew; or export from "
             "both recordings only the frames that have a row"
         )
-    elif rows - frames == len(find_missing(frame_numbers(pages))):
+    elif rows - frames == len(find_missing(frame_numbers(pages))) or _has_late_rows(log, pages):
         cure = "Use --skip-bad-frames to leave out the rows of the numbers that no file has"
     else:
         cure = (

@@ -167,6 +167,22 @@ def frame_numbers(pages: Sequence[Page]) -> list[int]:
     return numbers if len(set(numbers)) == len(pages) else list(range(len(pages)))
 
 
+def has_numbers(pages: Sequence[Page]) -> bool:
+    """Whether each frame has a file, in the order of the numbers of the files.
+
+    Examples
+    --------
+    >>> has_numbers([Page(Path(name), 0) for name in ("f_1.tif", "f_3.tif")])
+    True
+    >>> has_numbers([Page(Path("stack.tif"), 0), Page(Path("stack.tif"), 1)])
+    False
+    """
+    found = [_LAST_NUMBER.search(page.path.stem) for page in pages]
+    numbers = [int(digits[0]) for digits in found if digits]
+    files = {page.path for page in pages}
+    return len(files) == len(numbers) == len(pages) and bool((np.diff(numbers) > 0).all())
+
+
 def find_missing(numbers: list[int]) -> list[int]:
     """Numbers that are missing in a sequence of equal steps.
 
@@ -208,7 +224,7 @@ def fill_gaps(pairs: FramePairs) -> FramePairs:
     """
     one, two = (frame_numbers(pages) for pages in pairs.pages)
     gaps = find_missing(one)
-    if not gaps or one != two or not all(_has_numbers(pages) for pages in pairs.pages):
+    if not gaps or one != two or not all(has_numbers(pages) for pages in pairs.pages):
         return pairs
     numbers = sorted({*one, *gaps})
     place = {number: k for k, number in enumerate(numbers)}
@@ -363,18 +379,10 @@ def _common_numbers(cameras: Sequence[Sequence[Page]]) -> list[int]:
     frames, and where few frames are common.
     """
     one, two = (frame_numbers(pages) for pages in cameras)
-    if one[0] != two[0] or not all(_has_numbers(pages) for pages in cameras):
+    if one[0] != two[0] or not all(has_numbers(pages) for pages in cameras):
         return []
     every, both = {*one, *two}, {*one} & {*two}
     return sorted(every) if len(every) <= _UNEQUAL * len(both) else []
-
-
-def _has_numbers(pages: Sequence[Page]) -> bool:
-    """Whether each frame has a file, in the order of the numbers of the files."""
-    found = [_LAST_NUMBER.search(page.path.stem) for page in pages]
-    numbers = [int(digits[0]) for digits in found if digits]
-    files = {page.path for page in pages}
-    return len(files) == len(numbers) == len(pages) and bool((np.diff(numbers) > 0).all())
 
 
 def _lost(page: Page, number: int) -> Page:

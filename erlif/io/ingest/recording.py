@@ -17,7 +17,7 @@ from erlif.core.errors import EncoderError
 from erlif.core.notes import Note, list_some
 from erlif.core.products import EncoderLog
 from erlif.io.ingest.containment import named_files, refuse_outside
-from erlif.io.ingest.encoder_log import check_rows, read_log
+from erlif.io.ingest.encoder_log import check_rows, leave_out_late_rows, read_log
 from erlif.io.ingest.frames import FramePairs
 from erlif.io.ingest.images import match_files
 from erlif.io.ingest.logs.checks import is_nearly_by_frame
@@ -160,9 +160,9 @@ def open_run(
     whole = fill_gaps(pairs) if skip_bad_frames else pairs
     if whole is not pairs and settings.encoder is not None and settings.encoder.file is not None:
         with suppress(EncoderError):
-            log, notes = _open_log(run_dir, settings, whole, find_start)
+            log, notes = _open_log(run_dir, settings, whole, find_start, skip=True)
             return Run(run_dir, settings, whole, log, notes)
-    log, notes = _open_log(run_dir, settings, pairs, find_start)
+    log, notes = _open_log(run_dir, settings, pairs, find_start, skip=skip_bad_frames)
     return Run(run_dir, settings, pairs, log, notes)
 
 
@@ -188,7 +188,12 @@ def choose_columns(encoder: EncoderSettings) -> ColumnChoice:
 
 
 def _open_log(
-    run_dir: Path, settings: RunSettings, pairs: FramePairs, find_start: FindStart | None
+    run_dir: Path,
+    settings: RunSettings,
+    pairs: FramePairs,
+    find_start: FindStart | None,
+    *,
+    skip: bool,
 ) -> tuple[EncoderLog, list[Note]]:
     """The log with one row for each frame pair, and what was taken for what in it."""
     encoder = settings.encoder
@@ -204,6 +209,9 @@ def _open_log(
         needs_angle=settings.linkage is not None,
     )
     if not isinstance(log, ContinuousLog):
+        if skip:
+            log, late = leave_out_late_rows(log, pairs.pages[0], encoder.file)
+            notes = [*notes, *late]
         check_rows(log, pairs.pages[0], encoder.file)
         return log, notes
 

@@ -49,6 +49,24 @@ def test_a_pulse_without_its_frames_keeps_its_row(lab, cameras):
     np.testing.assert_array_equal(run.log.angle, written["angle_deg"])
 
 
+def test_rows_after_the_last_frame_are_left_out_where_the_numbers_are_those_of_the_files(lab):
+    for camera in (1, 2):
+        for path in lab.frames(camera)[4:]:
+            path.unlink()
+    with pytest.raises(EncoderError, match=r"4 frames each.*Use --skip-bad-frames to leave out"):
+        open_run(lab.run)
+    run = open_run(lab.run, skip_bad_frames=True)
+    written = np.genfromtxt(lab.run / "encoder.csv", delimiter=",", names=True)
+    np.testing.assert_array_equal(run.log.angle, written["angle_deg"][:4])
+    assert "frames 4 to 5 have no files and are left out" in [note.text for note in run.log_notes]
+    # with other numbers of the files the first row may be the one without a frame
+    for camera in (1, 2):
+        for path in lab.frames(camera)[::-1]:
+            path.rename(path.with_name(f"frame_{int(path.stem[-4:]) + 1:04d}.tif"))
+    with pytest.raises(EncoderError, match="6 rows, the cameras have 4 frames"):
+        open_run(lab.run, skip_bad_frames=True)
+
+
 def test_a_log_without_the_row_of_a_pulse_that_both_cameras_lack_fits_the_others(lab):
     for camera in (1, 2):
         lab.frames(camera)[2].unlink()
