@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numba
 import numpy as np
 import numpy.typing as npt
 
@@ -35,6 +36,9 @@ _CONVERGED = 1e-4  # change of the gap below which the iteration ends [um]
 
 # First steps, without weights of residuals: the start is too coarse to judge outliers.
 _PLAIN_STEPS = 2
+
+# Ratio of the ends of the spectrum of squares, accurate to 1e-12, that is no rounding.
+_APART = 1e-9
 
 _DECISIVE = 0.2  # biweight (before squaring) above which a block counts towards determining the gap
 
@@ -147,11 +151,14 @@ def _iterate(blocks: BlockMeans, curve: FilmCurve, shapes: Array, base: float) -
     place, _ = curve.find_bins(value)
     chosen = shapes * use
 
-    # rounding can leave the matrix of dependent shapes invertible, so that their rank decides
-    if np.linalg.matrix_rank(chosen) < len(shapes):
+    # rounding can leave the matrix of dependent shapes invertible, so that their rank decides; it
+    # takes longer than a step of the fit, and the squares alone show shapes that are clearly apart
+    square = chosen @ shapes.T
+    spectrum = np.linalg.eigvalsh(square)
+    if spectrum[0] < _APART * spectrum[-1] and np.linalg.matrix_rank(chosen) < len(shapes):
         return None
     goal = chosen @ (curve.film[place] - base)
-    amplitudes: Array = np.asarray(np.linalg.solve(chosen @ shapes.T, goal), float)
+    amplitudes: Array = np.asarray(np.linalg.solve(square, goal), float)
 
     trust = use.astype(float)
     response = trust
@@ -188,11 +195,20 @@ def _iterate(blocks: BlockMeans, curve: FilmCurve, shapes: Array, base: float) -
 
 def _determine_a_gap(blocks: BlockMeans, use: Mask) -> bool:
     """Whether the chosen blocks determine a parabola along sliding and a tilt across."""
-    along, across = (
-        np.count_nonzero(np.bincount(strip[use]))
-        for strip in (blocks.strip_across, blocks.strip_along)
-    )
-    return bool(use.sum() >= _LEAST_BLOCKS and along >= _LEAST_ALONG and across >= _LEAST_ACROSS)
+    count, across, along = _count(use, blocks.strip_along, blocks.strip_across)
+    return bool(count >= _LEAST_BLOCKS and along >= _LEAST_ALONG and across >= _LEAST_ACROSS)
+
+
+@numba.njit(nogil=True, cache=True)
+def _count(use, one, other):  # type: ignore[no-untyped-def]
+    """Chosen blocks, and the strips of both directions that hold any of them."""
+    seen = np.zeros((2, max(one.max(), other.max()) + 1 if use.size else 0), np.uint8)
+    count = 0
+    for n in range(use.size):
+        if use[n]:
+            count += 1
+            seen[0, one[n]] = seen[1, other[n]] = 1
+    return count, seen[0].sum(), seen[1].sum()
 
 
 def _excess_variance(residual: Array, variance: Array) -> float:

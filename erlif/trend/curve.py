@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 
+import numba
 import numpy as np
 import numpy.typing as npt
 
@@ -122,7 +123,11 @@ class FilmCurve:
         >>> bool(np.allclose(log_ratio, calibration.predict_log([2.0, 5.0]), atol=1e-8))
         True
         """
-        return np.interp(film, self.films, self.log_ratio), np.interp(film, self.films, self.slope)
+        film = np.asarray(film, float)
+        found = np.empty((2, film.size))
+        _look_up(film.ravel(), self.films, self.log_ratio, self.slope, found)
+        log_ratio, slope = found.reshape(2, *film.shape)
+        return log_ratio, slope
 
     def find_bins(self, log_ratio: Array) -> tuple[npt.NDArray[np.intp], Array]:
         """Bins of log ratios, and the distance from the middle of their bins.
@@ -150,3 +155,27 @@ class FilmCurve:
         width = (last - first) / _BINS
         place = np.clip(((log_ratio - first) / width).astype(np.intp), 0, _BINS - 1)
         return place, log_ratio - first - (place + 0.5) * width
+
+
+@numba.njit(nogil=True, cache=True, error_model="numpy")
+def _look_up(film, films, log_ratio, slope, found):  # type: ignore[no-untyped-def]
+    """Both numbers of films as `numpy.interp`, which searches the table for each of them."""
+    last = films.size - 1
+    per_step = last / (films[last] - films[0])
+    for n in range(film.size):
+        value = min(max(film[n], films[0]), films[last])
+        if value != value:
+            found[:, n] = value
+            continue
+
+        # even spacing gives the entry below but for the rounding of the table
+        k = min(int((value - films[0]) * per_step), last - 1)
+        while films[k] > value:
+            k -= 1
+        while k < last - 1 and films[k + 1] <= value:
+            k += 1
+        width, beyond = films[k + 1] - films[k], value - films[k]
+        found[0, n] = (log_ratio[k + 1] - log_ratio[k]) / width * beyond + log_ratio[k]
+        found[1, n] = (slope[k + 1] - slope[k]) / width * beyond + slope[k]
+        if value == films[last]:
+            found[0, n], found[1, n] = log_ratio[last], slope[last]

@@ -75,3 +75,13 @@ def test_curve_within_a_run_has_the_errors_that_have_grown_by_then():
     # the ratio is wrong from the first frame on, both parameters of the bleaching grow from nothing
     grown = np.array([1, 0.25, 0.25]) * run.gradient(5.0)[3:]
     npt.assert_allclose(found.calibration.gradient(5.0)[3:], grown)
+
+
+def test_films_are_looked_up_as_numpy_interpolates(curve):
+    """At the entries of the table, beside them and beyond its ends, to the last bit."""
+    inside = np.random.default_rng(1).uniform(-1, 40, 5000)
+    beside = [np.nextafter(curve.films, end) for end in (-np.inf, np.inf)]
+    film = np.concatenate([inside, curve.films, *beside, [np.nan, np.inf, -np.inf]])
+    log_ratio, slope = curve.predict(film)
+    npt.assert_array_equal(log_ratio, np.interp(film, curve.films, curve.log_ratio))
+    npt.assert_array_equal(slope, np.interp(film, curve.films, curve.slope))
