@@ -92,7 +92,7 @@ class Reabsorption:
     def predict(self, thickness: npt.ArrayLike) -> Array:
         """Logarithm of the ratio of a film. `thickness` in um."""
         if self.reflects:
-            return self._before_wall(thickness).log_ratio
+            return self.before_wall(thickness).log_ratio
         K, p, q = self.parameters
         return np.asarray(
             log_band_ratio(thickness, ratio_at_zero=K, attenuation_camera1=p, attenuation_camera2=q)
@@ -101,7 +101,7 @@ class Reabsorption:
     def slope(self, thickness: npt.ArrayLike) -> Array:
         """Slope of the logarithm of the ratio over thickness. [1/um]"""
         if self.reflects:
-            return self._before_wall(thickness).slope
+            return self.before_wall(thickness).slope
         _, p, q = self.parameters
         return np.asarray(
             log_band_ratio_slope(thickness, attenuation_camera1=p, attenuation_camera2=q)
@@ -110,7 +110,7 @@ class Reabsorption:
     def gradient(self, thickness: npt.ArrayLike) -> Array:
         """Derivatives of the logarithm of the ratio by the parameters, (parameter, ...)."""
         if self.reflects:
-            return self._before_wall(thickness).gradient
+            return self.before_wall(thickness).gradient
         K, p, q = self.parameters
         return log_band_ratio_gradient(
             thickness, ratio_at_zero=K, attenuation_camera1=p, attenuation_camera2=q
@@ -122,9 +122,10 @@ class Reabsorption:
         if self.reflects:
             wall = {"attenuation_laser": self.parameters[3], "reflectance": self.parameters[4]}
         light = band_light(thickness, attenuation=self.parameters[1], **wall)
-        return light if wall else light._replace(gradient=light.gradient[:1])
+        return light if wall else replace(light, black=True)
 
-    def _before_wall(self, thickness: npt.ArrayLike) -> WallRatio:
+    def before_wall(self, thickness: npt.ArrayLike) -> WallRatio:
+        """Ratio and derivatives of a film before a reflecting wall; for a model of five numbers."""
         K, p, q, a, R = self.parameters
         return wall_ratio(
             thickness,

@@ -366,7 +366,7 @@ class Systematics:
         acts: dict[str, Any] = {
             "constant": np.ones_like(h),
             "absorption": -h * slope,
-            "wall": _with_wall(model).gradient(h)[-1],
+            "wall": _with_wall(model).before_wall(h).by_reflectance,
             "light 1": -_LEVEL * one / self.light[0],
             "light 2": _LEVEL * two / self.light[1],
             "background 1": -self.light[0] / one,

@@ -13,7 +13,8 @@ laser and b of the band, x = (a + b) t and y = (a - b) t, the four integrals ove
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import NamedTuple
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -223,22 +224,58 @@ def log_band_ratio_gradient(
     )
 
 
-class WallRatio(NamedTuple):
-    """Ratio of a film before a reflecting wall, and its derivatives.
+@dataclass(frozen=True)
+class WallRatio:
+    """Ratio of a film before a reflecting wall, and its derivatives; each is computed on demand.
 
     Attributes
     ----------
-    log_ratio : Array
-        ln r. [1]
-    slope : Array
-        Its derivative with respect to thickness. [inverse of the unit of thickness]
-    gradient : Array
-        Its derivatives with respect to K, p, q, a and R, in this order, (5, ...).
+    ratio_at_zero : float
+        K. [1]
+    thickness : Array
+        [unit of length]
+    attenuations : tuple[float, float, float]
+        p, q and a. [inverse of the unit of thickness]
+    layers : tuple[_Layer, _Layer]
+        Of camera 1 and camera 2.
     """
 
-    log_ratio: Array
-    slope: Array
-    gradient: Array
+    ratio_at_zero: float
+    thickness: Array
+    attenuations: tuple[float, float, float]
+    layers: tuple[_Layer, _Layer]
+
+    @property
+    def log_ratio(self) -> Array:
+        """ln r. [1]"""
+        one, two = self.layers
+        return np.asarray(np.log(self.ratio_at_zero) + two.log - one.log)
+
+    @property
+    def slope(self) -> Array:
+        """Its derivative with respect to thickness. [inverse of the unit of thickness]"""
+        (p, q, a), (one, two) = self.attenuations, self.layers
+        rise = two.by_x * q + two.by_y * (2 * a - q) - one.by_x * p - one.by_y * (2 * a - p)
+        return np.asarray(rise)
+
+    @property
+    def by_reflectance(self) -> Array:
+        """Its derivative with respect to R. [1]"""
+        one, two = self.layers
+        return np.asarray(two.by_reflectance - one.by_reflectance)
+
+    @property
+    def gradient(self) -> Array:
+        """Its derivatives with respect to K, p, q, a and R, in this order, (5, ...)."""
+        t, (one, two) = self.thickness, self.layers
+        rows = [
+            np.full_like(t, 1 / self.ratio_at_zero),
+            -t * (one.by_x - one.by_y),
+            t * (two.by_x - two.by_y),
+            2 * t * (two.by_y - one.by_y),
+            self.by_reflectance,
+        ]
+        return np.stack(rows)
 
 
 def wall_ratio(
@@ -292,34 +329,51 @@ def wall_ratio(
     p, q, a = attenuation_camera1, attenuation_camera2, attenuation_laser
     # a fit may try films far below zero, where exp would overflow
     t = np.maximum(np.asarray(thickness, float), -LARGEST_DEPTH / (4 * max(p, q)))
-    one, two = (_layer(band * t, (2 * a - band) * t, reflectance) for band in (p, q))
-    slope = two.by_x * q + two.by_y * (2 * a - q) - one.by_x * p - one.by_y * (2 * a - p)
-    gradient = [
-        np.full_like(t, 1 / ratio_at_zero),
-        -t * (one.by_x - one.by_y),
-        t * (two.by_x - two.by_y),
-        2 * t * (two.by_y - one.by_y),
-        two.by_reflectance - one.by_reflectance,
-    ]
-    return WallRatio(np.log(ratio_at_zero) + two.log - one.log, slope, np.stack(gradient))
+    one, two = (_Layer(band * t, (2 * a - band) * t, reflectance) for band in (p, q))
+    return WallRatio(ratio_at_zero, t, (p, q, a), (one, two))
 
 
-class BandLight(NamedTuple):
-    """Light of a film in one band, and its derivatives.
+@dataclass(frozen=True)
+class BandLight:
+    """Light of a film in one band, and its derivatives; each is computed on demand.
 
     Attributes
     ----------
-    signal : Array
-        Light over that per thickness of a very thin film. [unit of length]
-    slope : Array
-        Derivative of its logarithm with respect to thickness. [inverse of the unit of thickness]
-    gradient : Array
-        Derivatives of its logarithm with respect to p, a and R, in this order, (3, ...).
+    thickness : Array
+        [unit of length]
+    attenuations : tuple[float, float]
+        p and a. [inverse of the unit of thickness]
+    layer : _Layer
+        The film without its thickness.
+    black : bool
+        Whether the gradient is that with respect to p alone, as before a black wall.
     """
 
-    signal: Array
-    slope: Array
-    gradient: Array
+    thickness: Array
+    attenuations: tuple[float, float]
+    layer: _Layer
+    black: bool = False
+
+    @property
+    def signal(self) -> Array:
+        """Light over that per thickness of a very thin film. [unit of length]"""
+        full = (1 + self.layer.reflectance) ** 2
+        return np.asarray(self.thickness * np.exp(self.layer.log) / full)
+
+    @property
+    def slope(self) -> Array:
+        """Derivative of its logarithm with respect to thickness. [inverse of that unit]"""
+        (p, a), layer = self.attenuations, self.layer
+        return np.asarray(1 / self.thickness + p * layer.by_x + (2 * a - p) * layer.by_y)
+
+    @property
+    def gradient(self) -> Array:
+        """Derivatives of its logarithm with respect to p, a and R, in this order, (3, ...)."""
+        t, layer = self.thickness, self.layer
+        if self.black:
+            return np.asarray((t * (layer.by_x - layer.by_y))[np.newaxis])
+        by_reflectance = layer.by_reflectance - 2 / (1 + layer.reflectance)
+        return np.stack([t * (layer.by_x - layer.by_y), 2 * t * layer.by_y, by_reflectance])
 
 
 def band_light(
@@ -360,45 +414,69 @@ def band_light(
     """
     t = np.asarray(thickness, float)
     p, a, R = attenuation, attenuation_laser, reflectance
-    layer = _layer(p * t, (2 * a - p) * t, R)
-    gradient = [
-        t * (layer.by_x - layer.by_y),
-        2 * t * layer.by_y,
-        layer.by_reflectance - 2 / (1 + R),
-    ]
-    return BandLight(
-        signal=t * np.exp(layer.log) / (1 + R) ** 2,
-        slope=1 / t + p * layer.by_x + (2 * a - p) * layer.by_y,
-        gradient=np.stack(gradient),
-    )
+    return BandLight(t, (p, a), _Layer(p * t, (2 * a - p) * t, R))
 
 
-class _Layer(NamedTuple):
-    """ln G of a layer, and its derivatives by x, y and R."""
+@dataclass(frozen=True)
+class _Layer:
+    """Light of a layer over that of the same layer without attenuation or wall, G(x, y) with R.
 
-    log: Array
-    by_x: Array
-    by_y: Array
-    by_reflectance: Array
+    A film of thousands of blocks seldom needs all derivatives.
+    """
 
+    x: Array
+    y: Array
+    reflectance: float
 
-def _layer(x: Array, y: Array, reflectance: float) -> _Layer:
-    """Light of a layer over that of the same layer without attenuation or wall."""
-    R, direct, decay = reflectance, _mean_transmission(x), np.exp(-x)
+    @cached_property
+    def log(self) -> Array:
+        """ln G."""
+        return np.asarray(np.log(self._total))
 
-    # e^-x sinh(y)/y and e^-x cosh(y) without a large number; x exceeds y
-    far = np.abs(y)
-    rest = np.exp(far - x)
-    mixed = rest * _mean_transmission(2 * far)
-    even = rest * (1 + np.exp(-2 * far)) / 2
-    small = far < SLOPE_SERIES_BELOW
-    by_y = np.where(small, decay * y / 3, (even - mixed) / np.where(small, 1.0, y))
+    @cached_property
+    def by_x(self) -> Array:
+        """Its derivative by x."""
+        R, direct, decay = self.reflectance, self._direct, self._decay
+        slope = direct * _mean_transmission_log_slope(self.x)
+        by_x = slope * (1 + R**2 * decay) - R**2 * direct * decay - 2 * R * self._mixed
+        return np.asarray(by_x / self._total)
 
-    total = direct * (1 + R**2 * decay) + 2 * R * mixed
-    slope = direct * _mean_transmission_log_slope(x)
-    by_x = slope * (1 + R**2 * decay) - R**2 * direct * decay - 2 * R * mixed
-    by_reflectance = 2 * R * direct * decay + 2 * mixed
-    return _Layer(np.log(total), by_x / total, 2 * R * by_y / total, by_reflectance / total)
+    @cached_property
+    def by_y(self) -> Array:
+        """By y."""
+        y, R = self.y, self.reflectance
+        far = np.abs(y)
+        even = np.exp(far - self.x) * (1 + np.exp(-2 * far)) / 2
+        small = far < SLOPE_SERIES_BELOW
+        by_y = np.where(small, self._decay * y / 3, (even - self._mixed) / np.where(small, 1.0, y))
+        return np.asarray(2 * R * by_y / self._total)
+
+    @cached_property
+    def by_reflectance(self) -> Array:
+        """By R."""
+        by_reflectance = 2 * self.reflectance * self._direct * self._decay + 2 * self._mixed
+        return np.asarray(by_reflectance / self._total)
+
+    @cached_property
+    def _direct(self) -> Array:
+        return _mean_transmission(self.x)
+
+    @cached_property
+    def _decay(self) -> Array:
+        return np.asarray(np.exp(-self.x))
+
+    @cached_property
+    def _mixed(self) -> Array:
+        """e^-x sinh(y)/y without a large number; x exceeds y."""
+        far = np.abs(self.y)
+        return np.asarray(np.exp(far - self.x) * _mean_transmission(2 * far))
+
+    @cached_property
+    def _total(self) -> Array:
+        R = self.reflectance
+        if R == 0:
+            return self._direct
+        return np.asarray(self._direct * (1 + R**2 * self._decay) + 2 * R * self._mixed)
 
 
 def _float64(value: Values) -> Values:
