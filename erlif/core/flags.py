@@ -50,8 +50,13 @@ def count_flags(flags: FlagImage) -> list[int]:
     >>> count_flags(np.array([[0, 0, 1], [3, 2, 2]], np.uint8))[:3]
     [2, 2, 3]
     """
-    flagged = [int(np.count_nonzero(flags & np.uint8(flag))) for flag in Flag]
-    return [flags.size - int(np.count_nonzero(flags)), *flagged]
+    # most pixels are valid: eight of them at once are passed over
+    flat = np.ascontiguousarray(flags).reshape(-1)
+    whole = flat.size // 8 * 8
+    eights = flat[:whole].view(np.uint64)
+    some = np.concatenate([eights[eights != 0].view(np.uint8), flat[whole:]])
+    flagged = [int(np.count_nonzero(some & np.uint8(flag))) for flag in Flag]
+    return [flags.size - int(np.count_nonzero(some)), *flagged]
 
 
 # CF attributes of every flag variable, made from the table above.

@@ -1,5 +1,5 @@
 from .accumulation import RatioSum, combine_frames
-from .bubbles import find_bubbles
+from .bubbles import find_bubbles, flag_bubbles
 from .camera_noise import NoiseEstimate, NoiseView, estimate_camera_noise
 from .cells import NO_CELLS, LightCells, cell_centres, cell_places, sample_cells
 from .excess import ExcessSums
@@ -33,6 +33,7 @@ __all__ = [
     "estimate_camera_noise",
     "find_bubbles",
     "find_pulse_faults",
+    "flag_bubbles",
     "measure_sharpness",
     "sample_cells",
     "sample_pulse",

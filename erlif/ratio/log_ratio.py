@@ -14,12 +14,12 @@ import numpy as np
 from erlif.core.arrays import FAST, Image
 from erlif.core.flags import Flag
 from erlif.core.products import AlignedFrames, RatioImages, require
-from erlif.ratio.bubbles import find_bubbles
+from erlif.ratio.bubbles import flag_bubbles
 from erlif.ratio.pair import PairRatio, gather_ratios
 from erlif.ratio.sharpness import BlurDifference
 
 _NAN, _ZERO, _HALF, _ONE, _TWO = (np.float32(value) for value in (np.nan, 0, 0.5, 1, 2))
-_DIM, _NO_FILM, _NONE = np.uint8(Flag.DIM), np.uint8(Flag.NO_FILM), np.uint8(0)
+_DIM, _NONE = np.uint8(Flag.DIM), np.uint8(0)
 _at = np.uint64  # an index that cannot count from the end, as in `erlif.registration.interpolation`
 
 # logarithm of 1 + f, f from sqrt(1/2) - 1 to sqrt(2) - 1, after f - f^2/2 (Cephes library, logf);
@@ -117,7 +117,7 @@ def compute_ratio(
         )
 
         # bubbles are dark in both bands, which the ratio alone does not show
-        ratio.flags[find_bubbles(one, two, share=no_film_below)] |= _NO_FILM
+        flag_bubbles(one, two, ratio.flags, share=no_film_below)
         correlation = 1.0
         if "interpolation" in frames:
             correlation = correlate_noise(total, of_two, float(frames.interpolation[n]))
@@ -285,7 +285,8 @@ def divide_rows(  # type: ignore[no-untyped-def]
                 left_over = _HALF * (along_x * bend_x + along_y * bend_y)
                 log_ratio[y, x] -= left_over if left_over == left_over else _ZERO
 
-        for t in range(width):
+        # a pixel at the edge has no gradient
+        for t in range(0, width, max(width - 1, 1) if inside else 1):
             x = _at(t)
             shared[y, x] = map_var[y, x] * _ZERO
         if inside:

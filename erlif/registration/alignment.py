@@ -10,8 +10,9 @@ from collections.abc import Sequence
 
 import numpy as np
 import xarray as xr
+from numba import njit
 
-from erlif.core.arrays import AnyArray, Array, FlagImage
+from erlif.core.arrays import AnyArray, Array
 from erlif.core.flags import FLAG_ATTRS, Flag
 from erlif.core.products import AlignedFrames, CorrectedFrames, require
 from erlif.registration.camera_map import CameraMap
@@ -19,6 +20,7 @@ from erlif.registration.interpolation import NOTHING_BAD, sample_rows, spline_co
 from erlif.registration.settings import orient
 
 _OUTSIDE, _POOR = int(Flag.OUTSIDE_OVERLAP), int(Flag.POOR_REGISTRATION)
+_at = np.uint64  # an index that cannot count from the end, as in `interpolation`
 
 
 def align_frames(
@@ -178,9 +180,25 @@ def align_bands(
     )
 
 
-def spread_flags(flags: FlagImage, out: FlagImage) -> None:
-    """All flags of the 4 x 4 pixels whose second row and second column is this pixel."""
+@njit(nogil=True, cache=True)
+def spread_flags(flags, out):  # type: ignore[no-untyped-def]
+    """All flags of the 4 x 4 pixels whose second row and second column is this pixel.
+
+    Parameters
+    ----------
+    flags : array, (y, x)
+    out : array, (y, x)
+        Filled.
+    """
     height, width = flags.shape
-    near = np.pad(flags, (1, 2), mode="edge")
-    along = near[:, :width] | near[:, 1 : width + 1] | near[:, 2 : width + 2] | near[:, 3:]
-    out[:] = along[:height] | along[1 : height + 1] | along[2 : height + 2] | along[3:]
+    near = np.empty(width + 3, np.uint8)
+    for i in range(height):
+        above, below = max(i - 1, 0), min(i + 1, height - 1)
+        last = min(i + 2, height - 1)
+        for t in range(width):
+            x = _at(t)
+            near[_at(t + 1)] = flags[above, x] | flags[i, x] | flags[below, x] | flags[last, x]
+        near[0], near[width + 1], near[width + 2] = near[1], near[width], near[width]
+        for t in range(width):
+            along = near[_at(t)] | near[_at(t + 1)] | near[_at(t + 2)] | near[_at(t + 3)]
+            out[i, _at(t)] = along

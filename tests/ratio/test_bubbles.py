@@ -1,5 +1,6 @@
 """Bubbles: found with their meniscus, and nothing else."""
 
+import cv2
 import numpy as np
 import pytest
 
@@ -46,3 +47,13 @@ def test_unknown_pixels_are_no_bubble():
     assert not find_bubbles(light, light, share=0.25).any()
     light[:] = np.nan
     assert not find_bubbles(light, light, share=0.25).any()
+
+
+def test_discs_about_dark_pixels_are_those_of_a_dilation():
+    """OpenCV's dilation of the dark pixels, where blocks, discs and the edges meet."""
+    rng = np.random.default_rng(4)
+    light = np.where(rng.random((70, 90)) < 0.02, 20, 1000).astype(np.float32)
+    light[-1, -1] = light[0, 40] = 20
+    disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (7, 7))
+    expected = cv2.dilate((light < 500).astype(np.uint8), disc)
+    assert np.array_equal(find_bubbles(light, light, share=0.25), expected.astype(bool))

@@ -14,13 +14,13 @@ from erlif.core.flags import Flag
 from erlif.correction import NoiseTables, PairLight
 from erlif.correction.light import fill_noise
 from erlif.pipeline.passes.warp import MapTables, PairWarp, Warp
-from erlif.ratio import BlurDifference, PairRatio, find_bubbles
+from erlif.ratio import BlurDifference, PairRatio, flag_bubbles
 from erlif.ratio.log_ratio import correlate_noise, divide_rows
 
 # Rows of a band: the noise of camera 2 is kept for one band and the row before it.
 BAND = 64
 
-_NO_FILM, _POOR = np.uint8(Flag.NO_FILM), np.uint8(Flag.POOR_REGISTRATION)
+_POOR = np.uint8(Flag.POOR_REGISTRATION)
 
 
 def measure_ratio(
@@ -96,9 +96,7 @@ def measure_ratio(
     # NaN drift leaves no pixel valid, and the reason belongs in the flags
     if np.isnan(drift[0]):
         out.flags[:] |= _POOR
-    dark = find_bubbles(light.light[0], warped.light, share=no_film_below)
-    if dark.any():
-        out.flags[:] |= dark.view(np.uint8) * _NO_FILM
+    flag_bubbles(light.light[0], warped.light, out.flags, share=no_film_below)
 
     one, two = light.peaks
     return replace(
