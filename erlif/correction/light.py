@@ -33,6 +33,9 @@ BLOCK = 8
 # Rings of neighbours searched for good pixels: larger defects stay as they were read. [px]
 _FARTHEST = 5
 
+# Rows that are measured before they are averaged.
+_BAND = 64
+
 
 @dataclass(frozen=True)
 class PairLight:
@@ -260,19 +263,66 @@ def measure_light(
 
     for n, table in enumerate(tables):
         light, flags, noise = out.light[n], out.flags[n], table.noise
-        pixels = table.dark, noise.per_flat, table.least, table.bad, table.full_scale
-        out.peaks[n] = _measure(counts[n], *pixels, light, flags)
-        if table.least_above_dry is not None:
-            _subtract(light, flags, noise.dry_light, table.least_above_dry, np.float32(energy))
-
-        # interpolation would ring about bad pixels
-        fill_gaps(light, table.bad, table.rows, table.columns, _FARTHEST)
-        _bin(light, flags, out.half[n], out.half_weight[n], out.blocks[n])
+        dry = noise.dry_light if table.least_above_dry is None else table.least_above_dry
+        out.peaks[n] = _measure_bands(
+            counts[n],
+            (table.dark, noise.per_flat, table.least, table.bad, table.full_scale),
+            (noise.dry_light, dry, np.float32(energy)),
+            (table.rows, table.columns),
+            (light, flags, out.half[n], out.half_weight[n], out.blocks[n]),
+        )
         if out.variance.size:
             variances = out.variance[n], out.variance_fixed[n]
             fill_noise(light, tuple(noise), np.float32(energy), *variances, 0, light.shape[0])
     out.energy[0] = energy
     return out
+
+
+@numba.njit(nogil=True, cache=True, error_model="numpy")
+def _measure_bands(counts, pixels, dry, gaps, images):  # type: ignore[no-untyped-def]
+    """Fill the images of one camera while their rows are in the cache; return the highest count."""
+    dark, per_flat, least, bad, full_scale = pixels
+    dry_light, least_above_dry, energy = dry
+    rows, columns = gaps
+    light, flags, half, half_weight, blocks = images
+    height = light.shape[0]
+    highest = done = filled = 0
+    for start in range(0, height, _BAND):
+        stop = min(start + _BAND, height)
+        part = slice(start, stop)
+        most = _measure(
+            counts[part],
+            dark[part],
+            per_flat[part],
+            least[part],
+            bad[part],
+            full_scale,
+            light[part],
+            flags[part],
+        )
+        highest = max(highest, most)
+        if dry_light.size > 0:
+            _subtract(light[part], flags[part], dry_light[part], least_above_dry[part], energy)
+
+        # interpolation would ring about bad pixels; they are filled from rows below them, too
+        ready = height if stop == height else (stop - _FARTHEST) // BLOCK * BLOCK
+        first = filled
+        while filled < rows.size and rows[filled] < ready:
+            filled += 1
+        fill_gaps(light, bad, rows[first:filled], columns[first:filled], _FARTHEST)
+        half_rows, block_rows = (
+            slice(done // 2, ready // 2),
+            slice(done // BLOCK, -(-ready // BLOCK)),
+        )
+        _bin(
+            light[done:ready],
+            flags[done:ready],
+            half[half_rows],
+            half_weight[half_rows],
+            blocks[block_rows],
+        )
+        done = ready
+    return highest
 
 
 @numba.njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST)

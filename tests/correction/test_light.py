@@ -43,7 +43,7 @@ def plain(counts, references, least_signal=100.0):
     return correct_frames(Frames(frames), references, least_signal=least_signal).isel(frame=0)
 
 
-@pytest.mark.parametrize("shape", [(48, 64), (37, 51), (3, 5), (8, 1)])
+@pytest.mark.parametrize("shape", [(48, 64), (37, 51), (3, 5), (8, 1), (131, 51), (66, 9)])
 @pytest.mark.parametrize(("dtype", "full_scale"), [(np.uint16, 4095), (np.uint8, 255)])
 def test_light_is_that_of_the_plain_correction(shape, dtype, full_scale):
     counts, references = recording(shape, dtype=dtype, full_scale=full_scale)
@@ -75,7 +75,7 @@ def test_threshold_of_dim_light_is_exact():
     )
 
 
-@pytest.mark.parametrize("shape", [(48, 64), (37, 51), (2, 9)])
+@pytest.mark.parametrize("shape", [(48, 64), (37, 51), (2, 9), (131, 51), (66, 9)])
 def test_binned_light_and_blocks_are_means(shape):
     counts, references = recording(shape, seed=6)
     found = measure_light(counts, tabulate(references, least_signal=100.0))
