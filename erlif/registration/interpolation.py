@@ -15,6 +15,7 @@ from numba import njit
 from erlif.core.arrays import FAST, AnyArray, Image, Mask
 from erlif.core.flags import Flag
 from erlif.correction.light import fill_gaps
+from erlif.registration.ahead import fetch_row
 from erlif.registration.bands import in_bands
 from erlif.registration.refusals import refusal
 
@@ -167,16 +168,38 @@ def spline_coefficients(image: AnyArray, *, threads: int = 1, out: Image | None 
            [ 0., 36.,  0.],
            [ 0.,  0.,  0.]], dtype=float32)
     """
+    found = filtered_columns(image, threads=threads, out=out)
+    in_bands(lambda a, b: filter_rows(found, a, b), image.shape[0], threads)
+    mirror_rows(found)
+    return found
+
+
+def filtered_columns(image: AnyArray, *, threads: int = 1, out: Image | None = None) -> Image:
+    """The first half of `spline_coefficients`: `filter_rows` and `mirror_rows` are left.
+
+    Parameters
+    ----------
+    image, threads, out
+        As of `spline_coefficients`.
+
+    Returns
+    -------
+    array, (y + 4, x + 4), float32
+    """
     h, w = image.shape
     image = np.ascontiguousarray(image, np.float32)
     if out is None:
         out = np.empty((h + 2 * _MARGIN, w + 2 * _MARGIN), np.float32)
     found = out
     in_bands(lambda a, b: filter_columns(image, found, a, b), w, threads)
-    in_bands(lambda a, b: filter_rows(found, a, b), h, threads)
+    return found
+
+
+def mirror_rows(out: Image) -> None:
+    """Fill the margins above and below coefficients."""
+    h = out.shape[0] - 2 * _MARGIN
     out[1], out[0] = out[3], out[4]
     out[_MARGIN + h], out[_MARGIN + h + 1] = out[_MARGIN + h - 2], out[_MARGIN + h - 3]
-    return out
 
 
 # Stands for a variance that is not asked for.
@@ -422,6 +445,8 @@ def sample_rows(  # type: ignore[no-untyped-def]
 
     for row in range(start, stop):
         y, kept = _at(row), _at(row - first)
+        fetch_row(displacement_x, row + 1)
+        fetch_row(displacement_y, row + 1)
         last_column, rows_left = np.float32(w - 1), np.float32(h - 1 - row)
         _place_row(
             displacement_x, displacement_y, drift_x, drift_y, y, last_column, rows_left, line
@@ -429,6 +454,10 @@ def sample_rows(  # type: ignore[no-untyped-def]
         _find_changes(line, changes)
         if noisy:
             _find_factors(line)
+
+        middle = int(line[_ROW, _at(width // 2)])
+        fetch_row(coefficients, row + middle + 2 * _MARGIN + 1)
+        fetch_row(flags, row + middle + 1)
 
         begin = 0
         while begin < width:

@@ -15,9 +15,16 @@ from erlif.core.arrays import AnyArray, Array, FlagImage, Image
 from erlif.core.flags import Flag
 from erlif.correction import NoiseTables, PairLight
 from erlif.correction.light import fill_noise
-from erlif.registration import CameraMap, orient, spline_coefficients
+from erlif.registration import CameraMap, orient
 from erlif.registration.alignment import spread_flags
-from erlif.registration.interpolation import FARTHEST, NOTHING_BAD, sample_rows
+from erlif.registration.interpolation import (
+    FARTHEST,
+    NOTHING_BAD,
+    filter_rows,
+    filtered_columns,
+    mirror_rows,
+    sample_rows,
+)
 
 
 @dataclass(frozen=True)
@@ -282,7 +289,8 @@ class Warp:
         self.tables, self.out = tables, out
         self.drift = np.float32(drift[0]), np.float32(drift[1])
         image = turned(light.light[1])
-        spline_coefficients(image, out=out.coefficients)
+        filtered_columns(image, out=out.coefficients)
+        self._filtered = 0
         spread_flags(turned(light.flags[1]), out.spread)
         self.total, self.count = 0.0, 0
 
@@ -295,7 +303,9 @@ class Warp:
     def fill(self, start: int, stop: int, *, first: int = 0) -> None:
         """Fill the rows from `start` to `stop`; row `first` of the noise is stored as row 0."""
         out, tables = self.out, self.tables
-        out.noise.hold(int(self._low[start]), int(self._high[stop - 1]))
+        needed = int(self._high[stop - 1])
+        out.noise.hold(int(self._low[start]), needed)
+        self._filter(needed)
         total, count = sample_rows(
             out.coefficients,
             tables.displacement_x,
@@ -315,6 +325,17 @@ class Warp:
         )
         self.total += total
         self.count += count
+
+    def _filter(self, stop: int) -> None:
+        """Have the coefficients of the rows before `stop`, filtered when they are first needed."""
+        coefficients = self.out.coefficients
+        height = coefficients.shape[0] - 4
+        stop = min(max(stop, 3), height)  # the margin above mirrors three rows
+        if stop > self._filtered:
+            filter_rows(coefficients, self._filtered, stop)
+            if self._filtered == 0 or stop == height:
+                mirror_rows(coefficients)
+            self._filtered = stop
 
     @property
     def averaging(self) -> float:
