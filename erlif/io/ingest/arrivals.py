@@ -31,7 +31,7 @@ class Arrival(NamedTuple):
     Attributes
     ----------
     place : int
-        Place in the recording, counted from 0 at the first frame of camera 1.
+        Place in the recording, counted from 0 at the first frame of either camera.
     pages : tuple[Page, Page]
         Camera 1 and camera 2.
     time : float
@@ -221,11 +221,12 @@ class Arrivals:
         shift = self._find_shift()
         if shift is None:
             return []
+        first = self._first()
         fresh = {*one.fresh, *(number - shift for number in two.fresh)}
         one.fresh, two.fresh = [], []
         return [
             Arrival(
-                number - one.first,
+                number - first,
                 (one.pages[number], two.pages[number + shift]),
                 max(one.alone.pop(number), two.alone.pop(number + shift)),
             )
@@ -236,20 +237,27 @@ class Arrivals:
     def renew(self, arrival: Arrival) -> Arrival:
         """The same pair with the names that its files have now."""
         one, two = self._cameras
-        number = arrival.place + one.first
+        number = arrival.place + self._first()
         pages = one.pages[number], two.pages[number + (self._shift or 0)]
         return arrival._replace(pages=pages)
+
+    def _first(self) -> int:
+        """Number of the first pulse that a camera has recorded, as camera 1 counts."""
+        one, two = self._cameras
+        return min(one.first, two.first - (self._shift or 0))
 
     def _find_shift(self) -> int | None:
         """Number of camera 2 less that of camera 1 for one pulse; None where it is not known yet.
 
-        As for a finished recording, the cameras may count from different first numbers.
+        As for a finished recording, the cameras may count from different first numbers. Where they
+        have common ones and not as many frames, the first frame of one was lost.
         """
         one, two = self._cameras
-        if self._shift is None and one.pages.keys() & two.pages.keys():
-            self._shift = 0
-        if self._shift is None and min(len(one.pages), len(two.pages)) >= _FEW:
-            self._shift = two.first - one.first
+        if self._shift is None and one.pages and two.pages:
+            shift, fewest = two.first - one.first, min(len(one.pages), len(two.pages))
+            if shift == 0 or fewest >= _FEW:
+                common = len(one.pages) != len(two.pages) and one.pages.keys() & two.pages.keys()
+                self._shift = 0 if common else shift
         return self._shift
 
     def counts(self) -> tuple[int, int]:

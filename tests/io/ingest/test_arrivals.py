@@ -184,6 +184,29 @@ def test_cameras_may_count_from_different_first_numbers(rig):
     assert rig.arrivals.counts() == (5, 5)
 
 
+def test_a_camera_that_counts_from_one_pairs_as_in_a_finished_recording(rig):
+    for number in range(4):
+        rig.write(1, number)
+        rig.write(2, number + 1)
+    pairs = rig.arrivals.look()
+    assert [[page.path.stem[-1] for page in pair.pages] for pair in pairs] == [
+        [str(n), str(n + 1)] for n in range(4)
+    ]
+
+
+@pytest.mark.parametrize("lacking", [1, 2])
+def test_a_first_frame_that_is_lost_shifts_no_pair(rig, lacking):
+    places = []
+    for number in range(5):
+        for camera in (1, 2):
+            if number or camera != lacking:
+                rig.write(camera, number)
+        places += rig.look()
+    assert places == [1, 2, 3, 4]
+    rig.clock.now += PATIENCE + 0.1
+    assert rig.arrivals.missing() == {"frame_0000.tif": lacking}
+
+
 @pytest.mark.parametrize(
     ("patterns", "names", "late"),
     [
