@@ -89,7 +89,7 @@ class _Camera:
         several, grown = self._several, False
         for path in self._choose(changed):
             found = self._read(path, now)
-            if not found:
+            if not found or len(found) < len(self._files.get(path, ())):
                 continue
             self._several |= len(found) > 1 or not _WILD.search(self.pattern)
             self._files[path], grown = found, True
@@ -148,8 +148,11 @@ class _Camera:
             if before == stamp:
                 return []
             found = read_headers([path], self.selection)
-            if file_stamp(path) != stamp:
-                return []  # it is being written; the next look finds it
+            after = file_stamp(path)
+            if after != stamp:  # it is being written; the headers of a long stack take long
+                grown = after[2] == stamp[2] and after[0] > stamp[0]
+                last = min(found.faults, default=len(found.pages)) - 1
+                return found.pages[: max(0, last)] if grown else []
         except (OSError, FrameError):
             return []  # it was renamed or removed meanwhile
 

@@ -236,6 +236,30 @@ def test_a_stack_that_grows_gives_its_whole_pages(lab, patterns, names, late):
     assert arrivals.counts() == (5, 5)
 
 
+def test_a_stack_that_never_rests_gives_the_pages_before_the_last_one(lab, monkeypatch):
+    """The headers of thousands of pages take longer than the next page."""
+    for n, name in enumerate(("one.tif", "two.tif"), 1):
+        lab.edit("run/run.toml", (f"camera{n}/*.tif", name))
+    arrivals = Arrivals(lab.run, read_run_settings(lab.run))
+    image = RNG.integers(100, 2000, (96, 128)).astype(np.uint16)
+    read = module.read_headers
+
+    def write(path):
+        tifffile.imwrite(path, image, append=path.exists(), photometric="minisblack", metadata=None)
+
+    def read_and_write(paths, selection):
+        found = read(paths, selection)
+        write(paths[0])
+        return found
+
+    for name in ("one.tif", "two.tif"):
+        write(lab.run / name)
+    monkeypatch.setattr(module, "read_headers", read_and_write)
+    assert [[pair.place for pair in arrivals.look()] for _ in range(4)] == [[], [0], [1], [2]]
+    monkeypatch.setattr(module, "read_headers", read)
+    assert [pair.place for pair in arrivals.look()] == [3, 4]
+
+
 @pytest.mark.parametrize("kind", ["cine", "mraw"])
 def test_a_recording_that_is_copied_gives_its_frames_as_they_are_complete(lab, tmp_path, kind):
     names = [f"c{n}.{kind}" for n in (1, 2)]
