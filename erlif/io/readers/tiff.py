@@ -11,7 +11,9 @@ import io
 import logging
 import struct
 import threading
+from collections.abc import Sequence
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import tifffile
@@ -51,6 +53,13 @@ _NONE, _PACKBITS = 1, 32773
 # Value of the tag Compression for LZW.
 _LZW = 5
 
+# Tags of place and size of the strips, and formats of whole numbers by their type.
+_OFFSET, _SIZE = 273, 279
+_WHOLE = {3: "H", 4: "I", 16: "Q"}
+
+# Tags that describe an image in words and its resolution.
+_WORDS = {270, 271, 272, 282, 283, 285, 305, 306, 315, 316}
+
 # Values of the tag Compression that need not preserve counts.
 _LOSSY = {
     **dict.fromkeys((6, 7, 33007, 34892), "JPEG"),
@@ -79,14 +88,15 @@ class TiffFrames(FrameFile):
 
     def __init__(self, path: Path) -> None:
         with Source(path) as source:
-            self._places, size = _find_directories(source), source.size
-        if not self._places:
+            directories, size = _find_directories(source), source.size
+        if not directories:
             raise FrameError("the file holds no image")
+        self._places = [one.place for one in directories]
         self._lock = threading.RLock()
         try:
             self._file = tifffile.TiffFile(path)
             first = self._page(0)
-            self.kinds = [_kind_of(self._page(k), size) for k in range(len(self._places))]
+            self.kinds = self._read_kinds(directories, size)
             self.stack = _contiguous(first, self._file.byteorder)
             bits = int(first.bitspersample)
             self.bits = bits if 8 < bits < 16 else None
@@ -97,6 +107,19 @@ class TiffFrames(FrameFile):
         except Exception as error:  # tifffile raises exceptions of many types on damaged bytes
             self.close()
             raise FrameError(f"the file is damaged or not a TIFF ({reason_of(error)})") from error
+
+    def _read_kinds(self, directories: Sequence[_Directory], size: int) -> list[FrameKind]:
+        """Kinds of all pages; those whose directories are alike are read once."""
+        known: dict[bytes, FrameKind] = {}
+        kinds = []
+        for k, one in enumerate(directories):
+            kind = known.get(one.alike) if one.end <= size else None
+            if kind is None:
+                kind = _kind_of(self._page(k), size)
+                if one.alike and kind != TRUNCATED:
+                    known[one.alike] = kind
+            kinds.append(kind)
+        return kinds
 
     def read(self, index: int) -> AnyArray:
         """As `FrameFile.read`."""
@@ -220,8 +243,26 @@ TIFF = Format(
 )
 
 
-def _find_directories(source: Source) -> list[int]:
-    """Places of the whole directories of a file, before the first that is cut off.
+class _Directory(NamedTuple):
+    """A directory of a file.
+
+    Attributes
+    ----------
+    place : int
+    alike : bytes
+        The same in directories whose pages are of one kind; empty where the directory alone does
+        not show it.
+    end : int
+        End of the only strip.
+    """
+
+    place: int
+    alike: bytes
+    end: int
+
+
+def _find_directories(source: Source) -> list[_Directory]:
+    """The whole directories of a file, before the first that is cut off.
 
     A damaged file may chain thousands of directories through its own pixels, each with thousands
     of entries. Directories that do not overlap take no more than the file; those that do, or that
@@ -238,9 +279,11 @@ def _find_directories(source: Source) -> list[int]:
         struct.Struct(order + form)
         for form in (("Q", "HHQ8s", "Q") if big else ("H", "HHI4s", "I"))
     )
+    sign = _Sign(order, entry)
+    alike: dict[bytes, bytes] = {}
     (place,) = following.unpack_from(head, 8 if big else 4)
 
-    places: list[int] = []
+    found: list[_Directory] = []
     taken = 0
     while place and place + number.size <= source.size:
         (entries,) = number.unpack(source.read(place, number.size))
@@ -255,12 +298,43 @@ def _find_directories(source: Source) -> list[int]:
             if count * _TYPE_SIZES.get(kind, 0) > source.size or unknown > _MOST_UNKNOWN:
                 raise FrameError("the file is damaged: a directory is no list of entries")
 
-        places.append(place)
+        text, end = sign(table[:size])
+        found.append(_Directory(place, alike.setdefault(text, text), end))
         taken += number.size + len(table)
-        if taken > source.size or len(places) > MOST_FRAMES:
+        if taken > source.size or len(found) > MOST_FRAMES:
             raise FrameError("the file is damaged: its directories form a ring or overlap")
         (place,) = following.unpack_from(table, size)
-    return places
+    return found
+
+
+class _Sign:
+    """What of a directory determines the kind of its page.
+
+    Parameters
+    ----------
+    order : str
+        Of the bytes, as in struct.
+    entry : Struct
+        Tag, type, count and value.
+    """
+
+    def __init__(self, order: str, entry: struct.Struct) -> None:
+        self._order, self._entry = order, entry
+
+    def __call__(self, table: bytes) -> tuple[bytes, int]:
+        """`_Directory.alike` and `_Directory.end` of a directory."""
+        step, strip = self._entry.size, {_OFFSET: 0, _SIZE: 0}
+        left = bytearray(table)
+        for n, (tag, kind, count, value) in enumerate(self._entry.iter_unpack(table)):
+            inside = count * _TYPE_SIZES.get(kind, 0) <= len(value)
+            if tag in strip and count == 1 and inside and kind in _WHOLE:
+                strip[tag] = struct.unpack_from(self._order + _WHOLE[kind], value)[0]
+            if tag == _OFFSET or (tag in _WORDS and not inside):
+                left[(n + 1) * step - len(value) : (n + 1) * step] = bytes(len(value))
+            elif not inside:
+                return b"", 0
+        start, size = strip.values()
+        return (bytes(left), start + size) if start and size else (b"", 0)
 
 
 def _kind_of(page: tifffile.TiffPage, size: int) -> FrameKind:

@@ -14,6 +14,7 @@ from PIL import Image
 from scenes.reading import read, refusal
 
 from erlif.core.errors import FrameError
+from erlif.io.readers.base import TRUNCATED, FrameKind
 from erlif.io.readers.tiff import TIFF
 
 GREY = np.random.default_rng(5).integers(0, 4096, (3, 64, 80), dtype=np.uint16)
@@ -276,3 +277,53 @@ def test_directories_through_the_pixels_are_refused_at_once(tmp_path):
     start = time.perf_counter()
     refusal(tmp_path / "a.tif")
     assert time.perf_counter() - start < 1
+
+
+# directories that are alike
+
+MIXED = [
+    (np.full((64, 80), 7, np.uint16), {}),
+    (np.full((64, 80), 7, np.uint8), {}),
+    (np.full((64, 96), 7, np.uint16), {}),
+    (np.full((64, 80), 7, np.uint16), {"compression": "zlib"}),
+    (np.full((64, 80), 7, np.uint16), {"rowsperstrip": 16}),
+    (np.full((64, 80, 3), 7, np.uint8), {"photometric": "rgb"}),
+    (np.full((64, 80), 7, np.uint16), {"description": "a page with its own description"}),
+]
+
+
+@pytest.mark.parametrize("bigtiff", [False, True])
+@pytest.mark.parametrize("byteorder", ["<", ">"])
+def test_each_page_has_its_kind_whatever_pages_are_around_it(tmp_path, bigtiff, byteorder):
+    pages = [MIXED[n] for n in np.random.default_rng(4).integers(0, len(MIXED), 60)]
+    path = tmp_path / "mixed.tif"
+    with tifffile.TiffWriter(path, bigtiff=bigtiff, byteorder=byteorder) as file:
+        for image, options in pages:
+            file.write(image, contiguous=False, **({"metadata": None} | options))
+    with closing(TIFF.open(path)) as file:
+        assert file.kinds == [FrameKind(image.shape, image.dtype.name) for image, _ in pages]
+        for k in (0, 17, 59):
+            np.testing.assert_array_equal(file.read(k), pages[k][0])
+
+
+def test_alike_directories_are_read_once_and_pages_that_are_cut_off_are_found(tmp_path):
+    path = tmp_path / "stack.tif"
+    with tifffile.TiffWriter(path) as file:
+        for k in range(40):
+            file.write(np.full((64, 80), k, np.uint16), contiguous=False, metadata=None)
+    with tifffile.TiffFile(path) as file:
+        tables = [page.offset for page in file.pages]
+        last = file.pages[39].aspage().dataoffsets[0]
+    # directories at the end, as some cameras write them, are simulated by a place beyond the end
+    content = bytearray(path.read_bytes())
+    place = content.index(struct.pack("<I", last), tables[39])
+    content[place : place + 4] = struct.pack("<I", len(content) - 100)
+    path.write_bytes(content)
+    read = []
+    with pytest.MonkeyPatch.context() as patch:
+        page = tifffile.TiffPage
+        patch.setattr(tifffile, "TiffPage", lambda *a, **k: read.append(k) or page(*a, **k))
+        with closing(TIFF.open(path)) as file:
+            assert file.kinds[:39] == [FrameKind((64, 80), "uint16")] * 39
+            assert file.kinds[39] == TRUNCATED
+    assert len(read) <= 3
