@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from erlif.commands.options import ALLOW_OUTSIDE, CALIBRATION, PATH, Quantity
+from erlif.commands.options import ALLOW_OUTSIDE, CALIBRATION, PATH, SKIP_BAD_FRAMES, Quantity
 from erlif.commands.progress import working
 from erlif.core.speed.imports import large_imports
 
@@ -26,6 +26,7 @@ from erlif.core.speed.imports import large_imports
     help='Film for which the budget is made, "6 um"; may be repeated. Default: the 10th, 50th and '
     "90th percentile of the map.",
 )
+@SKIP_BAD_FRAMES
 @ALLOW_OUTSIDE
 def budget(run_dir: Path, films: tuple[float, ...], **options: Any) -> None:
     """Print the uncertainty of one map, term by term.

@@ -9,7 +9,14 @@ import click
 
 from erlif.commands.ending import BAD_INPUT, DEFECT
 from erlif.commands.lines import list_notes
-from erlif.commands.options import ALLOW_OUTSIDE, OVERWRITE, PATH, expect_output, output_option
+from erlif.commands.options import (
+    ALLOW_OUTSIDE,
+    OVERWRITE,
+    PATH,
+    SKIP_BAD_FRAMES,
+    expect_output,
+    output_option,
+)
 from erlif.commands.progress import working
 from erlif.core.notes import Level
 from erlif.core.speed.imports import large_imports
@@ -20,6 +27,7 @@ from erlif.core.speed.imports import large_imports
 @click.option("--strict", is_flag=True, help="End with status 1 where there are warnings.")
 @click.option("--json", "as_json", is_flag=True, help="Print the findings as JSON.")
 @output_option("Page with pictures (.html)", "none")
+@SKIP_BAD_FRAMES
 @ALLOW_OUTSIDE
 @OVERWRITE
 def check(
@@ -27,8 +35,8 @@ def check(
     strict: bool,
     as_json: bool,
     output: Path | None,
-    allow_outside: bool,
     overwrite: bool,
+    **options: bool,
 ) -> None:
     """Audit a run or fixture directory before anything is computed.
 
@@ -46,7 +54,7 @@ def check(
     if output is not None:
         expect_output(output, ".html", overwrite=overwrite)
     with working(lines=False) as progress:
-        findings = audit(directory, allow_outside=allow_outside, progress=progress)
+        findings = audit(directory, progress=progress, **options)
     # one form of the findings alone goes to standard output, so that programs can read it
     if as_json:
         click.echo(json.dumps(findings.to_record(), indent=1))
@@ -65,5 +73,5 @@ def check(
         raise click.exceptions.Exit(DEFECT)
     if not as_json:
         command = "calibrate" if (directory / "fixture.toml").is_file() else "process"
-        outside = " --allow-outside" * allow_outside
-        click.echo(f"next: erlif {command} {directory}{outside}", err=True)
+        stated = "".join(f" --{name.replace('_', '-')}" for name, on in options.items() if on)
+        click.echo(f"next: erlif {command} {directory}{stated}", err=True)

@@ -101,6 +101,7 @@ def budget(
     trigger: int | None = None,
     calibration: Calibration | str | Path | None = None,
     films: tuple[float, ...] | None = None,
+    skip_bad_frames: bool = False,
     allow_outside: bool = False,
     progress: ShowProgress = None,
 ) -> xr.Dataset:
@@ -117,7 +118,7 @@ def budget(
     films : tuple of float, optional
         Film thicknesses for whose pixels the budget is made; default: the 10th, 50th and 90th
         percentile of the map. [um]
-    allow_outside : bool
+    skip_bad_frames, allow_outside : bool
         As for `erlif.process`.
     progress : "bar", bool or callable, optional
         As for `erlif.process`.
@@ -142,7 +143,12 @@ def budget(
     >>> table["std"].sel(term="total", quantity="mean film")  # doctest: +SKIP
     """
     progress = choose_progress(progress)
-    run = open_run(Path(run_dir), find_start=fit_start, allow_outside=allow_outside)
+    run = open_run(
+        Path(run_dir),
+        skip_bad_frames=skip_bad_frames,
+        find_start=fit_start,
+        allow_outside=allow_outside,
+    )
     settings = run.settings
     cycle = locate_run(run)
     trigger, frames = _choose_trigger(trigger, cycle, group_frames(cycle, run.pairs))

@@ -41,6 +41,14 @@ def test_json_holds_the_findings(lab, command):
     assert {"level", "subject", "text"} == set(record["notes"][0])
 
 
+def test_the_next_command_has_the_same_options(lab, command):
+    lab.frames(1)[3].unlink()
+    result = command("check", lab.run, "--skip-bad-frames", "--allow-outside")
+    assert result.stderr.splitlines()[-1] == (
+        f"next: erlif process {lab.run} --skip-bad-frames --allow-outside"
+    )
+
+
 def test_html_writes_a_page_and_leaves_the_findings_as_they_are(lab, command):
     page = lab.directory / "check.html"
     plain = command("check", lab.run).stdout

@@ -60,6 +60,13 @@ def test_pixels_that_some_frames_lack_have_a_budget_too(lab, tmp_path):
     assert np.isfinite(budget["std"].sel(term="total")).all()
     photons = [b["std"].isel(quantity=0).sel(term="photons, camera 1") for b in (budget, whole)]
     npt.assert_allclose(photons[0] / photons[1], np.sqrt(2), rtol=0.05)
+    path.unlink()  # the same where camera 2 has lost it
+    budget = erlif.budget(
+        copy, trigger=2, calibration=calibration, films=(6.0, 8.0), skip_bad_frames=True
+    )
+    lost = budget["std"].isel(quantity=0).sel(term="photons, camera 1")
+    npt.assert_allclose(lost / photons[1], np.sqrt(2), rtol=0.05)
+    shutil.copy(out / "run" / "camera2" / path.name, path)
     named = erlif.budget(copy, trigger=2, calibration=calibration)
     assert named.sizes["quantity"] == 5
 

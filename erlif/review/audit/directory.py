@@ -15,7 +15,7 @@ from erlif.core.progress import ShowProgress, choose_progress
 from erlif.core.timing import stage
 from erlif.core.version import __version__
 from erlif.io.files import takes
-from erlif.io.ingest import Fixture, Run, format_notes, open_fixture, open_run
+from erlif.io.ingest import Fixture, Run, format_notes, open_fixture, open_run, skipped_notes
 from erlif.kinematics import encoder_notes
 from erlif.pipeline.audit.audits import audit_run
 from erlif.pipeline.audit.bits import note_bits
@@ -109,13 +109,17 @@ class Audit:
 
 @takes(directory="directory")
 def check(
-    directory: str | Path, *, allow_outside: bool = False, progress: ShowProgress = None
+    directory: str | Path,
+    *,
+    skip_bad_frames: bool = False,
+    allow_outside: bool = False,
+    progress: ShowProgress = None,
 ) -> list[Note]:
     """Check everything in a run or fixture directory that can be checked without computing a film.
 
     Parameters
     ----------
-    directory, allow_outside, progress
+    directory, skip_bad_frames, allow_outside, progress
         As for `erlif.review.audit.audit`.
 
     Returns
@@ -129,12 +133,21 @@ def check(
     ...     print(note.level, note.subject)
     error settings and files
     """
-    return audit(directory, allow_outside=allow_outside, progress=progress).notes
+    return audit(
+        directory,
+        skip_bad_frames=skip_bad_frames,
+        allow_outside=allow_outside,
+        progress=progress,
+    ).notes
 
 
 @takes(directory="directory")
 def audit(
-    directory: str | Path, *, allow_outside: bool = False, progress: ShowProgress = None
+    directory: str | Path,
+    *,
+    skip_bad_frames: bool = False,
+    allow_outside: bool = False,
+    progress: ShowProgress = None,
 ) -> Audit:
     """Examine a run or fixture directory before anything is computed.
 
@@ -144,6 +157,8 @@ def audit(
     ----------
     directory : path
         With ``run.toml`` or ``fixture.toml``.
+    skip_bad_frames : bool
+        As for `erlif.process`.
     allow_outside : bool
         Follow links and names of files that leave the directory.
     progress : "bar", bool or callable, optional
@@ -162,7 +177,9 @@ def audit(
     result = Audit(Path(directory))
     subject = "settings and files"
     try:
-        recording = _open(result.directory, allow_outside)
+        recording = _open(
+            result.directory, skip_bad_frames=skip_bad_frames, allow_outside=allow_outside
+        )
         result.name = recording.settings.name
         result.notes.append(_describe(recording))
         # pairs are listed even where a later part fails
@@ -182,12 +199,12 @@ def audit(
     return result
 
 
-def _open(directory: Path, allow_outside: bool) -> Run | Fixture:
+def _open(directory: Path, **options: bool) -> Run | Fixture:
     """The run or the fixture in the directory."""
     if (directory / "run.toml").is_file():
-        return open_run(directory, find_start=fit_start, allow_outside=allow_outside)
+        return open_run(directory, find_start=fit_start, **options)
     if (directory / "fixture.toml").is_file():
-        return open_fixture(directory, allow_outside=allow_outside)
+        return open_fixture(directory, **options)
     if not directory.is_dir():
         raise refusal("no_directory", directory=directory)
     raise refusal("no_settings", directory=directory)
@@ -241,6 +258,7 @@ class _Parts:
 
     def pairing(self) -> Iterator[Note]:
         """Names of the files, and images that are copies."""
+        yield from skipped_notes(self.recording.pairs)
         yield from note_numbers(self.recording.pairs)
         odd = {frame for frames in find_copies(self.survey) for frame in frames}
         self.found.pairs = tabulate_pairs(self.recording.pairs, self.run, odd=odd)

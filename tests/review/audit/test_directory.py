@@ -30,6 +30,15 @@ def test_a_good_run_is_described_in_the_order_of_the_audit(lab):
     assert all(note.level is Level.NOTE for note in notes)
 
 
+def test_a_frame_that_a_camera_has_lost_is_left_out_on_request(lab):
+    lab.frames(2)[3].unlink()
+    assert [note.level for note in erlif.check(lab.run)] == [Level.ERROR]
+    notes = erlif.check(lab.run, skip_bad_frames=True)
+    (left,) = [note for note in notes if note.level is not Level.NOTE]
+    assert str(left) == "frame pair 3 left out: camera2/frame_0003.tif: the file is missing"
+    assert about(notes, "frames")[0].text.startswith("5 ")
+
+
 def test_highest_counts_and_saturation_of_each_camera_are_reported(lab):
     def saturate(counts):
         counts = counts.copy()
