@@ -14,6 +14,7 @@ from erlif.commands.progress import working
 from erlif.commands.refusals import refusal
 from erlif.commands.series import process_series
 from erlif.core.speed.imports import large_imports
+from erlif.core.speed.memory import keep_memory
 
 
 @click.command()
@@ -61,6 +62,7 @@ def process_one(
     run_dir: Path, calibration: Path | None, output: Path | None, options: dict[str, Any]
 ) -> None:
     """Process a run and print its summary."""
+    keep_memory()
     with large_imports():
         from erlif import pipeline
         from erlif.show.report import summarise, summarise_briefly

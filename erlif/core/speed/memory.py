@@ -1,4 +1,4 @@
-"""Memory that the program no longer uses goes back to the system."""
+"""When memory that the program no longer uses goes back to the system: between two stages."""
 
 from __future__ import annotations
 
@@ -6,6 +6,31 @@ import ctypes
 from collections.abc import Callable
 from functools import cache
 from typing import Any
+
+# Parameters of mallopt, and their values: freed memory at the end of the heap up to which it stays,
+# the size from which on an array is no part of the heap [byte], and the number of heaps.
+_OPTIONS = {-1: 2**28, -3: 2**25, -8: 1}
+
+
+def keep_memory() -> bool:
+    """Keep freed memory within a stage, in one heap for all threads.
+
+    The C library of Linux (glibc) returns the end of the heap as soon as it is free; the next image
+    of the same stage then asks the system for each page again. A heap for each thread holds what
+    the others could use.
+
+    Returns
+    -------
+    bool
+        False with another C library.
+
+    Examples
+    --------
+    >>> keep_memory() in (True, False)
+    True
+    """
+    choose = _find("mallopt")
+    return choose is not None and all(choose(name, value) for name, value in _OPTIONS.items())
 
 
 def release_memory() -> bool:
@@ -25,15 +50,15 @@ def release_memory() -> bool:
     >>> release_memory() in (True, False)
     True
     """
-    trim = _find_trim()
+    trim = _find("malloc_trim")
     return bool(trim is not None and trim(0))
 
 
 @cache
-def _find_trim() -> Callable[[int], Any] | None:
-    """The function of the C library; None where it has none."""
+def _find(name: str) -> Callable[..., Any] | None:
+    """A function of the C library; None where it has none."""
     try:
-        trim: Callable[[int], Any] = ctypes.CDLL(None).malloc_trim
+        function: Callable[..., Any] = getattr(ctypes.CDLL(None), name)
     except (AttributeError, OSError, TypeError):  # no such function; no such library on Windows
         return None
-    return trim
+    return function
