@@ -116,14 +116,14 @@ class View(NamedTuple):
     ----------
     a : Image
         Texture of camera 1, (y, x). [1]
-    weight : Image
-        Its weight. [1]
+    weight : Image | Mask
+        Its weight; a mask where it is 0 or 1 everywhere. [1]
     spline : tuple[Image, Mask]
         Spline coefficients of camera 2, and its pixels without weight.
     """
 
     a: Image
-    weight: Image
+    weight: Image | Mask
     spline: tuple[Image, Mask]
 
 
@@ -175,7 +175,10 @@ class Views:
                 *self._filtered(plain.a, plain.weight, self._whitening),
                 *self._filtered(plain.b, plain.weight_b, self._whitening),
             )
-        return View(plain.a, plain.weight, plain.spline(self.settings.threads))
+        # frames that are kept take less memory with masks
+        mask = plain.weight > 0
+        weight = mask if np.array_equal(mask, plain.weight) else plain.weight
+        return View(plain.a, weight, plain.spline(self.settings.threads))
 
     def _each_plain(self, dx: Image, dy: Image) -> Iterator[tuple[int, Textures]]:
         """Number and unfiltered textures of the frames that are not kept filtered.
@@ -219,7 +222,8 @@ class Views:
         threads = self.settings.threads
         here = (float(self.drift[number, 0]), float(self.drift[number, 1]))
         b = laid_over(view.spline, dx, dy, here, threads)
-        sums = cell_sums(view.a, view.weight, b, self.settings.step, scale=scale, threads=threads)
+        weight = view.weight.astype(np.float32, copy=False)
+        sums = cell_sums(view.a, weight, b, self.settings.step, scale=scale, threads=threads)
 
         # a frame of many gets what is left of its drift, free of the noise of the gradients; the
         # map gets what the frames have in common, so no frame asks for a translation of its own
