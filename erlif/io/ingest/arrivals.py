@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import time
+from collections import deque
 from collections.abc import Callable, Collection
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -12,6 +13,7 @@ from typing import NamedTuple
 from erlif.core.errors import FrameError
 from erlif.core.guarded import file_stamp
 from erlif.io.ingest.images import Page, match_files, natural_key, read_headers
+from erlif.io.ingest.pairing import find_missing, name_lost
 from erlif.io.ingest.selection import Selection, select_counts
 from erlif.io.settings import RunSettings
 
@@ -20,6 +22,9 @@ PATIENCE = 1.0
 
 # Frames of each camera from which on different numbers are taken for different first numbers.
 _FEW = 3
+
+# Pairs among whose numbers those are sought that neither camera has.
+_RECENT = 200
 
 # Characters of a pattern that may match more than one file.
 _WILD = re.compile(r"[*?[]")
@@ -135,6 +140,10 @@ class _Camera:
         self.pages[number], self.alone[number] = page, now
         self.fresh.append(number)
 
+    def named_now(self, page: Page) -> Page:
+        """The page of the same number, whose file may have got another name."""
+        return page if self._several else self.pages.get(_number_in(page.path), page)
+
     def _name(self, path: Path) -> str:
         """Name of a file as its pattern has it."""
         inside = path.is_relative_to(self.directory)
@@ -197,6 +206,8 @@ class Arrivals:
             for camera in (settings.camera1, settings.camera2)
         )
         self._shift: int | None = None
+        self._recent: deque[tuple[int, float]] = deque(maxlen=_RECENT)
+        self._gaps: set[int] = set()
 
     def look(self, changed: Collection[Path] | None = None) -> list[Arrival]:
         """Find the pairs that have become complete since the last look.
@@ -217,9 +228,9 @@ class Arrivals:
         for camera in self._cameras:
             if camera.look(changed, now):
                 self._shift = None
-        return self._pair()
+        return self._pair(now)
 
-    def _pair(self) -> list[Arrival]:
+    def _pair(self, now: float) -> list[Arrival]:
         one, two = self._cameras
         shift = self._find_shift()
         if shift is None:
@@ -227,22 +238,22 @@ class Arrivals:
         first = self._first()
         fresh = {*one.fresh, *(number - shift for number in two.fresh)}
         one.fresh, two.fresh = [], []
-        return [
-            Arrival(
-                number - first,
-                (one.pages[number], two.pages[number + shift]),
-                max(one.alone.pop(number), two.alone.pop(number + shift)),
-            )
-            for number in sorted(fresh)
-            if number in one.alone and number + shift in two.alone
-        ]
+        pairs = []
+        for number in sorted(fresh):
+            if number in one.alone and number + shift in two.alone:
+                pages = one.pages[number], two.pages[number + shift]
+                times = one.alone.pop(number), two.alone.pop(number + shift)
+                pairs.append(Arrival(number - first, pages, max(times)))
+                self._recent.append((number, now))
+        return pairs
 
     def renew(self, arrival: Arrival) -> Arrival:
         """The same pair with the names that its files have now."""
-        one, two = self._cameras
-        number = arrival.place + self._first()
-        pages = one.pages[number], two.pages[number + (self._shift or 0)]
-        return arrival._replace(pages=pages)
+        one, two = (
+            camera.named_now(page)
+            for camera, page in zip(self._cameras, arrival.pages, strict=True)
+        )
+        return arrival._replace(pages=(one, two))
 
     def _first(self) -> int:
         """Number of the first pulse that a camera has recorded, as camera 1 counts."""
@@ -269,7 +280,7 @@ class Arrivals:
         return len(one.pages), len(two.pages)
 
     def missing(self) -> dict[str, int]:
-        """Names of frames without a partner, with the camera that lacks it, 1 or 2.
+        """Names of frames without a partner, with the camera that lacks it, 1 or 2; 0 for both.
 
         A frame is missed when its camera has a later one and `PATIENCE` has passed.
         """
@@ -282,7 +293,15 @@ class Arrivals:
             for number in sorted(n for n in other.alone if n + shift < own.latest):
                 if other.alone[number] < until:
                     lost[other.pages[number].name] = lacking
-        return lost
+
+        numbers = sorted(number for number, found in self._recent if found < until)
+        self._gaps = {
+            number
+            for number in self._gaps.union(find_missing(numbers))
+            if number not in one.pages and number + self._shift not in two.pages
+        }
+        known = next(iter(one.pages.values()))
+        return lost | {name_lost(known, number).name: 0 for number in sorted(self._gaps)}
 
     def stopped(self) -> tuple[int, int] | None:
         """The camera that writes no more, and how many frames the other has written since.

@@ -210,6 +210,18 @@ def find_missing(numbers: list[int]) -> list[int]:
     return sorted(set(range(numbers[0], numbers[-1], step)) - set(numbers))
 
 
+def name_lost(page: Page, number: int) -> Page:
+    """The page of a file that is missing, named as that of another frame of the camera.
+
+    Examples
+    --------
+    >>> name_lost(Page(Path("frame_0001.tif"), 0), 12).name
+    'frame_0012.tif'
+    """
+    stem = _LAST_NUMBER.sub(lambda found: f"{number:0{len(found[0])}d}", page.path.stem)
+    return replace(page, path=page.path.with_name(stem + page.path.suffix))
+
+
 def fill_gaps(pairs: FramePairs) -> FramePairs:
     """Pairs with those of the numbers that neither camera has, which are left out.
 
@@ -230,7 +242,7 @@ def fill_gaps(pairs: FramePairs) -> FramePairs:
     place = {number: k for k, number in enumerate(numbers)}
     known = [dict(zip(one, pages, strict=True)) for pages in pairs.pages]
     first, second = (
-        tuple(found.get(number) or _lost(found[one[0]], number) for number in numbers)
+        tuple(found.get(number) or name_lost(found[one[0]], number) for number in numbers)
         for found in known
     )
     skipped = {place[one[k]]: reason for k, reason in pairs.skipped.items()}
@@ -367,7 +379,7 @@ def _pad_lost(cameras: Sequence[CameraFiles]) -> None:
         faults = {numbers.index(n): files.faults[k] for n, k in known.items() if k in files.faults}
         lost = {k: "the file is missing" for k, n in enumerate(numbers) if n not in known}
         pages, kinds = files.pages, files.kinds
-        files.pages = [pages[known[n]] if n in known else _lost(pages[0], n) for n in numbers]
+        files.pages = [pages[known[n]] if n in known else name_lost(pages[0], n) for n in numbers]
         files.kinds = [kinds[known[n]] if n in known else UNREADABLE for n in numbers]
         files.faults = faults | lost
 
@@ -383,12 +395,6 @@ def _common_numbers(cameras: Sequence[Sequence[Page]]) -> list[int]:
         return []
     every, both = {*one, *two}, {*one} & {*two}
     return sorted(every) if len(every) <= _UNEQUAL * len(both) else []
-
-
-def _lost(page: Page, number: int) -> Page:
-    """The page of a file that is missing, named as that of another frame of the camera."""
-    stem = _LAST_NUMBER.sub(lambda found: f"{number:0{len(found[0])}d}", page.path.stem)
-    return replace(page, path=page.path.with_name(stem + page.path.suffix))
 
 
 def _name_faults(directory: Path, cameras: Sequence[CameraFiles]) -> dict[int, str]:

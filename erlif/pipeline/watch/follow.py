@@ -234,15 +234,15 @@ class Follower:
 
 
 def _describe_missing(missing: dict[str, int]) -> dict[str, str]:
-    """Frames of one camera alone in words, by the camera that lacks them."""
+    """Frames that one camera lacks, or both, in words, by the camera."""
     texts = {}
-    for camera in (1, 2):
+    for camera in (0, 1, 2):
         names = [name for name, lacking in missing.items() if lacking == camera]
         if names:
             more = f" and of {len(names) - 3} more" if len(names) > 3 else ""
             listed = ", ".join(names[:3])
-            text = f"camera {camera} lacks the partner of {listed}{more}"
-            texts[f"frames of camera {camera}"] = text
+            who = f"camera {camera} lacks the partner of" if camera else "neither camera has"
+            texts[f"frames of camera {camera}"] = f"{who} {listed}{more}"
     return texts
 
 

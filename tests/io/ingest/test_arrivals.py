@@ -156,6 +156,23 @@ def test_a_lost_frame_is_missed_by_number_and_camera_and_shifts_no_pair(rig):
     assert rig.arrivals.missing() == {}
 
 
+def test_a_number_that_neither_camera_has_is_missed(rig):
+    for number in (0, 1, 2, 4, 5):
+        rig.write(1, number)
+        rig.write(2, number)
+    assert rig.look() == [0, 1, 2, 4, 5]
+    assert rig.arrivals.missing() == {}
+    rig.clock.now += PATIENCE + 0.1
+    assert rig.arrivals.missing() == {"frame_0003.tif": 0}
+    rig.write(1, 3)
+    assert rig.look() == []
+    rig.clock.now += PATIENCE + 0.1
+    assert rig.arrivals.missing() == {"frame_0003.tif": 2}
+    rig.write(2, 3)
+    assert rig.look() == [3]
+    assert rig.arrivals.missing() == {}
+
+
 def test_a_camera_that_stops_is_named_after_a_while(rig):
     for number in range(6):
         rig.write(1, number)
