@@ -129,6 +129,7 @@ class Watch(Follower):
         self._raised: dict[str, tuple[float, str]] = {}
         self._workers = workers or os.cpu_count() or 1
         self._waiting: list[int] = []
+        self._failed: set[int] = set()
         self._measured: list[LivePair] = []
         self._latest: LivePair | None = None
         self._newest: LiveMap | None = None
@@ -285,10 +286,14 @@ class Watch(Follower):
             if away:
                 self._ended.wait(_AGAIN)  # a share that has gone may come back
             with self._changed:
-                if away or named != arrival:
+                # the share may have come back since: a pair is given up at the second attempt
+                again = away or frame not in self._failed
+                if not away:
+                    self._failed.add(frame)
+                if again:
                     self._arrived[frame] = named
                     self._waiting.insert(0, frame)
-                if named == arrival:
+                if away or not again:
                     self._note("share" if away else f"pair {arrival.place}", error)
                 self._notify()
             return

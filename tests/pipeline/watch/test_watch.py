@@ -10,6 +10,7 @@ import pytest
 import tifffile
 
 import erlif
+from erlif.core.errors import FrameError
 from erlif.pipeline.watch.alarms import Alarms
 from erlif.pipeline.watch.live import LiveFilm, LivePair
 from erlif.pipeline.watch.watch import Watch
@@ -172,6 +173,26 @@ def test_pairs_on_a_share_that_goes_away_are_measured_when_it_is_back(empty_run,
         away.rename(run_dir)
         wait_until(lambda: len(watch.state().measured) == 4, watch)
         assert "share" not in watch.state().faults
+
+
+def test_a_pair_whose_files_came_back_in_between_is_measured(empty_run, monkeypatch):
+    run_dir, write = empty_run
+    watch = Watch(run_dir, workers=1)
+    measure, failed = LiveFilm.measure, []
+
+    def measure_or_fail(film, pairs, frame, arrival):
+        if arrival.place == 1 and not failed:
+            failed.append(frame)
+            raise FrameError("the share was away")
+        return measure(film, pairs, frame, arrival)
+
+    monkeypatch.setattr(LiveFilm, "measure", measure_or_fail)
+    with watch.running():
+        for frame in range(3):
+            write(frame)
+        wait_until(lambda: len(watch.state().measured) == 3, watch)
+    assert failed
+    assert not watch.state().faults
 
 
 def test_pairs_whose_files_got_other_names_are_measured(empty_run, monkeypatch):
