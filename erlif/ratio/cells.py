@@ -142,18 +142,28 @@ def cell_centres(shape: tuple[int, int]) -> tuple[Array, Array]:
 def _sum(light, log_ratio, variance, flags, step, sums):  # type: ignore[no-untyped-def]
     """Blocks, used blocks, and sums over the used ones, of each cell; one block in step counts."""
     down, along = light.shape[0] // BLOCK, light.shape[1] // BLOCK
+    of_blocks = np.empty((4, along))
     for i in range(0, down, step):
+        # row by row through all blocks, as the memory lies
+        of_blocks[:] = 0
+        for y in range(i * BLOCK, (i + 1) * BLOCK):
+            for j in range(0, along, step):
+                count, total = of_blocks[0, j], of_blocks[1, j]
+                ratio, noise = of_blocks[2, j], of_blocks[3, j]
+                for x in range(j * BLOCK, (j + 1) * BLOCK):
+                    good = flags[y, x] == 0
+                    count += 1 if good else 0
+                    total += light[y, x] if good else 0.0
+                    ratio += log_ratio[y, x] if good else 0.0
+                    noise += variance[y, x] if good else 0.0
+                of_blocks[0, j], of_blocks[1, j] = count, total
+                of_blocks[2, j], of_blocks[3, j] = ratio, noise
+
         for j in range(0, along, step):
             cell = (i * CELLS[0] // down) * CELLS[1] + j * CELLS[1] // along
             sums[0, cell] += 1
-            count, total, ratio, noise = 0, 0.0, 0.0, 0.0
-            for y in range(i * BLOCK, (i + 1) * BLOCK):
-                for x in range(j * BLOCK, (j + 1) * BLOCK):
-                    if flags[y, x] == 0:
-                        count += 1
-                        total += light[y, x]
-                        ratio += log_ratio[y, x]
-                        noise += variance[y, x]
+            count, total = of_blocks[0, j], of_blocks[1, j]
+            ratio, noise = of_blocks[2, j], of_blocks[3, j]
             if count >= _FULL and total > 0:
                 mean = ratio / count
                 sums[1, cell] += 1

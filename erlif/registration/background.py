@@ -211,6 +211,8 @@ def is_steep(blocks: Image, shape: tuple[int, int], *, side: int = BLOCK) -> Mas
     # a median over 3 by 3 blocks, so that a single scratch or speck is not taken for the film
     down, along = np.gradient(cv2.medianBlur(level, 3))
     steep = down * down + along * along > (STEEP * BLOCK) ** 2
+    if not steep.any():
+        return np.zeros(shape, bool)
     pixels = np.repeat(np.repeat(steep, side, axis=0), side, axis=1)
     return np.asarray(pixels[: shape[0], : shape[1]])
 
