@@ -17,7 +17,8 @@ def keep_memory() -> bool:
 
     The C library of Linux (glibc) returns the end of the heap as soon as it is free; the next image
     of the same stage then asks the system for each page again. A heap for each thread holds what
-    the others could use.
+    the others could use. Workers of dask start with MALLOC_TRIM_THRESHOLD_, and without this all
+    arrays of a pair are new memory.
 
     Returns
     -------

@@ -27,6 +27,7 @@ from threadpoolctl import threadpool_limits
 
 from erlif.core.bounded import read_bounded
 from erlif.core.errors import ClusterError
+from erlif.core.speed.memory import keep_memory
 from erlif.core.version import __version__
 from erlif.pipeline.refusals import refusal
 
@@ -300,6 +301,7 @@ def _call(work: Callable[[int], _Result], name: str, version: str, item: int) ->
         _check_version(_this_worker(), __version__, version)
         cv2.setNumThreads(1)  # the threads of a worker compute different items
         threadpool_limits(1, user_api="blas")
+        keep_memory()
         check = getattr(work, "check", None)
         if check is not None:
             check()
