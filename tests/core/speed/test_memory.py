@@ -51,11 +51,11 @@ print(faults() - before)
 glibc = pytest.mark.skipif(platform.libc_ver()[0] != "glibc", reason="another C library")
 
 
-def run(code, *arguments):
+def run(code, *arguments, **setting):
     # a setting of malloc, which workers of dask leave behind, has it return large arrays at once
     plain = {name: value for name, value in os.environ.items() if not name.startswith("MALLOC_")}
     command = [sys.executable, "-c", code, *arguments]
-    done = subprocess.run(command, env=plain, capture_output=True, text=True, check=True)
+    done = subprocess.run(command, env=plain | setting, capture_output=True, text=True, check=True)
     return int(done.stdout)
 
 
@@ -67,3 +67,9 @@ def test_freed_images_are_returned_to_the_system():
 @glibc
 def test_images_that_are_made_again_find_the_pages_of_the_last_ones():
     assert run(REPEATED, "keep") < 200 < 3_000 < run(REPEATED, "return")
+
+
+@glibc
+def test_workers_of_dask_find_them_as_well():
+    setting = {"MALLOC_TRIM_THRESHOLD_": "65536"}  # as dask starts them
+    assert run(REPEATED, "keep", **setting) < 200 < 3_000 < run(REPEATED, "return", **setting)
