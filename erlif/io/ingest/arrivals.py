@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 import time
 from collections import deque
@@ -146,8 +147,7 @@ class _Camera:
 
     def _name(self, path: Path) -> str:
         """Name of a file as its pattern has it."""
-        inside = path.is_relative_to(self.directory)
-        return str(path.relative_to(self.directory) if inside else path)
+        return str(path).removeprefix(f"{self.directory}{os.sep}")
 
     def _read(self, path: Path, now: float) -> list[Page]:
         """Complete images of a file that has changed; none where it has not, or is not whole."""

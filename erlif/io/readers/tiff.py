@@ -298,12 +298,13 @@ def _find_directories(source: Source) -> list[_Directory]:
             if count * _TYPE_SIZES.get(kind, 0) > source.size or unknown > _MOST_UNKNOWN:
                 raise FrameError("the file is damaged: a directory is no list of entries")
 
-        text, end = sign(table[:size])
+        (after,) = following.unpack_from(table, size)
+        text, end = sign(table[:size]) if found or after else (b"", 0)
         found.append(_Directory(place, alike.setdefault(text, text), end))
+        place = after
         taken += number.size + len(table)
         if taken > source.size or len(found) > MOST_FRAMES:
             raise FrameError("the file is damaged: its directories form a ring or overlap")
-        (place,) = following.unpack_from(table, size)
     return found
 
 
