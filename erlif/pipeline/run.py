@@ -19,6 +19,7 @@ from erlif.io.files import PartialFilm, open_film, refuse_existing, remove_remai
 from erlif.io.ingest import Run, open_run
 from erlif.pipeline.audit.naming import naming
 from erlif.pipeline.chain import FrameChain
+from erlif.pipeline.engines.ahead import compiling_ahead
 from erlif.pipeline.engines.engine import Engine, open_engine
 from erlif.pipeline.engines.results import FrameResult, TriggerResult, frames_in
 from erlif.pipeline.engines.triggers import TriggerTask, run_triggers
@@ -159,7 +160,7 @@ def process_run(
     if resume and work.is_done(overwrite=overwrite):
         return False
 
-    with work.unfinished(len(frames_of)) as unfinished:
+    with compiling_ahead(), work.unfinished(len(frames_of)) as unfinished:
         ready = prepare_run(run, cycle, calibration, known, progress)
         del known
         release_memory()
