@@ -16,7 +16,7 @@ def after_import(name: str, action: Callable[[], None]) -> None:
     Parameters
     ----------
     name : str
-        Package of the first level.
+        Package or module.
     action : callable
         Called once: now where the package is imported already, else after its import.
 

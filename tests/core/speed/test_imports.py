@@ -51,3 +51,20 @@ def test_a_program_that_has_loaded_xarray_before_can_run_a_command():
         "    xr.Dataset(coords={'x': [1.0]}).compute()\n"
     )
     subprocess.run([sys.executable, "-c", code], check=True)
+
+
+@pytest.mark.parametrize("large", [True, False])
+def test_scipy_adds_no_notes_to_docstrings_for_a_command(large):
+    code = (
+        "import contextlib\n"
+        "from erlif.core.speed.imports import large_imports\n"
+        f"with large_imports() if {large} else contextlib.nullcontext():\n"
+        "    from scipy import ndimage\n"
+        "from scipy import interpolate, linalg\n"
+        "print('Array API' in ndimage.gaussian_filter.__doc__, linalg.inv.__doc__[:20].strip())\n"
+        "print(linalg.inv([[2.0]])[0, 0], interpolate.CubicSpline([0, 1, 2], [0, 1, 4])(1.5))\n"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    noted, numbers = done.stdout.splitlines()
+    assert noted.startswith(str(not large))
+    assert numbers == "0.5 2.25"
