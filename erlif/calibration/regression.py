@@ -10,10 +10,10 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
-from odrpack import OdrResult, odr_fit
 
 from erlif.calibration.points import Points
 from erlif.calibration.pose import Freedom
@@ -29,6 +29,9 @@ from erlif.models.fluorescence import (
     log_band_ratio_slope,
     wall_ratio,
 )
+
+if TYPE_CHECKING:
+    from odrpack import OdrResult
 
 # Standard deviations from the curve beyond which a point is dust, a bubble or a slip of the
 # CMM.
@@ -327,6 +330,8 @@ def _regress(
     Its parameters are ln K, ln(p - q) and ln q, so that all are positive and p exceeds q, before a
     reflecting wall a/q and R, then the displacement.
     """
+    from odrpack import odr_fit  # at use: a run needs no fit
+
     t, y = points.thickness[kept], points.log_ratio[kept]
     displacement = freedom.displacement[kept]
 

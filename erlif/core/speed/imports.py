@@ -13,6 +13,9 @@ from erlif.core.speed.later import after_import
 # first array; dask and pint take 0.3 s, and the commands use none of their arrays.
 _ARRAY_LIBRARIES = frozenset({"cupy", "dask", "pint", "sparse"})
 
+# Libraries that numpy and numba load where they are installed, and do without: 6 MB.
+_UNUSED = _ARRAY_LIBRARIES | {"charset_normalizer", "coverage"}
+
 # With it scipy adds notes to the docstrings of 400 functions while it loads, which takes 0.1 s.
 _DOCSTRINGS = "scipy._lib._docscrape"
 
@@ -28,7 +31,7 @@ def large_imports() -> Iterator[None]:
     was_enabled = gc.isenabled()
     gc.disable()
     # an xarray that a program has loaded before may have looked for them already
-    hidden = [] if "xarray" in sys.modules else list(_ARRAY_LIBRARIES - sys.modules.keys())
+    hidden = [] if "xarray" in sys.modules else list(_UNUSED - sys.modules.keys())
     if _DOCSTRINGS not in sys.modules:
         after_import(_DOCSTRINGS, _leave_docstrings)
     # None stands for a module that cannot be imported
