@@ -4,7 +4,9 @@ A run of the virtual rig is written again and again, at a fixed rate, under new 
 browser shows the page. The age of a map is the time from the end of writing its second file to the
 map on the page. Pairs that are not shown were passed by a newer one.
 
-    python benchmarks/watch.py --size 1280x1024 --rate 20 --pairs 5000
+    python benchmarks/watch.py --size 1280x1024 --rate 20 --pairs 5000 --scratch /tmp/watch
+
+Pairs of 1280x1024 at 20 a second are 105 MB/s; 5000 take 26 GB.
 """
 
 from __future__ import annotations
@@ -49,7 +51,7 @@ def plain(path: Path) -> bytes:
 
 
 def write_frames(kept: Path, run: Path, rate: float, pairs: int) -> None:
-    """Write `pairs` pairs at a rate; print the time at which each was complete, as JSON."""
+    """Write `pairs` pairs at a rate, and the time at which each was complete as JSON."""
     content = {n: [plain(path) for path in sorted((kept / f"camera{n}").iterdir())] for n in (1, 2)}
     times = []
     begun = time.time()
@@ -59,7 +61,7 @@ def write_frames(kept: Path, run: Path, rate: float, pairs: int) -> None:
             images = content[n]
             (run / f"camera{n}" / f"frame_{k:05d}.tif").write_bytes(images[k % len(images)])
         times.append(time.time())
-    print(json.dumps(times))
+    (kept / "times.json").write_text(json.dumps(times))
 
 
 def memory_of(process: int) -> float:
@@ -116,16 +118,14 @@ def follow(run: Path, kept: Path, rate: float, pairs: int, browser: bool) -> Non
             page.goto(address)
             page.evaluate(_OBSERVE)
         writer = subprocess.Popen(
-            [sys.executable, __file__, "--write", str(kept), str(run), str(rate), str(pairs)],
-            stdout=subprocess.PIPE,
-            text=True,
+            [sys.executable, __file__, "--write", str(kept), str(run), str(rate), str(pairs)]
         )
         memory: list[float] = []
         spent, drawn = seconds_of(watch.pid), seconds_of_browsers()
         while writer.poll() is None:
             time.sleep(0.5)
             memory.append(memory_of(watch.pid))
-        times = json.loads(writer.communicate()[0])
+        times = json.loads((kept / "times.json").read_text())
         state = page.request if page is not None else driver.request.new_context()
         end = time.time()
         news = json.loads(state.get(f"{address}news?version=-1&pairs={pairs}&angles=0").text())
@@ -160,8 +160,9 @@ def follow(run: Path, kept: Path, rate: float, pairs: int, browser: bool) -> Non
         ages = np.array([shown[k] - times[k] for k in shown if times[k] > times[0] + 5])
         first = min(shown.values()) - times[0]
         print(f"first map {first:.1f} s after the first pair; {len(shown)} of {pairs} maps shown")
-        median, most = np.percentile(1e3 * ages, [50, 95])
-        print(f"age of a map: {median:.0f} ms in the median, {most:.0f} ms at 95 %")
+        if ages.size:
+            median, most = np.percentile(1e3 * ages, [50, 95])
+            print(f"age of a map: {median:.0f} ms in the median, {most:.0f} ms at 95 %")
 
 
 def main() -> None:
