@@ -6,7 +6,6 @@ import numba
 
 from erlif.core.arrays import FAST, FlagImage, Image
 from erlif.correction import NoiseTables
-from erlif.registration.ahead import fetch_row
 
 _LAG = 4  # px: distance over which speckle is hardly correlated
 
@@ -60,9 +59,6 @@ def _sum(light, flags, per_flat, numbers, step):  # type: ignore[no-untyped-def]
     per_gain, read_var = numbers[0], numbers[1]
     near, far, count = 0.0, 0.0, 0
     for i in range(step // 2, light.shape[0], step):
-        fetch_row(light, i + step)
-        fetch_row(per_flat, i + step)
-        fetch_row(flags, i + step)
         for j in range(light.shape[1] - _LAG):
             if flags[i, j] | flags[i, j + 1] | flags[i, j + _LAG]:
                 continue

@@ -15,7 +15,6 @@ from numba import njit
 from erlif.core.arrays import FAST, AnyArray, Image, Mask
 from erlif.core.flags import Flag
 from erlif.correction.light import fill_gaps
-from erlif.registration.ahead import fetch_row
 from erlif.registration.bands import in_bands
 from erlif.registration.refusals import refusal
 
@@ -445,8 +444,6 @@ def sample_rows(  # type: ignore[no-untyped-def]
 
     for row in range(start, stop):
         y, kept = _at(row), _at(row - first)
-        fetch_row(displacement_x, row + 1)
-        fetch_row(displacement_y, row + 1)
         last_column, rows_left = np.float32(w - 1), np.float32(h - 1 - row)
         _place_row(
             displacement_x, displacement_y, drift_x, drift_y, y, last_column, rows_left, line
@@ -454,10 +451,6 @@ def sample_rows(  # type: ignore[no-untyped-def]
         _find_changes(line, changes)
         if noisy:
             _find_factors(line)
-
-        middle = int(line[_ROW, _at(width // 2)])
-        fetch_row(coefficients, row + middle + 2 * _MARGIN + 1)
-        fetch_row(flags, row + middle + 1)
 
         begin = 0
         while begin < width:
