@@ -69,7 +69,7 @@ def main() -> None:
         show(*row.values())
     if options.record and (not rows or has_changed(today, rows[-1])):
         with TABLE.open("w", newline="", encoding="utf-8") as file:
-            table = csv.DictWriter(file, COLUMNS)
+            table = csv.DictWriter(file, COLUMNS, lineterminator="\n")
             table.writeheader()
             table.writerows([*rows, today])
     first = FIGURES[0]

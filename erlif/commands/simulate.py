@@ -207,7 +207,13 @@ def simulate(
         )
         with show_progress() as progress:
             write_live(
-                out / "run", rate=live, faults=planned_faults, delay=_DELAY, progress=progress
+                out / "run",
+                rate=live,
+                gain=rig.gain,
+                read_noise=rig.read_noise,
+                faults=planned_faults,
+                delay=_DELAY,
+                progress=progress,
             )
 
 

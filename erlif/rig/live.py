@@ -7,7 +7,7 @@ import shutil
 import tempfile
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal, get_args
 
@@ -78,6 +78,8 @@ def write_live(
     run: Path,
     *,
     rate: float,
+    gain: float,
+    read_noise: float,
     faults: Sequence[Fault] = (),
     delay: float = 0.0,
     progress: Progress = silent,
@@ -90,6 +92,10 @@ def write_live(
         The directory ``run`` of a simulation, with frames of one image each.
     rate : float
         Pairs per second. [Hz]
+    gain : float
+        Of both cameras. [electron/DN]
+    read_noise : float
+        [electron]
     faults : sequence of Fault
     delay : float
         Time before the first pair. [s]
@@ -108,6 +114,7 @@ def write_live(
 
         names = sorted(path.name for path in (kept / _CAMERAS[0]).iterdir())
         dark = [_dark_level(run / f"{camera}_dark.tif") for camera in _CAMERAS]
+        fading = _Fading(gain, read_noise)
         begun = time.monotonic() + delay
         for frame, name in enumerate(names):
             time.sleep(max(0.0, begun + frame / rate - time.monotonic()))
@@ -116,7 +123,7 @@ def write_live(
                 if n:
                     time.sleep(min(_LATER, 0.1 / rate))
                 if not any(fault.silences(camera, frame) for fault in faults):
-                    _write(kept / camera / name, run / camera / name, energy, dark[n])
+                    fading.write(kept / camera / name, run / camera / name, energy, dark[n])
             if frame < len(rows):
                 with log.open("a", encoding="utf-8") as file:
                     file.write(_with_energy(head, rows[frame], energy) + "\n")
@@ -144,10 +151,30 @@ def _dark_level(path: Path) -> float:
     return float(tifffile.imread(path).mean()) if path.exists() else 0.0
 
 
-def _write(source: Path, target: Path, energy: float, dark: float) -> None:
-    """Write a frame, with the light of a pulse of another energy."""
-    if energy == 1.0:
-        target.write_bytes(source.read_bytes())
-        return
-    counts = dark + energy * (tifffile.imread(source).astype(float) - dark)
-    tifffile.imwrite(target, np.rint(np.clip(counts, 0, None)).astype(np.uint16))
+@dataclass
+class _Fading:
+    """Frames with the light of a pulse of another energy.
+
+    Attributes
+    ----------
+    gain : float
+        [electron/DN]
+    read_noise : float
+        [electron]
+    """
+
+    gain: float
+    read_noise: float
+    _rng: np.random.Generator = field(default_factory=lambda: np.random.default_rng(0))
+
+    def write(self, source: Path, target: Path, energy: float, dark: float) -> None:
+        """Write a frame with a share of its light, and the noise of as many electrons."""
+        if energy == 1.0:
+            target.write_bytes(source.read_bytes())
+            return
+        light = tifffile.imread(source).astype(float) - dark
+        # counts that are multiplied have energy**2 of their variance
+        shot = (energy - energy**2) * np.clip(light, 0, None) / self.gain
+        read = (1 - energy**2) * (self.read_noise / self.gain) ** 2
+        counts = dark + energy * light + np.sqrt(shot + read) * self._rng.normal(size=light.shape)
+        tifffile.imwrite(target, np.rint(np.clip(counts, 0, None)).astype(np.uint16))

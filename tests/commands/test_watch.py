@@ -25,11 +25,10 @@ def run_watch(run, *options):
 def recording(lab):
     """Starts a thread that writes the run in real time; gives the directory."""
     threads = []
+    usual = {"rate": 20.0, "gain": 4.4, "read_noise": 9.0, "delay": 0.3}
 
     def start(**options):
-        thread = threading.Thread(
-            target=write_live, args=(lab.run,), kwargs={"rate": 20.0, "delay": 0.3} | options
-        )
+        thread = threading.Thread(target=write_live, args=(lab.run,), kwargs=usual | options)
         thread.start()
         threads.append(thread)
         while len(list((lab.run / "camera1").iterdir())) == 6:

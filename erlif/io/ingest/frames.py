@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from itertools import groupby
 from pathlib import Path
 from typing import NamedTuple
 
@@ -167,7 +168,9 @@ def read_frames(pairs: FramePairs, frames: Sequence[int]) -> Frames:
 
 
 def skipped_notes(pairs: FramePairs) -> list[Note]:
-    """Notes on the frame pairs that were left out, with the reason of each.
+    """Notes on the frame pairs that were left out, with the reason.
+
+    Pairs that follow each other and have the same reason share a note.
 
     Parameters
     ----------
@@ -183,10 +186,22 @@ def skipped_notes(pairs: FramePairs) -> list[Note]:
     >>> print(skipped_notes(pairs)[0])
     frame pair 3 left out: the file is empty
     """
-    return [
-        Note(Level.WARNING, f"frame pair {k} left out", reason)
-        for k, reason in sorted(pairs.skipped.items())
-    ]
+    rows = sorted(pairs.skipped.items())
+    notes = []
+    for _, alike in groupby(enumerate(rows), _kind_of_omission):
+        part = [row for _, row in alike]
+        (first, reason), (last, _) = part[0], part[-1]
+        more = f", and {len(part) - 1} more" if len(part) > 1 else ""
+        places = f"frame pairs {first} to {last}" if more else f"frame pair {first}"
+        notes.append(Note(Level.WARNING, f"{places} left out", reason + more))
+    return notes
+
+
+def _kind_of_omission(numbered: tuple[int, tuple[int, str]]) -> tuple[int, str, str]:
+    """What pairs in a row with one reason share; the reason begins with the name of a file."""
+    place, (frame, reason) = numbered
+    name, _, why = reason.rpartition(": ")
+    return frame - place, name.partition("/")[0], why
 
 
 def format_notes(pairs: FramePairs) -> list[Note]:

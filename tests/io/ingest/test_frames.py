@@ -11,6 +11,7 @@ import tifffile
 from erlif.core.errors import FrameError
 from erlif.core.notes import Level
 from erlif.io.ingest import FramePairs, Page, format_notes, open_run, read_frames, read_pair
+from erlif.io.ingest.frames import skipped_notes
 
 
 def recorded(lab):
@@ -80,3 +81,14 @@ def test_counts_beyond_the_bit_depth_are_refused_in_every_frame(lab):
     read_frames(pairs, [0, 1, 2])
     with pytest.raises(FrameError, match=r"frame_0003\.tif reaches 4096: bit_depth = 13 fits"):
         read_frames(pairs, [0, 3])
+
+
+def test_pairs_in_a_row_with_one_reason_share_a_note():
+    skipped = {k: f"camera2/frame_{k:04d}.tif: the file is missing" for k in (30, 150, 151, 152)}
+    skipped[153] = "camera1/frame_0153.tif: the file is empty"
+    notes = skipped_notes(FramePairs(Path(), ((), ()), (64, 64), (12, 12), skipped))
+    assert [str(note) for note in notes] == [
+        "frame pair 30 left out: camera2/frame_0030.tif: the file is missing",
+        "frame pairs 150 to 152 left out: camera2/frame_0150.tif: the file is missing, and 2 more",
+        "frame pair 153 left out: camera1/frame_0153.tif: the file is empty",
+    ]
