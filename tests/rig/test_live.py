@@ -8,7 +8,7 @@ import pytest
 import tifffile
 
 from erlif.core.errors import ModelError
-from erlif.rig.live import _Fading, Fault, write_live
+from erlif.rig.live import Fault, _Fading, write_live
 from tests.conftest import snapshot
 
 
