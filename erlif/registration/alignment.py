@@ -20,6 +20,7 @@ from erlif.registration.interpolation import NOTHING_BAD, sample_rows, spline_co
 from erlif.registration.settings import orient
 
 _OUTSIDE, _POOR = int(Flag.OUTSIDE_OVERLAP), int(Flag.POOR_REGISTRATION)
+_LIGHT = ("signal", "signal_var", "signal_var_fixed")
 _at = np.uint64  # an index that cannot count from the end, as in `interpolation`
 
 
@@ -118,8 +119,9 @@ def align_bands(
     >>> band.signal.values[1, 0, :, 0].round(3)
     array([2., 3.], dtype=float32)
     """
-    names = ("signal", "signal_var", "signal_var_fixed", "flags")
+    names = (*_LIGHT, "flags")
     require(frames, *names)
+
     count, width = frames.sizes["frame"], frames.sizes["x"]
     turn = camera_map.settings.orientation
     offsets = np.zeros((count, 2)) if drift is None else np.asarray(drift, float)
@@ -127,10 +129,11 @@ def align_bands(
         np.ascontiguousarray(field, np.float32)
         for field in (camera_map.displacement_x, camera_map.displacement_y)
     )
+
     aligned: list[dict[str, AnyArray]] = []
     for band in bands:
         shape = (2, count, band.stop - band.start, width)
-        of_band: dict[str, AnyArray] = {name: np.empty(shape, np.float32) for name in names[:3]}
+        of_band: dict[str, AnyArray] = {name: np.empty(shape, np.float32) for name in _LIGHT}
         of_band["flags"] = np.empty(shape, np.uint8)
         for name, out in of_band.items():
             out[0] = frames[name].values[0, :, band]  # camera 1 keeps its pixels
@@ -159,24 +162,28 @@ def align_bands(
             outs[3][~camera_map.overlap[band]] |= _OUTSIDE
             outs[3][camera_map.poor[band] | np.isnan(x)] |= _POOR
 
-    dims = ("camera", "frame", "y", "x")
     return tuple(
-        AlignedFrames(
-            xr.Dataset(
-                {
-                    **{name: (dims, of_band[name], frames[name].attrs) for name in names[:3]},
-                    "flags": (dims, of_band["flags"], FLAG_ATTRS),
-                    "displacement_std": (
-                        ("y", "x"),
-                        camera_map.displacement_std[band],
-                        {"units": "px"},
-                    ),
-                    "interpolation": ("frame", of_band["interpolation"], {"units": "1"}),
-                },
-                frames.isel(y=band).coords,
-            )
-        )
+        _as_frames(frames, camera_map, band, of_band)
         for band, of_band in zip(bands, aligned, strict=True)
+    )
+
+
+def _as_frames(
+    frames: CorrectedFrames, camera_map: CameraMap, band: slice, of_band: dict[str, AnyArray]
+) -> AlignedFrames:
+    """The images of a band with names, units and coordinates."""
+    dims = ("camera", "frame", "y", "x")
+    std = camera_map.displacement_std[band]
+    return AlignedFrames(
+        xr.Dataset(
+            {
+                **{name: (dims, of_band[name], frames[name].attrs) for name in _LIGHT},
+                "flags": (dims, of_band["flags"], FLAG_ATTRS),
+                "displacement_std": (("y", "x"), std, {"units": "px"}),
+                "interpolation": ("frame", of_band["interpolation"], {"units": "1"}),
+            },
+            frames.isel(y=band).coords,
+        )
     )
 
 

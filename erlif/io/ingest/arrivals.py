@@ -14,7 +14,7 @@ from typing import NamedTuple
 from erlif.core.errors import FrameError
 from erlif.core.guarded import file_stamp
 from erlif.io.ingest.images import Page, match_files, natural_key, read_headers
-from erlif.io.ingest.pairing import find_missing, name_lost
+from erlif.io.ingest.numbering import find_missing, name_lost, number_in
 from erlif.io.ingest.selection import Selection, select_counts
 from erlif.io.settings import RunSettings
 
@@ -102,7 +102,7 @@ class _Camera:
             if not self._several:
                 self._whole.add(self._last)
                 self._last = self._name(path)
-                self._add(_number_in(path), found[0], now)
+                self._add(number_in(path) or 0, found[0], now)
 
         paired = len(self.pages) - len(self.alone)
         if anew := self._several and not several:
@@ -143,7 +143,7 @@ class _Camera:
 
     def named_now(self, page: Page) -> Page:
         """The page of the same number, whose file may have got another name."""
-        return page if self._several else self.pages.get(_number_in(page.path), page)
+        return page if self._several else self.pages.get(number_in(page.path) or 0, page)
 
     def _name(self, path: Path) -> str:
         """Name of a file as its pattern has it."""
@@ -322,9 +322,3 @@ class Arrivals:
         """Files that are unreadable for longer than `PATIENCE`, or written twice; the reasons."""
         now = self._clock()
         return [text for camera in self._cameras for text in camera.doubtful(now)]
-
-
-def _number_in(path: Path) -> int:
-    """The last number in the name of a file; 0 where there is none."""
-    digits = re.findall(r"\d+", path.stem)
-    return int(digits[-1]) if digits else 0

@@ -16,7 +16,7 @@ from erlif.io.ingest.logs.columns import ColumnChoice, convert_columns, find_col
 from erlif.io.ingest.logs.resample import FEWEST_SAMPLES, ContinuousLog, unwrap_angle
 from erlif.io.ingest.logs.table import LogColumn, LogTable
 from erlif.io.ingest.logs.text import read_log_table
-from erlif.io.ingest.pairing import find_missing, frame_numbers, has_numbers
+from erlif.io.ingest.numbering import find_missing, frame_numbers, has_numbers
 from erlif.io.refusals import refusal
 
 

@@ -2,13 +2,9 @@
 
 from __future__ import annotations
 
-import re
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import replace
 from pathlib import Path
-
-import numpy as np
 
 from erlif.core.arrays import Counts
 from erlif.core.errors import ErlifError, FrameError
@@ -26,6 +22,7 @@ from erlif.io.ingest.images import (
     read_page,
     with_advice,
 )
+from erlif.io.ingest.numbering import MOST_UNEQUAL, common_numbers, frame_numbers, pad_lost
 from erlif.io.ingest.selection import WHOLE, Selection, may_share_files
 from erlif.io.readers import FrameKind
 from erlif.io.readers.base import describe_shape
@@ -33,15 +30,6 @@ from erlif.io.refusals import refusal
 
 # Least width and height of a frame: registration needs several windows along each axis. [px]
 _SMALLEST = 64
-
-# Ratio of the frames of two cameras above which files are wrong rather than frames lost.
-_UNEQUAL = 2
-
-# The last number of a name counts: "2026-11-22_cam1_0007" is frame 7.
-_LAST_NUMBER = re.compile(r"\d+(?=\D*$)")
-
-# Share of equal steps from number to number, below which others are no gaps.
-_USUAL = 0.5
 
 _STAMPED = (
     "the first pixels of {name} hold the time {time}, as PCO cameras write it, and no light; as "
@@ -102,7 +90,7 @@ def pair_cameras(
     _check_files_differ(one.pages, two.pages)
     if skip_bad_frames:
         _pad_truncated((one, two))
-        _pad_lost((one, two))
+        pad_lost((one, two))
 
     faults = _name_faults(directory, (one, two))
     if faults and not skip_bad_frames:
@@ -158,96 +146,6 @@ def _compare_exposures(one: CameraFiles, two: CameraFiles) -> str:
         return ""
     order = "later" if apart > 0 else "earlier"
     return _APART.format(apart=1e3 * abs(apart), order=order, name=first.path.name)
-
-
-def frame_numbers(pages: Sequence[Page]) -> list[int]:
-    """Number of each frame by its file name; its position where names do not distinguish frames."""
-    found = [_LAST_NUMBER.search(page.path.stem) for page in pages]
-    numbers = [int(digits[0]) if digits else 0 for digits in found]
-    return numbers if len(set(numbers)) == len(pages) else list(range(len(pages)))
-
-
-def has_numbers(pages: Sequence[Page]) -> bool:
-    """Whether each frame has a file, in the order of the numbers of the files.
-
-    Examples
-    --------
-    >>> has_numbers([Page(Path(name), 0) for name in ("f_1.tif", "f_3.tif")])
-    True
-    >>> has_numbers([Page(Path("stack.tif"), 0), Page(Path("stack.tif"), 1)])
-    False
-    """
-    found = [_LAST_NUMBER.search(page.path.stem) for page in pages]
-    numbers = [int(digits[0]) for digits in found if digits]
-    files = {page.path for page in pages}
-    return len(files) == len(numbers) == len(pages) and bool((np.diff(numbers) > 0).all())
-
-
-def find_missing(numbers: list[int]) -> list[int]:
-    """Numbers that are missing in a sequence of equal steps.
-
-    Parameters
-    ----------
-    numbers : list of int
-        In rising order.
-
-    Returns
-    -------
-    list of int
-        Empty where the steps are mostly unlike: the numbers then count something else.
-
-    Examples
-    --------
-    >>> find_missing([10, 12, 14, 18, 20])
-    [16]
-    """
-    steps = np.diff(numbers)
-    if steps.size < 2:
-        return []
-    step = int(np.median(steps))
-    if step < 1 or (steps == step).mean() <= _USUAL or (steps % step).any():
-        return []
-    return sorted(set(range(numbers[0], numbers[-1], step)) - set(numbers))
-
-
-def name_lost(page: Page, number: int) -> Page:
-    """The page of a file that is missing, named as that of another frame of the camera.
-
-    Examples
-    --------
-    >>> name_lost(Page(Path("frame_0001.tif"), 0), 12).name
-    'frame_0012.tif'
-    """
-    stem = _LAST_NUMBER.sub(lambda found: f"{number:0{len(found[0])}d}", page.path.stem)
-    return replace(page, path=page.path.with_name(stem + page.path.suffix))
-
-
-def fill_gaps(pairs: FramePairs) -> FramePairs:
-    """Pairs with those of the numbers that neither camera has, which are left out.
-
-    Parameters
-    ----------
-    pairs : FramePairs
-
-    Returns
-    -------
-    FramePairs
-        The same where the numbers of the files have no gap.
-    """
-    one, two = (frame_numbers(pages) for pages in pairs.pages)
-    gaps = find_missing(one)
-    if not gaps or one != two or not all(has_numbers(pages) for pages in pairs.pages):
-        return pairs
-    numbers = sorted({*one, *gaps})
-    place = {number: k for k, number in enumerate(numbers)}
-    known = [dict(zip(one, pages, strict=True)) for pages in pairs.pages]
-    first, second = (
-        tuple(found.get(number) or name_lost(found[one[0]], number) for number in numbers)
-        for found in known
-    )
-    skipped = {place[one[k]]: reason for k, reason in pairs.skipped.items()}
-    skipped |= {place[n]: f"neither camera has {first[place[n]].name}" for n in gaps}
-    return replace(pairs, pages=(first, second), skipped=skipped)
 
 
 def _check_kinds(
@@ -312,14 +210,14 @@ def _check_pairs(
     if len(files) > 1 and min(files.values()) > 1:
         names = list_some((f"{path.name} ({count})" for path, count in files.items()), most=3)
         cure = f"camera{camera} has the frames of {names}: name one recording alone as files."
-    elif max(len(one), len(two)) > _UNEQUAL * min(len(one), len(two)):
+    elif max(len(one), len(two)) > MOST_UNEQUAL * min(len(one), len(two)):
         cure = "Check files of [camera1] and [camera2] first: they hardly name one recording."
     elif is_one_file(one) or is_one_file(two):
         cure = (
             "Export the same frames of both recordings with the camera's software"
             f"{', and take the rows of frames that are left out from the encoder log' * has_log}."
         )
-    elif _common_numbers((one, two)):
+    elif common_numbers((one, two)):
         row = "; its row stays in the encoder log" * has_log
         cure = f"Use --skip-bad-frames to leave it out{row}."
     else:
@@ -369,32 +267,6 @@ def _pad_truncated(cameras: Sequence[CameraFiles]) -> None:
                 files.faults[n] = reason
                 files.pages.append(Page(last.path, n, selection=last.selection))
                 files.kinds.append(UNREADABLE)
-
-
-def _pad_lost(cameras: Sequence[CameraFiles]) -> None:
-    """Add the frames that one camera alone has, to the other as missing files."""
-    numbers = _common_numbers([files.pages for files in cameras])
-    for files in cameras if numbers else ():
-        known = {number: k for k, number in enumerate(frame_numbers(files.pages))}
-        faults = {numbers.index(n): files.faults[k] for n, k in known.items() if k in files.faults}
-        lost = {k: "the file is missing" for k, n in enumerate(numbers) if n not in known}
-        pages, kinds = files.pages, files.kinds
-        files.pages = [pages[known[n]] if n in known else name_lost(pages[0], n) for n in numbers]
-        files.kinds = [kinds[known[n]] if n in known else UNREADABLE for n in numbers]
-        files.faults = faults | lost
-
-
-def _common_numbers(cameras: Sequence[Sequence[Page]]) -> list[int]:
-    """Numbers of the frames that any camera has; empty where numbers do not show which is missing.
-
-    They do not where a camera may count from another first number, where files hold several
-    frames, and where few frames are common.
-    """
-    one, two = (frame_numbers(pages) for pages in cameras)
-    if one[0] != two[0] or not all(has_numbers(pages) for pages in cameras):
-        return []
-    every, both = {*one, *two}, {*one} & {*two}
-    return sorted(every) if len(every) <= _UNEQUAL * len(both) else []
 
 
 def _name_faults(directory: Path, cameras: Sequence[CameraFiles]) -> dict[int, str]:

@@ -23,7 +23,8 @@ from erlif.io.ingest.images import match_files
 from erlif.io.ingest.logs.checks import is_nearly_by_frame
 from erlif.io.ingest.logs.columns import MEANINGS, ColumnChoice
 from erlif.io.ingest.logs.resample import ContinuousLog, find_pulses, find_rises, sample_log
-from erlif.io.ingest.pairing import fill_gaps, pair_cameras
+from erlif.io.ingest.numbering import fill_gaps
+from erlif.io.ingest.pairing import pair_cameras
 from erlif.io.ingest.selection import select_counts
 from erlif.io.refusals import refusal
 from erlif.io.settings import (

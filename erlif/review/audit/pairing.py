@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from erlif.core.notes import Note, list_some, note_writer
 from erlif.io.ingest import FramePairs, Run
-from erlif.io.ingest.pairing import find_missing, frame_numbers
+from erlif.io.ingest.numbering import find_missing, frame_numbers
 
 _note = note_writer("erlif.review.audit")
 

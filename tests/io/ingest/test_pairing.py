@@ -7,8 +7,9 @@ from scenes.camera_files import write_im7
 from scenes.tiff_pages import write_pages
 
 from erlif.core.errors import FrameError
-from erlif.io.ingest import Page, read_frames, read_pair
-from erlif.io.ingest.pairing import fill_gaps, find_missing, frame_numbers, pair_cameras
+from erlif.io.ingest import read_frames, read_pair
+from erlif.io.ingest.numbering import fill_gaps
+from erlif.io.ingest.pairing import pair_cameras
 from erlif.io.ingest.recording import number_frames
 from erlif.io.ingest.selection import Selection
 
@@ -48,37 +49,6 @@ def break_data(path):
     content = bytearray(path.read_bytes())
     content[start : start + 40] = b"\xff" * 40
     path.write_bytes(content)
-
-
-# numbers
-
-
-@pytest.mark.parametrize(
-    ("names", "numbers"),
-    [
-        (["f_2.tif", "f_10.tif"], [2, 10]),
-        (["run7_cam1_003.tif", "run7_cam1_004.tif"], [3, 4]),
-        (["7_a.tif", "7_b.tif"], [0, 1]),  # all the same number
-        (["a.tif", "b.tif"], [0, 1]),  # no numbers
-        (["a.tif", "5.tif"], [0, 5]),
-    ],
-)
-def test_a_frame_has_the_last_number_of_its_name_or_its_position(tmp_path, names, numbers):
-    assert frame_numbers([Page(tmp_path / name, 0) for name in names]) == numbers
-
-
-@pytest.mark.parametrize(
-    ("numbers", "missing"),
-    [
-        ([0, 1, 2, 3], []),
-        ([0, 1, 3, 4, 7, 8], [2, 5, 6]),
-        ([10, 20, 30, 50], [40]),
-        ([0, 5, 6, 20], []),  # numbers that count something else
-        ([3, 1], []),
-    ],
-)
-def test_gaps_in_equal_steps_are_found(numbers, missing):
-    assert find_missing(numbers) == missing
 
 
 # frames that pair
