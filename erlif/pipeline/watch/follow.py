@@ -21,6 +21,7 @@ from erlif.io.ingest.images import read_headers
 from erlif.io.settings import read_run_settings
 from erlif.pipeline.chain import one_thread_per_frame
 from erlif.pipeline.refusals import refusal
+from erlif.pipeline.watch.faults import describe_missing
 
 # Time between two looks at the whole directory, for changes that nothing reported. [s]
 _RESCAN = 1.0
@@ -134,7 +135,7 @@ class Follower:
 
     def faults(self) -> dict[str, str]:
         """What keeps pairs from being used or needs a look: subject to a sentence."""
-        return self._faults | _describe_missing(self._missing)
+        return self._faults | describe_missing(self._missing)
 
     def _repeat(self, job: Callable[[], None]) -> None:
         while not self._ended.is_set():
@@ -231,19 +232,6 @@ class Follower:
         """Wake who waits for a change; the lock is held."""
         self._version += 1
         self._changed.notify_all()
-
-
-def _describe_missing(missing: dict[str, int]) -> dict[str, str]:
-    """Frames that one camera lacks, or both, in words, by the camera."""
-    texts = {}
-    for camera in (0, 1, 2):
-        names = [name for name, lacking in missing.items() if lacking == camera]
-        if names:
-            more = f" and of {len(names) - 3} more" if len(names) > 3 else ""
-            listed = ", ".join(names[:3])
-            who = f"camera {camera} lacks the partner of" if camera else "neither camera has"
-            texts[f"frames of camera {camera}"] = f"{who} {listed}{more}"
-    return texts
 
 
 def as_plain(record: Any) -> dict[str, Any]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import time
 from collections import deque
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -21,9 +21,10 @@ from erlif.io.ingest.arrivals import Arrival
 from erlif.io.ingest.recording import read_angles
 from erlif.pipeline.fixture import find_calibration
 from erlif.pipeline.watch.alarms import Alarms
+from erlif.pipeline.watch.faults import describe_fall, describe_pulses
 from erlif.pipeline.watch.follow import Follower, as_plain
 from erlif.pipeline.watch.live import LiveFilm, LiveMap, LivePair, run_of
-from erlif.ratio import PulseSample, find_pulse_faults
+from erlif.ratio import PulseSample
 
 # Pairs from which references and camera map are found, and found again: up to what the
 # registration of a whole run uses.
@@ -37,10 +38,6 @@ _SHARE = 0.1
 
 # Time for which the alarm of a single pair is shown. [s]
 _HELD = 3.0
-
-# Pairs at either end of a run whose brightest are compared, and share of the light from which on a
-# fall is stated: a film that changes with the angle changes the light of single pairs as much.
-_ENDS, _FALLEN = 20, 0.75
 
 # Pairs in which the pulses of both cameras are compared.
 _PULSES = 12
@@ -319,74 +316,3 @@ class Watch(Follower):
         raised = self.alarms.raised(pairs, silence=0.0 if pairs else self.silence)
         self.alarmed = raised | self.alarmed
         self._raised |= {name: (time.monotonic(), text) for name, text in raised.items()}
-
-
-def describe_pulses(pairs: Iterable[tuple[int, PulseSample]]) -> str:
-    """That most of some pairs are of two different pulses, in words; else empty.
-
-    Parameters
-    ----------
-    pairs : iterable of (int, PulseSample)
-        Places, and by what their pulses are recognised.
-
-    Returns
-    -------
-    str
-
-    Examples
-    --------
-    >>> speckle = 0.03 * np.random.default_rng(1).normal(size=(6, 64)).astype(np.float32)
-    >>> late = np.roll(speckle, 1, axis=0)
-    >>> pairs = [PulseSample(a, a, b - a) for a, b in zip(speckle, late)]
-    >>> describe_pulses(enumerate(pairs))
-    'the cameras show different laser pulses in 6 of the pairs 0 to 5: their film is wrong'
-    >>> describe_pulses(enumerate(PulseSample(a, a, 0 * a) for a in speckle))
-    ''
-    """
-    places, samples = zip(*sorted(pairs, key=lambda one: one[0]), strict=True)
-    faults = find_pulse_faults(samples)
-    wrong = {frame for one in faults if one.kind != "repeated" for frame in one.frames}
-    if 2 * len(wrong) <= len(samples):
-        return ""
-    return (
-        f"the cameras show different laser pulses in {len(wrong)} of the pairs {places[0]} to "
-        f"{places[-1]}: their film is wrong"
-    )
-
-
-def describe_fall(pairs: Sequence[LivePair]) -> str:
-    """That the light of a camera has fallen since the start, in words; else empty.
-
-    Parameters
-    ----------
-    pairs : sequence of LivePair
-        In the order in which they were measured.
-
-    Returns
-    -------
-    str
-
-    Examples
-    --------
-    >>> zero = (0.0, 0.0)
-    >>> pairs = [
-    ...     LivePair(n, "", 0.0, 2.0, 0.1, 2.0, 0.1, 1.0, (1000.0 - 10 * n, 900.0), zero, zero)
-    ...     for n in range(60)
-    ... ]
-    >>> describe_fall(pairs)
-    'the light of camera 1 falls: at most 600 DN in the last 20 pairs, 1000 DN at the start'
-    >>> describe_fall(pairs[:45])
-    ''
-    """
-    if len(pairs) < 2 * _ENDS:
-        return ""
-    for camera in range(2):
-        first, last = (
-            max(one.light[camera] for one in part) for part in (pairs[:_ENDS], pairs[-_ENDS:])
-        )
-        if last < _FALLEN * first:
-            return (
-                f"the light of camera {camera + 1} falls: at most {last:.0f} DN in the last "
-                f"{_ENDS} pairs, {first:.0f} DN at the start"
-            )
-    return ""
