@@ -104,6 +104,8 @@ def _read_variable(name: str, keys: dict[str, Any], table: dict[str, Any]) -> Va
     keys = table[keys["like"]][name] | keys if "like" in keys else dict(keys)
     keys.pop("like", None)
     attrs = {key: keys.pop(key) for key in list(keys) if key in _ATTRIBUTES}
+    title = attrs.get("long_name", "")
+    keys.setdefault("meaning", f"{title[:1].upper()}{title[1:]}.")
     return Variable(
         name,
         dims=tuple(keys.pop("dims").split()),
