@@ -8,9 +8,7 @@ from typing import Protocol
 import numpy as np
 
 from erlif.calibration.refusals import refusal
-from erlif.core.notes import Note, note_writer
-
-_make_note = note_writer("erlif.calibration")
+from erlif.core.notes import Level, Note
 
 _SAME_BAND = 1.0  # nm: filters of the same name differ by less
 
@@ -101,4 +99,10 @@ def note_pitch(stated: float | None, pitch: float) -> Iterator[Note]:
     (['warning'], [])
     """
     if stated is not None and abs(stated / pitch - 1) > _SAME_PITCH:
-        yield _make_note("other_pitch", fixture=1e3 * stated, run=1e3 * pitch)
+        yield Note(
+            Level.WARNING,
+            "pixel_pitch",
+            f"{1e3 * stated:.4g} um in fixture.toml of the calibration, {1e3 * pitch:.4g} um in "
+            "run.toml: if the first is wrong, all films are. Correct the wrong one and calibrate "
+            "again, unless the fixture was photographed at another magnification",
+        )

@@ -14,6 +14,7 @@ from erlif.calibration.departure import find_correlation
 from erlif.calibration.refusals import refusal
 from erlif.calibration.regression import OUTLIER
 from erlif.core.arrays import Array
+from erlif.core.errors import CalibrationError
 from erlif.core.statistics import robust_rms
 
 # Probability of chance below which a difference is significant.
@@ -237,7 +238,11 @@ def compare_calibrations(calibration: Calibration, earlier: Calibration) -> Comp
     True
     """
     if not share_bands(calibration.bands, earlier.bands):
-        raise refusal("two_pairs_of_bands", one=calibration, other=earlier)
+        raise CalibrationError(
+            f"Expected calibrations of the same bands; one is of {calibration.bands[0]:g} and "
+            f"{calibration.bands[1]:g} nm, the other of {earlier.bands[0]:g} and "
+            f"{earlier.bands[1]:g} nm. Compare calibrations made with the same filters."
+        )
     film = np.linspace(*_common_range(calibration, earlier), _GRID)
     pairs = _match_points(calibration, earlier)
     change = (

@@ -22,6 +22,7 @@ from erlif.calibration.refusals import refusal
 from erlif.calibration.regression import BLACK, Reabsorption
 from erlif.calibration.systematics import Systematics
 from erlif.core.arrays import Array
+from erlif.core.errors import CalibrationError
 from erlif.core.html import card, findings_list, rows_table
 from erlif.core.notes import Level, Note, join_notes
 from erlif.core.variables import CALIBRATION
@@ -458,7 +459,11 @@ class Calibration:
         attrs = dataset.attrs
         try:
             if attrs["ratio_direction"] != DIRECTION:
-                raise refusal("other_ratio", direction=DIRECTION, found=attrs["ratio_direction"])
+                raise CalibrationError(
+                    f"Expected a calibration of the ratio {DIRECTION}; this one is of "
+                    f"{attrs['ratio_direction']}. Calibrate again with erlif, with the reabsorbed "
+                    "band on camera 1."
+                )
 
             # figures and the comparison of two calibrations need the fitted points
             for name in FITTED_POINTS:

@@ -17,9 +17,15 @@ from erlif.calibration.departure import Departure
 from erlif.calibration.refusals import refusal
 from erlif.calibration.soundness import check_calibration, check_displacements, check_file
 from erlif.calibration.systematics import Systematics
-from erlif.core.errors import ErlifError, OutputError, RegistrationError, reason_of
+from erlif.core.errors import (
+    CalibrationError,
+    ErlifError,
+    OutputError,
+    RegistrationError,
+    reason_of,
+)
 from erlif.core.format import ATTRIBUTE, FORMAT_VERSION, is_version_after
-from erlif.core.notes import note_writer
+from erlif.core.notes import Level, Note
 from erlif.core.version import __version__
 from erlif.io.files import (
     has_group,
@@ -33,8 +39,6 @@ from erlif.io.files.kinds import KINDS, kind_of
 from erlif.io.settings import RunSettings
 from erlif.registration import CameraMap
 from erlif.registration.camera_map import describe_map
-
-_make_note = note_writer("erlif.calibration")
 
 # Products whose files are no calibrations.
 _OTHERS = ("film", "prediction", "pressure", "comparison", "budget")
@@ -118,9 +122,15 @@ Make one with: erlif calibrate FIXTURE_DIR
     """
     path = Path(path)
     if path.is_dir():
-        raise refusal("directory", path=path, file=path / "calibration.nc")
+        raise CalibrationError(
+            f"Expected a calibration file; {path} is a directory. Name its file: "
+            f"{path / 'calibration.nc'}"
+        )
     if not path.is_file():
-        raise refusal("no_file", path=path)
+        raise CalibrationError(
+            f"Expected a calibration file; {path} does not exist. Make one with: erlif calibrate "
+            "FIXTURE_DIR"
+        )
 
     try:
         with warnings.catch_warnings():
@@ -139,12 +149,21 @@ def _read(path: Path) -> Calibration:
     with open_netcdf(path) as dataset:
         kind = kind_of(dataset)
         if kind in _OTHERS:
-            raise refusal("another_product", path=path, kind=KINDS[kind])
+            raise CalibrationError(
+                f"Expected a calibration as erlif calibrate writes it; {path} holds "
+                f"{KINDS[kind].words}. Name the calibration in its place; it is made with: erlif "
+                "calibrate FIXTURE_DIR"
+            )
         check_file(dataset)
         calibration = Calibration.from_dataset(dataset.load())
         written = str(dataset.attrs.get("erlif_version", ""))
     if is_version_after(written, __version__):
-        note = _make_note("later_version", written=written[:40], own=__version__)
+        note = Note(
+            Level.WARNING,
+            "",
+            f"it was written by erlif {written[:40]}, this is {__version__}: what later versions "
+            "add is not read. Update erlif, or calibrate again",
+        )
         calibration = replace(calibration, notes=(note, *calibration.notes))
     check_calibration(calibration)
     if not has_group(path, "registration"):

@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from erlif.core.errors import ModelError
 from erlif.models.arguments import Values, formula
 from erlif.models.mechanism import SliderCrank
 from erlif.models.reaction import SliderCrankBodies, joint_reaction
@@ -493,7 +494,10 @@ def coupled_wear(
         per_cycle = specific_wear * bushing_radius * path * 2 * np.pi
         step = min(extrapolation, cycles - at[-1])
         if step * per_cycle / (2 * bushing_radius * bushing_width) > LARGEST_STEP * bushing_radius:
-            raise refusal("long_extrapolation", step=step)
+            raise ModelError(
+                f"extrapolation must be smaller: {step} cycles wear more than a tenth of the "
+                "bushing radius."
+            )
         at.append(at[-1] + step)
         volume.append(volume[-1] + step * per_cycle)
 

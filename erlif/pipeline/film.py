@@ -16,7 +16,7 @@ from erlif.calibration import Calibration, note_pitch, record_calibration
 from erlif.core.arrays import Array
 from erlif.core.flags import FLAG_ATTRS, Flag
 from erlif.core.format import describe_origin
-from erlif.core.notes import Note, join_notes, note_writer
+from erlif.core.notes import Level, Note, join_notes
 from erlif.core.tables import read_table
 from erlif.core.timing import stage
 from erlif.core.units import count_of
@@ -72,7 +72,6 @@ from erlif.trend import (
 
 _logger = logging.getLogger(__name__)
 
-_note = note_writer("erlif.pipeline")
 
 _TEXTS = read_table("erlif.pipeline", "words.toml")["film"]
 
@@ -531,7 +530,15 @@ def _note_moved_mean(film: xr.Dataset) -> list[Note]:
     attrs = film["speed_exponent_mean"].attrs if "speed_exponent_mean" in film else {}
     if "geometry" not in attrs:
         return []
-    return [_note("moved_mean", fitted=attrs["fitted"], geometry=attrs["geometry"])]
+    return [
+        Note(
+            Level.WARNING,
+            "film_mean",
+            "no power of speed: the place of the minimum moves in the region, which alone makes n "
+            f"= {attrs['geometry']:.3f} of the fitted {attrs['fitted']:.3f}. Use that of "
+            "film_min, or a region of interest over which the film differs less",
+        )
+    ]
 
 
 def describe_frames(
@@ -645,4 +652,12 @@ def _censoring_notes(results: Sequence[TriggerResult]) -> list[Note]:
     worst = int(np.argmax(shares))
     if shares[worst] < _CENSORED:
         return []
-    return [_note("beyond_range", share=shares[worst], trigger=worst)]
+    return [
+        Note(
+            Level.WARNING,
+            "",
+            f"film_mean lacks up to {shares[worst]:.0%} of the region (trigger {worst}), too thin "
+            "or thick to measure; film_min, a fit, is not affected. A mean that lacks more than 2 "
+            "% counts in no exponent",
+        )
+    ]

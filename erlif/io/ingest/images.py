@@ -188,7 +188,10 @@ def find_pages(
     """
     paths = match_files(directory, pattern)
     if not paths:
-        raise refusal("no_files", pattern=pattern, what=what, directory=directory)
+        raise FrameError(
+            f"Expected files {pattern} of {what} in {directory}; there is none. Put them there, or "
+            "correct the name in the settings."
+        )
     return read_headers(paths, selection)
 
 
@@ -419,7 +422,10 @@ def _check_kind(kind: FrameKind, shape: tuple[int, ...], name: str) -> None:
     """Refuse an image of another shape or type than the frames have."""
     if kind.shape != shape or kind.dtype not in STORED_TYPES:
         wanted, found = describe_shape(shape), describe_shape(kind.shape)
-        raise refusal("other_shape", shape=wanted, name=name, kind=kind.dtype, found=found)
+        raise FrameError(
+            f"Expected grey counts of {wanted} pixels in {name}; it is {kind.dtype} of {found}. "
+            "Record frames, darks and flats with the same region of interest."
+        )
 
 
 def read_reference_pages(
@@ -459,7 +465,9 @@ def read_reference_pages(
     if references.faults:
         first = min(references.faults)
         reason = with_advice(references.faults[first], "Record them again, or take the file out.")
-        raise refusal("unreadable_pages", what=what, page=references.pages[first], reason=reason)
+        raise FrameError(
+            f"Expected readable {what} pages; {references.pages[first].name}: {reason}"
+        )
 
     for page, kind in zip(references.pages, references.kinds, strict=True):
         _check_kind(kind, shape, page.name)

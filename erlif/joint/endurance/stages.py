@@ -9,7 +9,7 @@ import numpy as np
 from scipy.ndimage import uniform_filter1d
 
 from erlif.core.arrays import AnyArray, Array
-from erlif.core.notes import Note, note_writer
+from erlif.core.notes import Level, Note, note_writer
 from erlif.core.statistics import robust_std
 from erlif.joint.endurance.blocks import find_pauses
 from erlif.joint.friction.stretches import running_median
@@ -203,14 +203,29 @@ def note_stages(
     raw = _scatter(np.split(load, pauses), width)
     scatter = _scatter([running_median(part) for part in np.split(load, pauses)], width)
     if _CLEAR * scatter > SAME_LOAD:
-        notes.append(note("scatters", raw=100 * raw, width=width))
+        notes.append(
+            Note(
+                Level.NOTE,
+                "",
+                f"the load scatters by {100 * raw:.1f} % (standard deviation); stages are found "
+                f"from its mean over {width} samples",
+            )
+        )
 
     first = stages[0] if stages else None
     others = any(stage.is_idle for stage in stages[1:])
     highest = float(np.max(load, initial=0.0))
     alone = first is not None and first.is_idle and not others and len(stages) > 1
     if first and alone and idle_load is None and first.load > _ZERO * highest:
-        notes.append(note("idle", load=first.load / 1e3, start=first.start, end=first.end))
+        notes.append(
+            Note(
+                Level.WARNING,
+                "",
+                f"the stretch of {first.load / 1e3:.1f} kN from {first.start:.0f} to "
+                f"{first.end:.0f} s is taken for an idle run, as it is shorter than a third of "
+                "the next or below a quarter of its load; if it is a stage, give --idle-load",
+            )
+        )
 
     for stage in join_stages([stage for stage in stages if not stage.is_idle]):
         inside = load[stage.samples]

@@ -87,7 +87,10 @@ class Journal:
         if self.long:
             raise ModelError("An infinitely long bearing has no axial shape: set long=False.")
         if shape.ndim != 1 or shape.size < 2 or not np.isfinite(shape).all():
-            raise refusal("no_axial_shape", shape=shape.shape)
+            raise ModelError(
+                "axial_shape must hold two or more finite heights from end to end, got shape "
+                f"{shape.shape}."
+            )
 
     @property
     def clearance(self) -> float:
@@ -156,7 +159,10 @@ class Motion:
         for name in ("angle", "load", "load_direction"):
             value = getattr(self, name)
             if value.ndim and value.shape != self.time.shape:
-                raise refusal("not_each_time", name=name, count=self.time.size, shape=value.shape)
+                raise ModelError(
+                    f"{name} must have one value for each of the {self.time.size} times, got shape "
+                    f"{value.shape}."
+                )
             object.__setattr__(self, name, np.broadcast_to(value, self.time.shape))
         warn_of_units("load", load=self.load)
 
@@ -295,7 +301,10 @@ class Mount:
         if self.stiffness == 0:
             return 0.0
         if np.ptp(motion.load_direction) > 0:
-            raise refusal("no_free_direction")
+            raise ModelError(
+                "A pin that is held sideways needs a direction of free motion where the load "
+                "turns: give Mount(direction=...)."
+            )
         return float(motion.load_direction[0])
 
 

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from erlif.core.arrays import AnyArray, Array
-from erlif.core.notes import Note, list_some, note_writer
+from erlif.core.notes import Level, Note, list_some, note_writer
 from erlif.core.products import EncoderLog
 from erlif.core.statistics import robust_std
 from erlif.core.units import count_of
@@ -65,7 +65,13 @@ def note_columns(evidence: Evidence) -> Iterator[Note]:
                 usual = float(np.median(np.delete(values, lost)))
                 low, high = values[lost].min(), values[lost].max()
                 rows, count = list_some(lost), count_of(lost.size, "row")
-                yield _note("lost_load", count=count, rows=rows, low=low, high=high, usual=usual)
+                yield Note(
+                    Level.WARNING,
+                    "load",
+                    f"the load cell or its cable is loose: {low:.3g} to {high:.3g} N in {count} "
+                    f"({rows}), {usual:.4g} N in the others. Correct them, or take out these "
+                    "pairs; speed exponent and theory count them",
+                )
 
 
 def without_single(log: EncoderLog) -> EncoderLog:

@@ -11,7 +11,7 @@ import numpy as np
 
 from erlif.core.arrays import AnyArray, Array
 from erlif.core.errors import ModelError
-from erlif.core.notes import Note, list_some, note_writer
+from erlif.core.notes import Level, Note, list_some, note_writer
 from erlif.core.statistics import robust_std
 from erlif.io.ingest import Run
 from erlif.io.settings import CrankRockerSettings
@@ -92,7 +92,13 @@ def note_crank(evidence: Evidence) -> Iterator[Note]:
     if odd:
         yield _note("odd_reading", which=_rows(len(odd)), rows=list_some(odd), most=most)
     for row, size in slips[:1]:
-        yield _note("slip", row=row, size=size)
+        yield Note(
+            Level.WARNING,
+            "encoder",
+            f"it slipped by {size:+.2f} deg at row {row}, or rows or pulses are missing there: "
+            "the readings leave the turn of an even crank. Fasten it, and correct the readings or "
+            "process the parts as two runs",
+        )
     if fits and not odd and not slips:
         yield from _note_swing(run, fits[0][1])
 
@@ -287,4 +293,9 @@ def _note_swing(run: Run, fit: _Turn) -> Iterator[Note]:
         with suppress(ModelError):  # no crank gives that swing with these links
             crank = 100 * crank_for_swing(fit.size * (high - low), **others)
             fitting = f", as with a crank of {crank:.3g} cm in place of {100 * links.crank:.3g} cm"
-    yield _note("swing", found=fit.size * span, span=span, fitting=fitting)
+    yield Note(
+        Level.WARNING,
+        "encoder",
+        f"its reading swings by {fit.size * span:.2f} deg, the linkage of [mechanism] by "
+        f"{span:.2f} deg{fitting}. Correct the lengths of the links, or ticks_per_turn",
+    )

@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from erlif.core.arrays import Array
+from erlif.core.errors import ConfigError, EncoderError
 from erlif.core.notes import Level, Note
 from erlif.core.tables import read_table
 from erlif.io.ingest import FoundStart, FramePairs
@@ -15,7 +16,6 @@ from erlif.io.ingest.logs.resample import ContinuousLog, sample_log
 from erlif.io.settings import RunSettings
 from erlif.kinematics import find_clock_offset, locate_frames
 from erlif.pipeline.physics.joint import build_linkage, describe_encoder_settings
-from erlif.pipeline.refusals import refusal
 
 _TEXTS = read_table("erlif.pipeline", "words.toml")["clock"]
 
@@ -66,7 +66,10 @@ def fit_start(
     """
     links = settings.linkage
     if links is None:
-        raise refusal("no_linkage")
+        raise ConfigError(
+            "Expected a crank-rocker or a slider-crank in [mechanism], because start is to be "
+            'fitted; got none. Give start = "0.25 s" in [encoder] of run.toml.'
+        )
 
     # the log at a few hundred places in a turn; its own rows may be far denser or fewer
     first, last = log.span
@@ -74,7 +77,11 @@ def fit_start(
     turns = (last - first) * links.crank_speed / (2 * math.pi)
     count = min(rows, math.ceil(turns * SAMPLES_IN_CYCLE) + 2)
     if count > MOST_SAMPLES:
-        raise refusal("long_log", most=MOST_SAMPLES // SAMPLES_IN_CYCLE, log=log, turns=turns)
+        raise EncoderError(
+            f"Expected a log of at most {MOST_SAMPLES // SAMPLES_IN_CYCLE} turns of the crank to "
+            f"fit its start; {log.file} has {turns:.0f}. Export the part of the log that belongs "
+            'to the run, or give start = "0.25 s" in [encoder] of run.toml.'
+        )
     time = log.samples["time"].values[np.linspace(0, rows - 1, count).astype(int)]
     located = locate_frames(
         sample_log(log, time),

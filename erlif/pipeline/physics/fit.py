@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 
 from erlif.calibration import calibration_of
-from erlif.core.errors import ErlifError
+from erlif.core.errors import ConfigError, ErlifError
 from erlif.core.notes import note_writer
 from erlif.core.progress import Progress, ShowProgress, choose_progress, silent
 from erlif.core.tables import read_table
@@ -21,7 +21,6 @@ from erlif.pipeline.physics.joint import describe_joint
 from erlif.pipeline.physics.position import clearance_std
 from erlif.pipeline.physics.predict import film_beside, is_film, read_film
 from erlif.pipeline.physics.prediction import build_journal, build_motion
-from erlif.pipeline.refusals import refusal
 from erlif.prediction import (
     Comparison,
     Estimate,
@@ -84,7 +83,10 @@ def fit_film(path: str | Path, *, progress: ShowProgress = None) -> Comparison:
     path = Path(path)
     place = path if is_film(path) else film_beside(path)
     if place is None:
-        raise refusal("no_film_to_fit", path=path)
+        raise ConfigError(
+            f"Expected film.nc in {path} for a fit; there is none. Run erlif process {path} first, "
+            "or give the film."
+        )
     source = read_film(place)
     with open_film(place) as film:
         run = film, source.settings, source.frames
@@ -193,7 +195,10 @@ def _compare(
 ) -> Comparison:
     """The models of what may carry a film; a spring takes positions."""
     if "load" not in frames:
-        raise refusal("no_load_to_fit")
+        raise ConfigError(
+            'Expected the load for a fit of the film: add load = "50 lbf" to [joint] in run.toml, '
+            "or load_N to the log, and process the run again."
+        )
     motion = build_motion(settings, frames)
     journal = build_journal(settings, motion.viscosity)
     steady = {

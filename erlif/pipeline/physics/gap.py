@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from erlif.calibration import Calibration
-from erlif.core.notes import Note, note_writer
+from erlif.core.notes import Level, Note, note_writer
 from erlif.pipeline.engines.results import FrameResult, shares_passed
 from erlif.pipeline.physics.position import clearance_std
 from erlif.pipeline.plane import ObjectPlane
@@ -106,7 +106,19 @@ def describe_gap(
     list of Note
     """
     if errors is None:
-        return [_note("gap_undetermined")] if corrected else []
+        return (
+            [
+                Note(
+                    Level.WARNING,
+                    "systematics",
+                    "the gap of this run does not determine the errors of [systematics], and "
+                    "nothing was taken out. It needs [joint], a dozen frames, one calibration, "
+                    "the right dark, and a ratio that neither drifts nor steps",
+                )
+            ]
+            if corrected
+            else []
+        )
     middle, film = calibration.at(0.5), np.array(errors.film)
     shift = 1e3 * float(errors.film_shift(film, middle))
     std, prior = (1e3 * float(errors.film_std(film, middle, before=n)) for n in (False, True))

@@ -11,7 +11,7 @@ import xarray as xr
 
 from erlif.calibration import Calibration
 from erlif.core.arrays import AnyArray, Array
-from erlif.core.notes import Note, note_writer
+from erlif.core.notes import Level, Note, note_writer
 from erlif.core.products import References
 from erlif.core.tables import read_table
 from erlif.core.variables import FILM
@@ -200,9 +200,14 @@ def _describe(estimate: BackgroundEstimate, calibration: Calibration, *, correct
     )
     shares = texts["shares"].format(one=one, two=two)
     if corrected:
-        return _note("background_subtracted", shares=shares)
+        return Note(Level.NOTE, "background", f"light that is not film subtracted: {shares}")
     if not estimate.significant:
-        return _note("background_absent", detectable=100 * estimate.detectable)
+        return Note(
+            Level.NOTE,
+            "background",
+            f"no light that is not film was found; {100 * estimate.detectable:.1f} % of the "
+            "median light in both cameras would have been significant",
+        )
 
     film = 0.5 * estimate.film  # thinner than the median, where the joint carries its load
     low = max(film, calibration.thickness_range[0])
@@ -210,7 +215,14 @@ def _describe(estimate: BackgroundEstimate, calibration: Calibration, *, correct
         1e3 * float(value(np.array(low), calibration))
         for value in (estimate.film_shift, estimate.film_shift_std)
     )
-    return _note("background", shares=shares, low=low, shift=shift, std=std)
+    return Note(
+        Level.WARNING,
+        "background",
+        f"light and films of the run do not agree without light that is not film: {shares}. Films "
+        f"of {low:.1f} um are then off by {shift:+.0f} ± {std:.0f} nm; film_mean_std and "
+        "film_min_std include this shift, the maps do not. Photograph the dry joint (background "
+        'in [camera1] and [camera2]), or set background = "correct" in [light]',
+    )
 
 
 def subtract(chain: FrameChain, estimate: BackgroundEstimate) -> FrameChain:
@@ -303,7 +315,14 @@ def describe_bleaching(
     """
     texts = _TEXTS["bleaching"]
     if trend is None:
-        return {}, [_note("bleaching_undetermined")] if corrected else []
+        return {}, [
+            Note(
+                Level.WARNING,
+                "bleaching",
+                "bleaching cannot be separated from a change of the film: this takes "
+                "several cycles or a reference patch. Nothing was taken out of the ratio",
+            )
+        ] if corrected else []
     values = {"ratio": (trend.log_ratio, trend.log_ratio_std)}
     if np.isfinite(trend.light):
         values["light"] = trend.light, trend.light_std

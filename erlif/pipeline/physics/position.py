@@ -12,7 +12,7 @@ import numpy as np
 
 from erlif.calibration import Calibration
 from erlif.core.arrays import Array
-from erlif.core.notes import Note, note_writer
+from erlif.core.notes import Level, Note
 from erlif.core.tables import read_table
 from erlif.core.units import Quantity
 from erlif.core.variables import FILM
@@ -29,8 +29,6 @@ from erlif.trend import (
     PinView,
     judge_form,
 )
-
-_note = note_writer("erlif.pipeline")
 
 _WORDS = read_table("erlif.pipeline", "words.toml")
 _TEXTS, _SYSTEMATICS = _WORDS["pin"], _WORDS["systematics"]["terms"]
@@ -145,7 +143,16 @@ def note_form(
     std = [one.covariance(calibration.full_covariance)[0, 0] ** 0.5 for one in known]
     least = float(np.nanmedian(std))
     if depth > least:
-        notes.append(_note("pin_flattened", depth=depth, least=least))
+        notes.append(
+            Note(
+                Level.NOTE,
+                "pin",
+                f"the load flattens pin and bushing by up to {depth:.2g} um (Hertz, b^2/2R), more "
+                f"than the standard deviation of the displacement towards the load, {least:.2g} "
+                "um: it is that of the surfaces in the image, not of the axes. Film thickness and "
+                "tilts are not affected",
+            )
+        )
     return notes
 
 
@@ -157,7 +164,13 @@ def _note_cause(form: GapForm, view: PinView, joint: JointSettings) -> Note:
     ]
     if form.cause is Cause.BENDING:
         causes = _list([_TEXTS["by_bending"], _TEXTS["by_dark"], *imitations])
-        return _note("pin_bent", bend=1e3 * form.bend, std=1e3 * form.bend_std, causes=causes)
+        return Note(
+            Level.WARNING,
+            "pin",
+            f"the gap is curved along the axis, {1e3 * form.bend:.2f} ± {1e3 * form.bend_std:.2f} "
+            "nm/mm2, where a straight pin has none. Maps alone do not separate the causes: "
+            f"{causes}. Position and tilts are those of the nearest straight pin",
+        )
 
     excess, (low, high) = 100 * form.excess, form.films
     change, change_std = 100 * form.excess_change, 100 * form.excess_change_std
@@ -178,7 +191,13 @@ def _note_cause(form: GapForm, view: PinView, joint: JointSettings) -> Note:
     first = bool(form.imitations) and form.imitations[0].cost < own_cost
     causes = _list([*imitations, *own] if first else [*own, *imitations])
     std = 100 * form.excess_std
-    return _note("pin_curved", excess=excess, std=std, low=low, high=high, causes=causes)
+    return Note(
+        Level.WARNING,
+        "pin",
+        f"the curvature along sliding deviates by {excess:+.1f} ± {std:.1f} % from that of the "
+        f"radii in [joint], over films of {low:.1f} to {high:.1f} um. Maps alone do not separate "
+        f"the causes; likely, in this order: {causes}",
+    )
 
 
 def _list(causes: Sequence[str]) -> str:

@@ -8,8 +8,8 @@ import numpy as np
 import xarray as xr
 
 from erlif.core.arrays import Array
-from erlif.core.errors import ErlifError
-from erlif.core.notes import Note, note_writer
+from erlif.core.errors import ConfigError, ErlifError
+from erlif.core.notes import Level, Note, note_writer
 from erlif.core.tables import read_table
 from erlif.io.ingest import Run
 from erlif.io.settings import CrankRockerSettings, PredictionOptions, RunSettings
@@ -17,7 +17,6 @@ from erlif.models.mechanism import CrankRocker
 from erlif.models.reynolds import Journal
 from erlif.pipeline.physics.joint import build_linkage, describe_joint
 from erlif.pipeline.plane import ObjectPlane
-from erlif.pipeline.refusals import refusal
 from erlif.prediction import (
     FrameMotion,
     View,
@@ -114,10 +113,17 @@ def swinging_joint(settings: RunSettings, what: str = "the prediction") -> Swing
         assert isinstance(linkage, CrankRocker)
         return SwingingJoint(links.crank_speed, linkage, joint)
     if links is not None and not isinstance(links, CrankRockerSettings):
-        raise refusal("other_mechanism", what=what, links=links)
+        raise ConfigError(
+            f'Expected [mechanism] of kind "crank-rocker" for {what} of an oscillating joint; this '
+            f'run has kind "{links.kind}", of which erlif has none. Use the measured film alone, '
+            "or the shapes of erlif.models.reynolds."
+        )
     needed = {"mechanism": links, "joint": settings.joint, "oil": settings.oil}
     missing = " and ".join(f"[{name}]" for name, table in needed.items() if table is None)
-    raise refusal("missing_tables", what=what, missing=missing)
+    raise ConfigError(
+        f"Expected [mechanism], [joint] and [oil] for {what} of an oscillating joint; run.toml has "
+        f"no {missing}. Add what is missing."
+    )
 
 
 def frames_of_run(run: Run, cycle: xr.Dataset) -> xr.Dataset:
@@ -295,7 +301,15 @@ def try_prediction(plane: ObjectPlane, film: xr.Dataset, frames: xr.Dataset) -> 
         return predict_run(plane, film, frames)
     # a measured film is worth more than its prediction, whatever went wrong in the latter
     except (ErlifError, ArithmeticError, ValueError, IndexError) as error:
-        return NO_PREDICTION._replace(notes=[_note("prediction_failed", error=error)])
+        return NO_PREDICTION._replace(
+            notes=[
+                Note(
+                    Level.WARNING,
+                    "[prediction]",
+                    f"the film over the cycle is not predicted: {error}",
+                )
+            ]
+        )
 
 
 def choose_theory(settings: RunSettings, steady: xr.Dataset, predicted: xr.Dataset) -> xr.Dataset:
@@ -360,7 +374,14 @@ def note_correlation(film: xr.Dataset) -> list[Note]:
     measured, predicted, steady = (speed_correlation(film[name].values, speed) for name in names)
     if not np.isfinite([measured, predicted, steady]).all():
         return []
-    return [_note("speed_correlation", measured=measured, predicted=predicted, steady=steady)]
+    return [
+        Note(
+            Level.NOTE,
+            "theory",
+            f"minimum film and |speed| have a correlation of {measured:+.2f}; the transient "
+            f"prediction gives {predicted:+.2f}, the steady regime map {steady:+.2f}",
+        )
+    ]
 
 
 def note_difference(film: xr.Dataset, options: PredictionOptions) -> list[Note]:

@@ -13,6 +13,7 @@ import xarray as xr
 
 from erlif.calibration import calibration_of
 from erlif.core.arrays import Array, Mask
+from erlif.core.errors import ConfigError, ModelError
 from erlif.core.progress import Progress, ShowProgress, choose_progress
 from erlif.core.tables import read_table
 from erlif.core.variables import PRESSURE
@@ -27,7 +28,6 @@ from erlif.pipeline.physics.prediction import (
     swinging_joint,
 )
 from erlif.pipeline.plane import ObjectPlane
-from erlif.pipeline.refusals import refusal
 from erlif.prediction.fit import LOAD_LINE_STD
 from erlif.prediction.gaps import LARGEST_GAP, MOST_FILLED, fill_gaps
 from erlif.prediction.pin_motion import PinMotion, find_pin_motion
@@ -144,7 +144,10 @@ def _view(film: xr.Dataset, settings: RunSettings) -> PinView:
     swinging_joint(settings, "the pressure")
     view = ObjectPlane(settings, (film.sizes["y"], film.sizes["x"])).view
     if view is None or "pin_displacement" not in film:
-        raise refusal("no_pin_position")
+        raise ConfigError(
+            "Expected the position of the pin in the film; there is none, because the image is "
+            "wider than half a turn of the pin. Make the film again with: erlif process RUN_DIR"
+        )
     line = film.pin_displacement.attrs.get("load_line", view.load_line)
     return replace(view, load_line=float(line))
 
@@ -155,7 +158,11 @@ def _known(film: xr.Dataset) -> Mask:
     known = np.isfinite(film.pin_displacement.values).all(axis=1)
     known = np.asarray(known & np.isfinite(cov).all(axis=(1, 2)))
     if known.sum() < FEWEST:
-        raise refusal("few_pin_positions", fewest=FEWEST, count=known.sum(), known=known)
+        raise ModelError(
+            f"Expected {FEWEST} or more triggers with a position of the pin, got {known.sum()} of "
+            f"{known.size}: the rate of the film, which makes the pressure, is not known from "
+            "fewer. Record the joint over its cycle."
+        )
     return known
 
 

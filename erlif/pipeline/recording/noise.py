@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from erlif.core.notes import Note, note_writer
+from erlif.core.notes import Level, Note, note_writer
 from erlif.core.products import References
 from erlif.core.tables import read_table
 from erlif.correction import make_references
@@ -164,13 +164,12 @@ def _describe(estimate: NoiseEstimate, unknown: NoiseUnknowns) -> list[Note]:
         if unknown.read_noise.all():
             assumed.append("one read noise [DN] for both")
         notes.append(
-            _note(
-                "noise_estimated",
-                subject=f"camera{n + 1}",
-                what=" and ".join(what),
-                frames=estimate.frames,
-                precision=precision,
-                assumed=" and ".join(assumed),
+            Note(
+                Level.WARNING,
+                f"camera{n + 1}",
+                f"{' and '.join(what)} estimated from the noise that the two cameras do not share "
+                f"in {estimate.frames} frames{precision}, assuming {' and '.join(assumed)}. "
+                "Declare them, or record darks and flats, for a better estimate",
             )
         )
     if unknown.response[1]:

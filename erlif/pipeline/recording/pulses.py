@@ -10,7 +10,7 @@ import numpy as np
 from erlif.calibration import Calibration
 from erlif.core.arrays import Array
 from erlif.core.errors import FrameError
-from erlif.core.notes import Note, list_some, note_writer
+from erlif.core.notes import Level, Note, list_some
 from erlif.core.products import EncoderLog
 from erlif.core.tables import read_table
 from erlif.io.ingest import FramePairs, read_pair
@@ -20,8 +20,6 @@ from erlif.pipeline.engines.results import FrameResult
 from erlif.pipeline.passes import measure_pulse
 from erlif.ratio import PulseFault, PulseSample, find_pulse_faults
 from erlif.thickness import FilmTables
-
-_note = note_writer("erlif.pipeline")
 
 _TEXTS = read_table("erlif.pipeline.recording", "pulses.toml")
 
@@ -228,7 +226,13 @@ def _describe_unknown(fault: PulseFault, numbers: list[int]) -> Note:
     if shown:
         of_pulse = f"the pulses of pairs {list_some(shown)} are among those shown twice"
     subject = f"frame pairs {list_some([numbers[k] for k in fault.frames])}"
-    return _note("pulses_unknown", subject=subject, of_pulse=of_pulse)
+    return Note(
+        Level.WARNING,
+        subject,
+        f"camera 2 shows another laser pulse than camera 1, and {of_pulse}: the film of these "
+        "pairs is wrong by the speckle of the laser. Check the triggering of the cameras, and "
+        "leave these pairs out",
+    )
 
 
 def _check_stuck(ordered: Sequence[FrameResult], pairs: FramePairs) -> list[Note]:
@@ -247,7 +251,14 @@ def _check_stuck(ordered: Sequence[FrameResult], pairs: FramePairs) -> list[Note
         if len(set(known)) == 1 and len(known) == len(ordered):
             raise PulseError(_one_camera(camera + 1, len(known), pairs))
         subject, count = f"camera{camera + 1}", len(known)
-        notes.append(_note("pulses_copied", subject=subject, copies=copies, count=count))
+        notes.append(
+            Note(
+                Level.WARNING,
+                subject,
+                f"{copies} of {count} files are copies of others: the camera was stuck, or its "
+                "export; their maps combine two pulses",
+            )
+        )
     return notes
 
 
@@ -265,7 +276,12 @@ def _describe_repeated(frames: list[int], count: int, pairs: FramePairs) -> Note
     names = [pairs.pages[0][k].name for k in frames]
     if len(frames) == count > 1:
         raise PulseError(_one_image(count, names))
-    return _note("pulses_repeated", subject=f"frame pairs {list_some(frames)}")
+    return Note(
+        Level.WARNING,
+        f"frame pairs {list_some(frames)}",
+        "they show the same image to the last count: a camera or its export was stuck, or a file "
+        "was copied. Each is used as if it were a new exposure",
+    )
 
 
 def _describe_order(fault: PulseFault, numbers: list[int], pairs: FramePairs) -> str:

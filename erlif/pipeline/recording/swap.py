@@ -10,16 +10,15 @@ import numpy as np
 
 from erlif.calibration import Calibration
 from erlif.core.arrays import Array
-from erlif.core.notes import Note, note_writer
+from erlif.core.errors import CalibrationError
+from erlif.core.notes import Level, Note
 from erlif.core.tables import read_table
 from erlif.pipeline.chain import FrameChain
 from erlif.pipeline.recording.sample import Bands, ratios_of
-from erlif.pipeline.refusals import refusal
 from erlif.registration import MapNodes, compare_with_inverse
 
 _logger = logging.getLogger(__name__)
 
-_note = note_writer("erlif.pipeline")
 
 _TEXTS = read_table("erlif.pipeline", "words.toml")["misfit"]
 
@@ -98,7 +97,13 @@ def _check_map(chain: FrameChain, stored: MapNodes) -> bool:
         comparison.misfit_inverse,
     )
     if comparison.inverted:
-        raise refusal("map_inverse", comparison=comparison)
+        raise CalibrationError(
+            "Expected the cameras in the order of the calibration; magnification, rotation and "
+            "distortion between them are the inverse of the calibration's: rms deviation "
+            f"{comparison.misfit_inverse:.2f} px, against {comparison.misfit:.2f} px from the "
+            "calibration's own. The cameras look swapped: exchange the files of [camera1] and "
+            "[camera2] in run.toml."
+        )
     return comparison.inverted is False
 
 
@@ -123,7 +128,13 @@ def _note_misfit(
     low, high = np.exp(ends)
     order = _TEXTS["in_order"] if in_order else ""
     share = float(np.median(shares))
-    note = _note("ratios_misfit", share=share, low=low, high=high, order=order, causes=listed)
+    note = Note(
+        Level.WARNING,
+        "ratio",
+        f"films are wrong or missing{order}: {share:.0%} of the pixels have a ratio that no film "
+        f"has, below {low:.3f} or above {high:.3f}. The scale of the ratio is in doubt by as "
+        f"much. Likely, in this order: {listed}",
+    )
     return Misfit((note,), float(np.median(sizes)))
 
 

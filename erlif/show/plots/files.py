@@ -14,7 +14,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from erlif.calibration import Calibration, calibration_of, open_calibration, read_profile
-from erlif.core.errors import ConfigError, ErlifError
+from erlif.core.errors import ConfigError, ErlifError, OutputError
 from erlif.core.progress import ShowProgress, choose_progress
 from erlif.io import files as stored
 from erlif.io.settings import CrankRockerSettings, read_fixture_settings, read_run_settings
@@ -436,7 +436,9 @@ def write_figures(
     _refuse_unknown("figures as", formats, _KINDS)
     _refuse_unknown("names of figures among", only or (), DRAWN)
     if dpi is not None and not _DPI[0] <= dpi <= _DPI[1]:
-        raise refusal("resolution", least=_DPI[0], most=_DPI[1], dpi=dpi)
+        raise OutputError(
+            f"Expected a resolution from {_DPI[0]} to {_DPI[1]} dpi; got {dpi:g}. Choose one."
+        )
 
     report = choose_progress(progress)
     out_dir = Path(out_dir)
@@ -451,7 +453,10 @@ def write_figures(
         names = [name for name, reason in reasons.items() if reason is None]
         if only is not None and len(names) < len(wanted):
             missing = next(name for name in wanted if name not in names)
-            raise refusal("no_such_figure", missing=missing, reason=reasons[missing])
+            raise OutputError(
+                f"Expected a film that has the figure {missing}: {reasons[missing]}. Name others, "
+                "or none, to write what there is."
+            )
 
         # a film that lacks a part is refused before the first figure is written
         if "registration" in names:

@@ -157,7 +157,10 @@ def _read_content(path: Path) -> bytes:
     try:
         return read_bounded(path, largest=LARGEST_FILE)
     except OSError as error:
-        raise refusal("log_unreadable", path=path, reason=error.strerror) from error
+        raise EncoderError(
+            f"Expected the log {path.name}; it cannot be read: {error.strerror}. Correct its name; "
+            "for that of an encoder, file in [encoder] of run.toml."
+        ) from error
 
 
 def _find_encoding(content: bytes) -> tuple[str, str]:
@@ -178,7 +181,10 @@ def _rows(text: io.TextIOWrapper, separator: str, path: Path) -> Iterator[_Row]:
     def lines() -> Iterator[str]:
         while line := text.readline(LONGEST_LINE + 1):
             if len(line) > LONGEST_LINE:
-                raise refusal("long_line", path=path, most=LONGEST_LINE)
+                raise EncoderError(
+                    f"Expected rows of a table in {path.name}; a line has more than {LONGEST_LINE} "
+                    "characters. Name the file of the log."
+                )
             yield line
 
     for number, cells in enumerate(csv.reader(lines(), delimiter=separator), 1):
@@ -227,7 +233,10 @@ def _find_layout(text: io.TextIOWrapper, wanted: Collection[str], path: Path) ->
         titles = _header_in_comment(rows, plain, first)
         if titles is None:
             number, cells = plain[0]
-            raise refusal("no_header", path=path, number=number, row=separator.join(cells))
+            raise EncoderError(
+                f"Expected a header with the names of the columns in {path.name}; row {number} is "
+                f"{separator.join(cells)!r}. Put a row such as time_s,load_N above the numbers."
+            )
         number, names = titles
         return _Layout(separator, names, [split_unit(name)[1] for name in names], number, number)
 
@@ -397,7 +406,10 @@ def _read_rows(
                 elif "." in cell and not builder.point:
                     builder.point = number
         if len(rows) * width > MOST_CELLS or texts > MOST_TEXTS:
-            raise refusal("many_cells", path=path, numbers=MOST_CELLS, texts=MOST_TEXTS)
+            raise EncoderError(
+                f"Expected at most {MOST_CELLS:.0f} numbers and {MOST_TEXTS:.0f} texts in "
+                f"{path.name}; it holds more. Export the part of the log that belongs to the run."
+            )
 
     if not rows:
         raise refusal("few_rows", path=path, count=1)
