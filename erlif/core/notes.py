@@ -69,6 +69,11 @@ def remark(subject: str, text: str, cure: str = "") -> Note:
     )
 
 
+def warn(subject: str, text: str) -> Note:
+    """A warning: what was found, and what to do."""
+    return Note(Level.WARNING, subject, text)
+
+
 def note_writer(package: str, name: str = "notes.toml") -> Callable[..., Note]:
     """Maker of the notes whose texts stand in a table of a package.
 
