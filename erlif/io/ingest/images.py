@@ -27,7 +27,6 @@ from erlif.io.ingest.counts import (
 from erlif.io.ingest.selection import WHOLE, Selection
 from erlif.io.readers import FrameKind, borrow_frames, open_frames
 from erlif.io.readers.base import TRUNCATED, describe_shape
-from erlif.io.refusals import refusal
 
 
 @dataclass(frozen=True)
@@ -346,11 +345,15 @@ def check_depth(counts: Counts, *, bit_depth: int, name: str) -> None:
             if container == 16
             else f"Divide the counts by {1 << unused}, save them again and set bit_depth = {depth}."
         )
-        numbers = {"step": 1 << unused, "top": top, "depth": depth}
-        raise refusal("left_aligned", bit_depth=bit_depth, name=name, todo=todo, **numbers)
+        raise FrameError(
+            f"Expected counts of {bit_depth} bits; {name} holds multiples of {1 << unused} up to "
+            f"{top}: {depth}-bit counts, left-aligned. {todo}"
+        )
     if top > full_scale:
-        depths = {"bit_depth": bit_depth, "fits": top.bit_length()}
-        raise refusal("above_full_scale", full_scale=full_scale, name=name, top=top, **depths)
+        raise FrameError(
+            f"Expected counts up to {full_scale} (bit_depth = {bit_depth}); {name} reaches {top}: "
+            f"bit_depth = {top.bit_length()} fits. Set the bit depth of the camera."
+        )
 
 
 def depth_warning(highest: int, *, bit_depth: int, camera: int) -> Note | None:

@@ -26,7 +26,6 @@ from erlif.io.ingest.logs.resample import ContinuousLog, find_pulses, find_rises
 from erlif.io.ingest.numbering import fill_gaps
 from erlif.io.ingest.pairing import pair_cameras
 from erlif.io.ingest.selection import select_counts
-from erlif.io.refusals import refusal
 from erlif.io.settings import (
     CameraSettings,
     EncoderSettings,
@@ -434,11 +433,10 @@ def _refuse_references(directory: Path, number: int, camera: CameraSettings) -> 
         if path in frames
     }
     if among and len(among) < len(frames):
-        raise refusal(
-            "references_among_frames",
-            number=number,
-            pattern=camera.files,
-            count=len(frames),
-            among=list_some((f"{path.name} ({key})" for path, key in among.items()), most=3),
-            rest=list_some((path.name for path in frames if path not in among), most=3),
+        named = list_some((f"{path.name} ({key})" for path, key in among.items()), most=3)
+        rest = list_some((path.name for path in frames if path not in among), most=3)
+        raise FrameError(
+            f'Expected frames alone in files = "{camera.files}" of [camera{number}]; it matches '
+            f"{len(frames)} files, among them {named} of the settings. Name the files of the "
+            f"frames alone, for example {rest}."
         )

@@ -8,7 +8,6 @@ from pathlib import Path
 
 from erlif.core.bounded import read_rows
 from erlif.core.errors import ConfigError
-from erlif.io.refusals import refusal
 
 _COLUMNS = ("run_dir", "calibration", "output")
 
@@ -84,8 +83,10 @@ def read_run_table(path: Path) -> list[RunEntry]:
     entries = []
     for number, row in rows[1:]:
         if len(row) != len(header):
-            counts = {"count": len(header), "found": len(row)}
-            raise refusal("cells_of_run", number=number, path=path, **counts)
+            raise ConfigError(
+                f"Expected {len(header)} cells in row {number} of {path}, as in the header; got "
+                f"{len(row)}. Put a path that holds a comma into double quotes."
+            )
         cells = dict(zip(header, row, strict=True))
         if not cells["run_dir"]:
             raise ConfigError(

@@ -11,7 +11,6 @@ from erlif.core.arrays import Array
 from erlif.core.errors import EncoderError
 from erlif.core.products import EncoderLog
 from erlif.core.statistics import robust_rms
-from erlif.io.refusals import refusal
 
 # Time without rows, in usual steps, across which nothing is interpolated.
 LONGEST_GAP = 10.0
@@ -204,8 +203,11 @@ def _check_inside(log: ContinuousLog, times: Array) -> None:
     outside = np.flatnonzero((times < first) | (times > last))
     if outside.size:
         k = int(outside[0])
-        places = {"time": times[k], "end": times[-1], "count": outside.size}
-        raise refusal("outside_log", log=log, first=first, last=last, frame=k, **places)
+        raise EncoderError(
+            f"Expected all frames within the log {log.file}, {first:.6g} to {last:.6g} s; frame "
+            f"{k} is at {times[k]:.6g} s, the last one at {times[-1]:.6g} s ({outside.size} "
+            "outside). Correct start or frame_rate in [encoder], or take these frames out."
+        )
 
     time = log.samples["time"].values
     step = np.diff(time)
