@@ -7,7 +7,7 @@ from typing import Protocol
 
 import numpy as np
 
-from erlif.calibration.refusals import refusal
+from erlif.core.errors import CalibrationError
 from erlif.core.notes import Level, Note
 
 _SAME_BAND = 1.0  # nm: filters of the same name differ by less
@@ -75,8 +75,13 @@ with the filters of the run.
     """
     if share_bands(calibration.bands, bands):
         return
-    key = "exchanged_bands" if share_bands(calibration.bands, bands[::-1]) else "other_bands"
-    raise refusal(key, bands=bands, calibrated=calibration.bands)
+    one, two = calibration.bands
+    exchanged = share_bands(calibration.bands, bands[::-1])
+    swapped = " The bands are exchanged: the cameras look swapped." if exchanged else ""
+    raise CalibrationError(
+        f"Expected a calibration of the bands of the run, {bands[0]:g} and {bands[1]:g} nm; got "
+        f"one of {one:g} and {two:g} nm.{swapped} Calibrate with the filters of the run."
+    )
 
 
 def note_pitch(stated: float | None, pitch: float) -> Iterator[Note]:

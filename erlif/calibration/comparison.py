@@ -11,7 +11,6 @@ import scipy
 from erlif.calibration.bands import share_bands
 from erlif.calibration.curve import Calibration
 from erlif.calibration.departure import find_correlation
-from erlif.calibration.refusals import refusal
 from erlif.calibration.regression import OUTLIER
 from erlif.core.arrays import Array
 from erlif.core.errors import CalibrationError
@@ -243,7 +242,7 @@ def compare_calibrations(calibration: Calibration, earlier: Calibration) -> Comp
             f"{calibration.bands[1]:g} nm, the other of {earlier.bands[0]:g} and "
             f"{earlier.bands[1]:g} nm. Compare calibrations made with the same filters."
         )
-    film = np.linspace(*_common_range(calibration, earlier), _GRID)
+    film = np.linspace(*calibration.range_shared_with(earlier), _GRID)
     pairs = _match_points(calibration, earlier)
     change = (
         _test_curves(calibration, earlier, film)
@@ -272,15 +271,6 @@ def compare_calibrations(calibration: Calibration, earlier: Calibration) -> Comp
             else calibration.temperature - earlier.temperature
         ),
     )
-
-
-def _common_range(calibration: Calibration, earlier: Calibration) -> tuple[float, float]:
-    """Lower and upper end of the films that both calibrations cover. [um]"""
-    one, other = calibration.thickness_range, earlier.thickness_range
-    low, high = max(one[0], other[0]), min(one[1], other[1])
-    if high <= low:
-        raise refusal("no_common_range", one=one, other=other)
-    return low, high
 
 
 class _Change(NamedTuple):

@@ -27,7 +27,6 @@ from erlif.calibration.placement import add_uncertainty_of_turn, refine_pose
 from erlif.calibration.points import Points
 from erlif.calibration.pose import ALONG, FoundPose, Freedom, Pose
 from erlif.calibration.profile import Profile
-from erlif.calibration.refusals import refusal
 from erlif.calibration.regression import OUTLIER, Fit, fit_robustly
 from erlif.calibration.soundness import check_fit, places
 from erlif.calibration.systematics import Systematics
@@ -312,8 +311,19 @@ def _refuse_falling_ratio(points: Points) -> None:
     rise = points.log_ratio[thick].mean() - points.log_ratio[thin].mean()
     if rise < 0:
         mirrored = points.pixel_var[thick].mean() > points.pixel_var[thin].mean()
-        name = "falling_ratio_and_light" if mirrored else "falling_ratio"
-        raise refusal(name, direction=DIRECTION, fall=-rise)
+        cure = (
+            ", and so does the light. Likely, in this order: (1) the profile runs the other way; "
+            "(2) light is missing at the thick end, and the cameras are exchanged. Correct "
+            "direction and origin in fixture.toml, or the files of [camera1] and [camera2]."
+            if mirrored
+            else ". Likely, in this order: (1) the cameras look swapped: exchange the files of "
+            "[camera1] and [camera2], the reabsorbed (580 nm) band belongs to camera 1; (2) the "
+            "profile runs the other way: look at direction and origin in fixture.toml."
+        )
+        raise CalibrationError(
+            f"Expected the ratio {DIRECTION} to rise with thickness; it falls by {-rise:.0%} from "
+            f"the thin to the thick end{cure}"
+        )
 
 
 class _Settled(NamedTuple):

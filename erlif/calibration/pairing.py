@@ -15,10 +15,8 @@ from erlif.calibration.pose import Pose
 from erlif.calibration.profile import MINIMUM_POINTS, Profile, gradient_of_thickness
 from erlif.core.arrays import Array, Mask
 from erlif.core.errors import CalibrationError
-from erlif.core.notes import Level, Note, note_writer
+from erlif.core.notes import Level, Note, remark, warn
 from erlif.core.products import RatioImages
-
-_make_note = note_writer("erlif.calibration")
 
 # Number of the CMM point that each pixel belongs to, (pixel,).
 Cells = npt.NDArray[np.intp]
@@ -161,8 +159,16 @@ def _describe_coverage(pixels: _Pixels, used: Mask) -> list[Note]:
         )
     notes = []
     if pixels.covered < _COVERED:
-        key = "covered" if pixels.covered >= _COVERED_LEAST else "covered_less"
-        notes.append(_make_note(key, share=pixels.covered))
+        text = f"the profile covers {pixels.covered:.0%} of the usable pixels"
+        notes.append(
+            remark("", f"{text}; the rest was left out")
+            if pixels.covered >= _COVERED_LEAST
+            else warn(
+                "",
+                f"{text}: pixel_pitch, origin or direction in fixture.toml may be wrong. All films "
+                "are wrong with them: correct them, or measure a longer profile",
+            )
+        )
     if not used.all():
         notes.append(
             Note(

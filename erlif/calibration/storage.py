@@ -12,9 +12,8 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from erlif.calibration.curve import PARAMETERS, Calibration, parameters_in
+from erlif.calibration.curve import PARAMETERS, Calibration, foreign_file, parameters_in
 from erlif.calibration.departure import Departure
-from erlif.calibration.refusals import refusal
 from erlif.calibration.soundness import check_calibration, check_displacements, check_file
 from erlif.calibration.systematics import Systematics
 from erlif.core.errors import (
@@ -141,7 +140,7 @@ Make one with: erlif calibrate FIXTURE_DIR
         raise
     except Exception as error:  # damaged bytes make HDF5 raise errors of any kind
         reason = f"{path} is damaged or something else ({reason_of(error)})"
-        raise refusal("foreign_file", reason=reason) from error
+        raise foreign_file(reason) from error
 
 
 def _read(path: Path) -> Calibration:
@@ -251,7 +250,7 @@ def calibration_of(film: xr.Dataset, trigger: int | None = None) -> Calibration:
 erlif process writes it; there is none. Make the film again with: erlif process RUN_DIR
     """
     if "calibration" not in film.attrs:
-        raise refusal("no_record", reason="there is none")
+        raise _no_record("there is none")
     try:
         calibration = _read_record(json.loads(str(film.attrs["calibration"])), settings_of(film))
         check_calibration(calibration)
@@ -259,10 +258,17 @@ erlif process writes it; there is none. Make the film again with: erlif process 
         raise
     except Exception as error:  # a damaged record has values of any type
         reason = f"it has no {error}" if isinstance(error, KeyError) else str(error).rstrip(".")
-        raise refusal("no_record", reason=f"the one there cannot be used: {reason}") from error
+        raise _no_record(f"the one there cannot be used: {reason}") from error
     if trigger is None or "share_passed" not in film:
         return calibration
     return calibration.at(float(film.share_passed[trigger]))
+
+
+def _no_record(reason: str) -> OutputError:
+    return OutputError(
+        "Expected the calibration among the attributes of the film, as erlif process writes it; "
+        f"{reason}. Make the film again with: erlif process RUN_DIR"
+    )
 
 
 def _read_record(kept: dict[str, Any], settings: RunSettings) -> Calibration:
