@@ -10,14 +10,12 @@ import numpy as np
 from erlif.calibration import Calibration, check_bands, note_pitch, open_calibration
 from erlif.core.arrays import Array
 from erlif.core.errors import ErlifError
-from erlif.core.notes import Level, Note, note_writer, remark
+from erlif.core.notes import Level, Note, remark, warn
 from erlif.io.ingest import Run, hash_inputs, open_fixture
 from erlif.pipeline.fixture import before_wall_of
 from erlif.pipeline.recording.swap import judge_ratios
 from erlif.registration import MapNodes
 from erlif.review.audit.cameras import CameraSurvey
-
-_note = note_writer("erlif.review.audit")
 
 _LARGEST = 2**31  # size of a fixture up to which its files are hashed [byte]
 
@@ -48,7 +46,11 @@ def _note_one(run: Run, cameras: CameraSurvey, name: str, *, allow_outside: bool
     settings, path = run.settings, run.directory / name
     has_fixture = (path.parent / "fixture.toml").is_file()
     if not path.exists():
-        yield _note("not_made" if has_fixture else "absent", name=name)
+        yield (
+            remark("calibration", f"{name} is not made yet; process will make it from the fixture")
+            if has_fixture
+            else warn("calibration", f"{name} does not exist; process will need --calibration")
+        )
         return
 
     calibration = before_wall_of(run, open_calibration(path))

@@ -10,13 +10,11 @@ import cv2
 import numpy as np
 
 from erlif.core.arrays import AnyArray
-from erlif.core.notes import Level, Note, list_some, note_writer, remark
+from erlif.core.notes import Level, Note, list_some, remark, warn
 from erlif.core.products import References
 from erlif.correction import count_pixels
 from erlif.correction.saturation import Histogram
 from erlif.io.ingest import FramePairs, depth_warning, read_pair
-
-_note = note_writer("erlif.review.audit")
 
 # Frame pairs that are read of a long recording, evenly spread over it.
 MOST_SPREAD = 24
@@ -162,9 +160,21 @@ def note_light(survey: CountSurvey, darks: Sequence[float]) -> Iterator[Note]:
     )
     yield Note(Level.NOTE, "light", cameras)
     blurred = (sharpness < _BLURRED * usual_sharpness) & ~dim
-    for key, odd, share in (("missed", dim, _UNLIT), ("blurred", blurred, _BLURRED)):
+    for odd, fault in (
+        (
+            dim,
+            f"{_UNLIT:.0%} of the light of the others: the laser or a shutter missed the pulse. "
+            "Leave these pairs out",
+        ),
+        (
+            blurred,
+            f"{_BLURRED:.0%} of the fine structure of the others: they are out of focus, or were "
+            "smoothed. Check the focus, and export the frames without filters",
+        ),
+    ):
         if odd.any():
-            yield _note(key, pairs=list_some(numbers[odd.any(axis=1)]), share=share)
+            pairs = list_some(numbers[odd.any(axis=1)])
+            yield warn("light", f"frame pairs {pairs} have less than {fault}")
 
 
 def find_copies(survey: CountSurvey) -> list[tuple[int, ...]]:
