@@ -20,7 +20,6 @@ from erlif.models.oil import (
     _walther,
     vogel_viscosity,
 )
-from erlif.models.refusals import refusal
 
 _CONSTANTS = {"vogel": ("a", "b", "c"), "walther": ("A", "B")}
 _QUANTITY = {"vogel": "viscosity", "walther": "kinematic_viscosity"}
@@ -252,8 +251,11 @@ def fit_viscosity(
     T, viscosity = np.asarray(temperatures, float), np.asarray(viscosities, float)
     known = len(_CONSTANTS[law]) + (relative_std is None)
     if T.ndim != 1 or T.shape != viscosity.shape or np.unique(T[~np.isnan(T)]).size < known:
-        key = "few_points" if relative_std is None else "few_points_of_known_std"
-        raise refusal(key, known=known, T=T, viscosity=viscosity)
+        raise ModelError(
+            f"Expected temperatures and viscosities of one length, at {known} or more different "
+            f"temperatures, got shapes {T.shape} and {viscosity.shape}. Measure more points"
+            f"{', or give relative_std' if relative_std is None else ''}."
+        )
     if np.any(np.isnan(T)) or np.any(np.isnan(viscosity)):
         raise ModelError("temperatures and viscosities must not be NaN. Leave those points out.")
 

@@ -14,7 +14,6 @@ from erlif.core.errors import ModelError
 from erlif.models.arguments import Values, formula
 from erlif.models.mechanism import SliderCrank
 from erlif.models.reaction import SliderCrankBodies, joint_reaction
-from erlif.models.refusals import refusal
 
 
 @formula(load="load or zero")
@@ -73,7 +72,10 @@ def abrasive_wear(
         lowest, highest = (
             float(pick(np.asarray(asperity_slope))) for pick in (np.nanmin, np.nanmax)
         )
-        raise refusal("steep_asperities", slope=lowest if lowest < 0 else highest)
+        raise ModelError(
+            "asperity_slope must lie from 0 to below pi/2, got "
+            f"{lowest if lowest < 0 else highest:g} rad."
+        )
     # a cone of radius r ploughs an area r^2 tan(Theta) and bears with its front half, H pi r^2 / 2
     slope = np.tan(asperity_slope)
     return adhesive_wear(

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.ndimage import uniform_filter1d
 
 from erlif.core.arrays import AnyArray, Array
-from erlif.core.notes import Level, Note, note_writer
+from erlif.core.notes import Level, Note
 from erlif.core.statistics import robust_std
 from erlif.joint.endurance.blocks import find_pauses
 from erlif.joint.friction.stretches import running_median
@@ -196,7 +196,6 @@ def note_stages(
         A load that scatters, a load that changes within a stage, and a first stretch that is idle
         only as it is short or light.
     """
-    note = note_writer("erlif.joint.endurance")
     notes = []
     pauses = find_pauses(time)
     width = _average_samples(time)
@@ -233,8 +232,14 @@ def note_stages(
         start, end = float(np.median(inside[:tenth])), float(np.median(inside[-tenth:]))
         chance = _CLEAR * raw * np.sqrt(2 / tenth)
         if abs(end - start) > (_DRIFT + chance) * stage.load:
-            loads = {"start": start / 1e3, "end": end / 1e3, "load": stage.load / 1e3}
-            notes.append(note("ramp", subject=f"stage {stage.number}", **loads))
+            notes.append(
+                Note(
+                    Level.WARNING,
+                    f"stage {stage.number}",
+                    f"the load changes from {start / 1e3:.1f} to {end / 1e3:.1f} kN; it is a ramp, "
+                    f"and its median of {stage.load / 1e3:.1f} kN counts as the load of the stage",
+                )
+            )
     return notes
 
 

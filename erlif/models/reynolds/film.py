@@ -9,7 +9,6 @@ from erlif.core.arrays import Array
 from erlif.core.described import describe_by
 from erlif.core.errors import ModelError
 from erlif.models.arguments import Values, for_each, formula, warn_of_units
-from erlif.models.refusals import refusal
 from erlif.models.reynolds.balance import (
     Medium,
     NoConvergenceError,
@@ -21,7 +20,7 @@ from erlif.models.reynolds.balance import (
     start_state,
 )
 from erlif.models.reynolds.cells import Grid, Walls, average_walls
-from erlif.models.reynolds.flow import Fluid
+from erlif.models.reynolds.flow import Fluid, check_cavitation
 from erlif.models.reynolds.transient import UNITS, losses
 
 if TYPE_CHECKING:
@@ -121,8 +120,7 @@ def solve_film(
     times = np.zeros(1) if time is None else np.asarray(time, dtype=float)
     speeds = for_each(number, "film", entrainment=entrainment)
     loads = None if load is None else for_each(number, "film", load=load)
-    if cavitation_pressure > 0:
-        raise refusal("tension", pressure=cavitation_pressure)
+    check_cavitation(cavitation_pressure)
     fluid = Fluid(float(viscosity), float(pressure_viscosity), float(roughness or 0.0))
     grid = _grid(films.shape[1:], length, width, closed)
     medium = Medium(grid, fluid, float(cavitation_pressure), foundation)

@@ -17,8 +17,7 @@ from erlif.models.arguments import (
     warn_of_units,
 )
 from erlif.models.mechanism import CrankRocker
-from erlif.models.refusals import refusal
-from erlif.models.reynolds.flow import Fluid
+from erlif.models.reynolds.flow import Fluid, check_cavitation
 
 
 @dataclass(frozen=True)
@@ -76,8 +75,7 @@ class Journal:
 
         # then what the numbers are to each other
         require_increasing(pin_radius=self.pin_radius, bushing_radius=self.bushing_radius)
-        if self.cavitation_pressure > 0:
-            raise refusal("tension", pressure=self.cavitation_pressure)
+        check_cavitation(self.cavitation_pressure)
         if self.axial_shape is not None:
             self._check_shape()
 
