@@ -32,7 +32,6 @@ from erlif.show.plots.sheet import map_sheet_figure
 from erlif.show.plots.style import ONE_COLUMN, AnyFigure, given_figure, new_figure, styled
 from erlif.show.plots.trend import speed_figure, speed_over_load
 from erlif.show.plots.triggers import has_varying_speed
-from erlif.show.refusals import refusal
 
 logger = logging.getLogger(__name__)
 
@@ -484,5 +483,6 @@ def write_figures(
 def _refuse_unknown(what: str, names: Collection[str], known: Collection[str]) -> None:
     unknown = [name for name in names if name not in known]
     if unknown:
-        texts = {"known": ", ".join(known), "unknown": ", ".join(unknown)}
-        raise refusal("unknown_choice", what=what, **texts)
+        raise OutputError(
+            f"Expected {what} {', '.join(known)}; got {', '.join(unknown)}. Choose from these."
+        )

@@ -8,7 +8,6 @@ import numpy as np
 
 from erlif.core.arrays import Array, FlagImage, Image
 from erlif.core.errors import ErlifError
-from erlif.show.refusals import refusal
 
 _LONGEST, _WIDEST = 100_000, 500  # pixels along a profile, and across its line
 
@@ -130,7 +129,12 @@ def select_region(x: Array, y: Array, region: Rectangle) -> tuple[slice, slice]:
         for axis, low, high in ((x, *region[:2]), (y, *region[2:]))
     )
     if columns.stop <= columns.start or rows.stop <= rows.start:
-        raise refusal("empty_region", x=(x[0], x[-1]), y=(y[0], y[-1]), region=region)
+        left, right, top, bottom = region
+        raise ErlifError(
+            f"Expected a region with pixels of the map, x {x[0]:.2f} to {x[-1]:.2f} mm and y "
+            f"{y[0]:.2f} to {y[-1]:.2f} mm; got x {left:.4g} to {right:.4g}, y {top:.4g} to "
+            f"{bottom:.4g}. Draw another one."
+        )
     return rows, columns
 
 
