@@ -17,7 +17,6 @@ from erlif.core.arrays import Array
 from erlif.core.flags import FLAG_ATTRS, Flag
 from erlif.core.format import describe_origin
 from erlif.core.notes import Level, Note, join_notes
-from erlif.core.tables import read_table
 from erlif.core.timing import stage
 from erlif.core.units import count_of
 from erlif.core.variables import FILM, FRAMES
@@ -72,8 +71,6 @@ from erlif.trend import (
 
 _logger = logging.getLogger(__name__)
 
-
-_TEXTS = read_table("erlif.pipeline", "words.toml")["film"]
 
 # Share of the region outside the measurable range from which a note reports it.
 _CENSORED = 0.01
@@ -367,7 +364,12 @@ def describe_film(
     positions = [one.position for one in results]
     own += [*_censoring_notes(results), *note_form(positions, calibration, plane, load)]
     resolution = settings.thickness.smoothing
-    smoothing = {"smoothing": resolution, "smoothing_comment": _TEXTS["smoothing"]}
+    smoothing = {
+        "smoothing": resolution,
+        "smoothing_comment": "full width at half maximum of the window [px] in which the ratio "
+        "behind the maps was smoothed, steps kept; the noise of pixels closer than that is "
+        "correlated; film_min, film_mean and their trend come from the ratio as measured",
+    }
     # gain and noise of the cameras at the time of the calibration stand in its own notes
     from_calibration = [
         Note(note.level, "calibration", str(note))
@@ -609,7 +611,8 @@ def describe_registration(camera_map: CameraMap, blur: BlurDifference) -> xr.Dat
     return describe_map(camera_map).assign_attrs(
         blur_difference=[blur.x, blur.y],
         blur_difference_std=[blur.std_x, blur.std_y],
-        blur_difference_comment=_TEXTS["blur_difference"],
+        blur_difference_comment="half the blur variance of camera 2 less that of camera 1, along x "
+        "and y [px2]",
         ratio_excess=blur.excess,
         ratio_excess_std=blur.excess_std,
     )

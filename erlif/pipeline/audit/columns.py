@@ -7,13 +7,11 @@ from collections.abc import Iterator
 import numpy as np
 
 from erlif.core.arrays import AnyArray, Array
-from erlif.core.notes import Level, Note, list_some, note_writer
+from erlif.core.notes import Level, Note, list_some, warn
 from erlif.core.products import EncoderLog
 from erlif.core.statistics import robust_std
 from erlif.core.units import count_of
 from erlif.pipeline.audit.evidence import Evidence
-
-_note = note_writer("erlif.pipeline.audit")
 
 _FEWEST = 12  # rows from which on they are compared
 
@@ -95,17 +93,13 @@ def without_single(log: EncoderLog) -> EncoderLog:
 
 def _describe(name: str, values: Array, odd: AnyArray, unit: str, *, counted: bool) -> Note:
     shown = ", ".join(f"{values[k]:.5g}" for k in odd[:5])
-    others = np.delete(values, odd)
-    rows, which = list_some(odd), "row" if odd.size == 1 else "rows"
-    return _note(
-        "single_values",
-        subject=name,
-        which=which,
-        rows=rows,
-        values=f"{shown} {unit}".strip(),
-        low=others.min(),
-        high=f"{others.max():.5g} {unit}".strip(),
-        use="; speed exponent and theory count them" if counted else "",
+    others, unit = np.delete(values, odd), f" {unit}" if unit else ""
+    use = "; speed exponent and theory count them" if counted else ""
+    return warn(
+        name,
+        f"{'row' if odd.size == 1 else 'rows'} {list_some(odd)} of the log: {shown}{unit}, where "
+        f"all others are {others.min():.5g} to {others.max():.5g}{unit}. Correct them, or take out "
+        f"these pairs{use}",
     )
 
 

@@ -9,13 +9,11 @@ import numpy as np
 import xarray as xr
 
 from erlif.core.arrays import Array
-from erlif.core.notes import Level, Note, note_writer, remark
+from erlif.core.notes import Level, Note, remark, warn
 from erlif.core.products import EncoderLog
 from erlif.core.units import count_of, parse_quantity
 from erlif.io.settings import RunSettings
 from erlif.pipeline.recording.pulses import read_energies
-
-_note = note_writer("erlif.pipeline.audit")
 
 _FEWEST = 8  # rows from which on steps are compared
 
@@ -249,8 +247,12 @@ def note_conditions(log: EncoderLog, settings: RunSettings) -> Iterator[Note]:
         if 1 / _LOAD < factor < _LOAD:
             yield Note(Level.NOTE, "conditions", f"load {low:.4g} to {high:.4g} N")
         else:
-            found = {"low": low, "high": high, "factor": factor, "stated": stated}
-            yield _note("load_in_other_unit", unit=_likeliest_unit(factor), **found)
+            yield warn(
+                "conditions",
+                f"load {low:.4g} to {high:.4g} N, {factor:.2g} times the load in [joint], "
+                f'{stated:.4g} N. Correct the unit, units = {{ load = "{_likeliest_unit(factor)}" '
+                "} in [encoder], or the load in [joint]",
+            )
 
 
 def _likeliest_unit(factor: float) -> str:

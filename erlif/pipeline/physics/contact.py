@@ -10,11 +10,14 @@ import numpy as np
 
 from erlif.calibration import Calibration
 from erlif.core.notes import Level, Note
-from erlif.core.tables import read_table
 from erlif.pipeline.engines.results import TriggerResult
 from erlif.trend import Contact, choose_contact
 
-_TEXTS = read_table("erlif.pipeline", "words.toml")["contact"]
+_GAPS = {
+    Contact.PLANE: "a plane film with a tilt",
+    Contact.LINE: "a gap that is curved along sliding (line contact)",
+    Contact.POINT: "a gap that is curved along and across sliding (point contact)",
+}
 
 
 def settle_contact(
@@ -65,7 +68,7 @@ def note_contact(results: Sequence[TriggerResult], contact: Contact) -> list[Not
             Note(
                 Level.NOTE,
                 "film_min",
-                f"the minimum of {_TEXTS[contact]}, as the curvatures of the maps of all triggers "
+                f"the minimum of {_GAPS[contact]}, as the curvatures of the maps of all triggers "
                 "ask for",
             )
         )
@@ -77,7 +80,7 @@ def note_contact(results: Sequence[TriggerResult], contact: Contact) -> list[Not
             Note(
                 Level.WARNING,
                 "film_min",
-                f"NaN at {count} of {total} triggers: {_TEXTS[contact]} departs from their maps "
+                f"NaN at {count} of {total} triggers: {_GAPS[contact]} departs from their maps "
                 "by more than noise and marks. Its minimum is off by more than 0.1 um and a "
                 "tenth; maps and film_mean hold: take quantiles of the maps, or a smaller region "
                 "of interest about the thinnest film",

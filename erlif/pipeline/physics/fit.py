@@ -11,9 +11,8 @@ import xarray as xr
 
 from erlif.calibration import calibration_of
 from erlif.core.errors import ConfigError, ErlifError
-from erlif.core.notes import note_writer
+from erlif.core.notes import warn
 from erlif.core.progress import Progress, ShowProgress, choose_progress, silent
-from erlif.core.tables import read_table
 from erlif.io.files import open_film, takes
 from erlif.io.settings import RunSettings
 from erlif.models.reynolds import Journal
@@ -34,10 +33,6 @@ from erlif.prediction import (
 from erlif.prediction.comparison import ANY_GUIDED, STEADY
 from erlif.prediction.fit import FEWEST_TRIGGERS, LOAD_LINE_STD
 from erlif.trend import VogelLaw, viscosity_at
-
-_note = note_writer("erlif.pipeline")
-
-_TEXTS = read_table("erlif.pipeline", "words.toml")["fit"]
 
 _POSITIONS = (
     "pin_displacement",
@@ -105,9 +100,13 @@ def fit_film(path: str | Path, *, progress: ShowProgress = None) -> Comparison:
         about = 1e-3 * float(seen.attrs["load_line"])
         beside["load_line"] = _place(line, about)
         if abs(line.value) > _FAR * line.std and comparison.fit.sideways == "free":
-            values = {"about": about, "place": about + line.value, "std": line.std}
-            in_mm = {name: _MILLI * value for name, value in values.items()}
-            notes = (*notes, _note("other_line", **in_mm))
+            middle = f"{_MILLI * (about + line.value):.2f}"
+            text = (
+                f"the displacements are about {_MILLI * about:.2f} mm, and the orbit has it at "
+                f'{middle} ± {_MILLI * line.std:.2f} mm. Set load_line = "{middle} mm" in '
+                "[prediction], and run erlif process again"
+            )
+            notes = (*notes, warn("load line", text))
     fit = replace(comparison.fit, estimates={**found, **beside}, notes=notes)
     return replace(comparison, fit=fit)
 
@@ -178,12 +177,16 @@ def state_physics(film: xr.Dataset, settings: RunSettings, frames: xr.Dataset) -
     except (ErlifError, ArithmeticError, ValueError, np.linalg.LinAlgError):
         return ""
     if comparison.carrier is None:
-        text = "" if comparison.candidates[0].describes else f" {_TEXTS['spring']}"
-        return comparison.verdict + text
+        text = " erlif predict FILM --fit also fits a pin on a sideways spring."
+        return comparison.verdict + ("" if comparison.candidates[0].describes else text)
     if comparison.carrier != ANY_GUIDED:
-        return str(_TEXTS["decided"].format(verdict=comparison.verdict))
+        return f"{comparison.verdict} With the fitted viscosity: erlif predict FILM --fit."
     best = next(one for one in comparison.candidates if one.name != ANY_GUIDED)
-    return str(_TEXTS["undecided"].format(best=best.name, inflation=best.inflation))
+    return (
+        "Not decided: a guided pin may agree better with the positions than the films of a free "
+        f"pin, of squeeze and of steady formulas (best: {best.name}, off by {best.inflation:.3g} "
+        "times the stated errors). Fit it with erlif predict FILM --fit."
+    )
 
 
 def _compare(

@@ -30,8 +30,8 @@ from erlif.trend import (
     judge_form,
 )
 
-_WORDS = read_table("erlif.pipeline", "words.toml")
-_TEXTS, _SYSTEMATICS = _WORDS["pin"], _WORDS["systematics"]["terms"]
+TERMS = read_table("erlif.pipeline", "terms.toml")
+"""What each source of an error is, and what lowers it."""
 
 # Errors that frames do not show, of those that a note names.
 _LISTED = 3
@@ -159,11 +159,14 @@ def note_form(
 def _note_cause(form: GapForm, view: PinView, joint: JointSettings) -> Note:
     """A deviation of the form, with its causes by likelihood."""
     imitations = [
-        _TEXTS["by_systematics"].format(what=_SYSTEMATICS[one.term][0], size=100 * one.size)
-        for one in form.imitations[:_LISTED]
+        f"{TERMS[one.term][0]} ({100 * one.size:+.1f} %)" for one in form.imitations[:_LISTED]
     ]
     if form.cause is Cause.BENDING:
-        causes = _list([_TEXTS["by_bending"], _TEXTS["by_dark"], *imitations])
+        by_dark = (
+            "a wrong dark, or light that is not film, which weighs most where the beam is weak: "
+            "look at the dark of this run, and photograph the dry joint"
+        )
+        causes = _list(["a bent pin or an uneven bore", by_dark, *imitations])
         return Note(
             Level.WARNING,
             "pin",
@@ -176,14 +179,20 @@ def _note_cause(form: GapForm, view: PinView, joint: JointSettings) -> Note:
     change, change_std = 100 * form.excess_change, 100 * form.excess_change_std
     std = clearance_std(joint)
     if form.cause is Cause.FLATTENING:
-        own = [_TEXTS["by_flattening"]]
+        own = ["elastic flattening of the surfaces, which is of this size in a thin film"]
     elif abs(change) > SIGNIFICANT * change_std and form.cause is Cause.CALIBRATION:
-        own = [_TEXTS["by_calibration"].format(change=change, std=change_std)]
+        own = [
+            "the calibration, because the deviation changes with the film, by "
+            f"{change:+.1f} ± {change_std:.1f} %. Photograph the fixture again, and the dry joint"
+        ]
     else:
         clearance = view.clearance * (1 + form.excess)
-        radii = _TEXTS["by_radii"].format(clearance=clearance, stated=view.clearance, std=std)
+        radii = (
+            f"a clearance of {clearance:.1f} um in place of {view.clearance:.1f} um, stated to "
+            f"± {std:.2g} um by the digits of the radii"
+        )
         thick = "thick" if form.excess > 0 else "thin"
-        scale = _TEXTS["by_scale"].format(excess=abs(excess), thick=thick)
+        scale = f"films that the calibration makes {abs(excess):.1f} % too {thick}"
         own = [radii, scale] if form.cause is Cause.RADII else [scale, radii]
 
     # radii and scale are known better than the errors that frames do not show, or less well

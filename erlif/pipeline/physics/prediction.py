@@ -9,8 +9,7 @@ import xarray as xr
 
 from erlif.core.arrays import Array
 from erlif.core.errors import ConfigError, ErlifError
-from erlif.core.notes import Level, Note, note_writer
-from erlif.core.tables import read_table
+from erlif.core.notes import Level, Note, warn
 from erlif.io.ingest import Run
 from erlif.io.settings import CrankRockerSettings, PredictionOptions, RunSettings
 from erlif.models.mechanism import CrankRocker
@@ -27,10 +26,6 @@ from erlif.prediction import (
 )
 from erlif.prediction.triggers import CELLS
 from erlif.trend import Joint, viscosity_at
-
-_note = note_writer("erlif.pipeline")
-
-_TEXTS = read_table("erlif.pipeline", "words.toml")["prediction"]
 
 # Regime whose surfaces keep their shape, as the transient prediction takes them.
 _RIGID = "isoviscous-rigid"
@@ -419,11 +414,24 @@ def note_difference(film: xr.Dataset, options: PredictionOptions) -> list[Note]:
     pin = describe_sideways(options)
 
     fitted = bool(film["film_predicted_min"].attrs.get("start_film_fitted", 0))
-    sizes = off.std(), 0.0 if fitted else off.mean()
+    course, level = float(off.std()), 0.0 if fitted else float(off.mean())
+    error, error_of_level = errors
     notes = []
-    for key, size, error in zip(("course", "level"), sizes, errors, strict=True):
-        if abs(size) >= max(_ERRORS * error, marked):
-            notes.append(_note(f"{key}_differs", pin=pin, size=float(size), error=error))
+    if course >= max(_ERRORS * error, marked):
+        text = (
+            f"the course of the minimum film is not that of a {pin}: it is {course:.3g} um (rms) "
+            f"off, differences are known to {error:.2g} um. Run erlif predict RUN_DIR --fit: it "
+            "fits the viscosity of a free and of a guided pin, and states which of them describes "
+            "the film, or that neither does; check the load and its unit"
+        )
+        notes.append(warn("theory", text))
+    if abs(level) >= max(_ERRORS * error_of_level, marked):
+        text = (
+            f"the minimum film is not that of a {pin}: it is {level:+.3g} um off in the mean, and "
+            f"known to {error_of_level:.2g} um. Check viscosity, load, start_film and how the pin "
+            "is held ([prediction])"
+        )
+        notes.append(warn("theory", text))
     return notes
 
 
@@ -439,7 +447,11 @@ def _why_transient(settings: RunSettings) -> str:
     crank_speed, linkage, joint = swinging_joint(settings)
     low, high = linkage.limits()
     swing, stroke = np.degrees(high - low), joint.stroke * 1e3
-    return str(_TEXTS["reason"].format(swing=swing, half=np.pi / crank_speed, stroke=stroke))
+    return (
+        f"the joint swings by {swing:.1f} deg in {np.pi / crank_speed:.3g} s and carries oil "
+        f"{stroke:.3g} mm to and fro; a steady formula describes a surface that moves one way for "
+        "long"
+    )
 
 
 def _describe_assumptions(settings: RunSettings, predicted: xr.Dataset, regime: str) -> str:
@@ -447,9 +459,13 @@ def _describe_assumptions(settings: RunSettings, predicted: xr.Dataset, regime: 
     attrs, pressure = predicted["film_predicted_min"].attrs, settings.prediction.cavitation_pressure
     source = "fitted to the measured minima" if attrs["start_film_fitted"] else "as given"
     lines = [
-        _TEXTS["start"].format(start=attrs["start_film"], source=source),
-        _TEXTS["bodies"].format(pressure=pressure * 1e-3),
+        f"minimum film of {attrs['start_film']:.3g} um at the first frame, {source}",
+        "round rigid bodies with parallel axes, flooded at the unloaded side and at the ends; the "
+        f"film ruptures at {pressure * 1e-3:.3g} kPa",
     ]
     if regime != _RIGID:
-        lines.append(_TEXTS["deflect"].format(regime=regime))
+        lines.append(
+            f"the regime map finds the {regime} regime, in which the surfaces deflect or the oil "
+            "thickens: the prediction takes the surfaces as rigid"
+        )
     return "\n".join(lines)

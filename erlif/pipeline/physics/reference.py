@@ -11,12 +11,9 @@ import numpy as np
 from erlif.calibration import Calibration
 from erlif.core.arrays import Array
 from erlif.core.notes import Level, Note
-from erlif.core.tables import read_table
 from erlif.core.variables import FILM
 from erlif.io.settings import ReferenceSettings
 from erlif.pipeline.engines.results import FrameResult, TriggerResult, share_passed, shares_passed
-
-_TEXTS = read_table("erlif.pipeline", "words.toml")["reference"]
 
 # Standard deviations from which on a deviation is reported.
 _DEVIANT = 3.0
@@ -199,7 +196,7 @@ def _compare(
     of_fixture = float(replace(calibration, systematics=None).thickness_std(known))
     std = float(np.sqrt(1 / weight.sum() + uncertainty**2 + of_fixture**2))
     off = mean - known
-    stated = _TEXTS["stated"].format(mean=mean, known=known, off=off)
+    stated = f"{mean:.3f} um measured, {known:.3f} um known, difference {off:+.3f} um"
     if abs(off) <= _DEVIANT * std:
         return [Note(Level.NOTE, "reference", f"{stated} with a standard deviation of {std:.3f}")]
     return [

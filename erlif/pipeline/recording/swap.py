@@ -12,15 +12,12 @@ from erlif.calibration import Calibration
 from erlif.core.arrays import Array
 from erlif.core.errors import CalibrationError
 from erlif.core.notes import Level, Note
-from erlif.core.tables import read_table
 from erlif.pipeline.chain import FrameChain
 from erlif.pipeline.recording.sample import Bands, ratios_of
 from erlif.registration import MapNodes, compare_with_inverse
 
 _logger = logging.getLogger(__name__)
 
-
-_TEXTS = read_table("erlif.pipeline", "words.toml")["misfit"]
 
 # Share of ratios that no film has from which something is wrong.
 _IMPOSSIBLE = 0.15
@@ -119,14 +116,25 @@ def _note_misfit(
     if not shares or np.median(shares) <= _IMPOSSIBLE:
         return Misfit()
 
-    causes = ["light", "wall", "fixture"]
+    causes = [
+        "light, exposure, filter or gain of a camera is not that of the calibration, or its dark "
+        "is wrong: compare them, and photograph the fixture again",
+        "the wall of the joint reflects more or less than that of the fixture: use one material",
+        "the profile of the fixture is not that of its images: look at direction, origin and "
+        "cameras in fixture.toml",
+    ]
     if max(abs(chain.blur.x), abs(chain.blur.y)) > _DEFOCUSED:
-        causes.insert(0, "focus")
+        focus = "one camera is out of focus, so that their textures do not cancel: focus both alike"
+        causes.insert(0, focus)
     if not in_order:
-        causes.append("exchanged")
-    listed = "; ".join(f"({n}) {_TEXTS[cause]}" for n, cause in enumerate(causes, 1))
+        causes.append(
+            "the cameras are exchanged: look at the files of [camera1], to which the reabsorbed "
+            "(580 nm) band belongs, and of [camera2]"
+        )
+    listed = "; ".join(f"({n}) {cause}" for n, cause in enumerate(causes, 1))
     low, high = np.exp(ends)
-    order = _TEXTS["in_order"] if in_order else ""
+    known = ". The cameras are not exchanged: their map is that of the calibration"
+    order = known if in_order else ""
     share = float(np.median(shares))
     note = Note(
         Level.WARNING,
