@@ -8,7 +8,7 @@ from typing import Protocol
 import numpy as np
 
 from erlif.core.errors import CalibrationError
-from erlif.core.notes import Level, Note
+from erlif.core.notes import Note, warn
 
 _SAME_BAND = 1.0  # nm: filters of the same name differ by less
 
@@ -104,8 +104,7 @@ def note_pitch(stated: float | None, pitch: float) -> Iterator[Note]:
     (['warning'], [])
     """
     if stated is not None and abs(stated / pitch - 1) > _SAME_PITCH:
-        yield Note(
-            Level.WARNING,
+        yield warn(
             "pixel_pitch",
             f"{1e3 * stated:.4g} um in fixture.toml of the calibration, {1e3 * pitch:.4g} um in "
             "run.toml: if the first is wrong, all films are. Correct the wrong one and calibrate "

@@ -32,7 +32,7 @@ from erlif.calibration.soundness import check_fit, places
 from erlif.calibration.systematics import Systematics
 from erlif.core.arrays import Array, Mask
 from erlif.core.errors import CalibrationError
-from erlif.core.notes import Level, Note
+from erlif.core.notes import Note, remark, warn
 from erlif.core.products import RatioImages, require
 from erlif.core.units import count_of
 from erlif.core.variables import CALIBRATION
@@ -157,15 +157,12 @@ def fit_calibration(
     steepness = 0.0
     if refined_pose is None or not refined_pose.determined[ALONG]:
         steepness = float(np.median(np.abs(points.gradient[:, 0])))  # um/mm
-        notes.append(
-            Note(
-                Level.NOTE,
-                "",
-                "the origin along the profile is used as given: each pixel of error shifts all "
-                f"films by {steepness * pixel_pitch:.2g} um. [systematics] position in "
-                "fixture.toml states its standard deviation; a mark on the fixture lowers it",
-            )
+        text = (
+            "the origin along the profile is used as given: each pixel of error shifts all films "
+            f"by {steepness * pixel_pitch:.2g} um. [systematics] position in fixture.toml states "
+            "its standard deviation; a mark on the fixture lowers it"
         )
+        notes.append(remark("", text))
 
     fit = fit_robustly(points, freedom, reflectance=reflectance)
     if refined_pose is not None:
@@ -174,14 +171,8 @@ def fit_calibration(
     fit, candidate, kept = settled.fit, settled.candidate, settled.fit.kept
     notes += settled.notes
     if not kept.all():
-        notes.append(
-            Note(
-                Level.NOTE,
-                "",
-                f"{int((~kept).sum())} of {kept.size} points lie far off the curve and were left "
-                "out",
-            )
-        )
+        text = f"{int((~kept).sum())} of {kept.size} points lie far off the curve and were left out"
+        notes.append(remark("", text))
 
     calibration = _make_curve(settled, refined_pose, bands=bands, fixture=fixture)
     best = fit if candidate is None else candidate
@@ -191,15 +182,12 @@ def fit_calibration(
     thickness_range, limited = _calibrated_range(calibration, films, points, kept, frames)
     if limited:
         thickest, end = points.thickness.max(), thickness_range[1]
-        notes.append(
-            Note(
-                Level.NOTE,
-                "",
-                f"the profile reaches {thickest:.1f} um, but beyond {end:.1f} um the noise of a "
-                f"single pixel of one frame exceeds {USEFUL:.0%} of the thickness, or what this "
-                "light allows: the calibrated range ends there",
-            )
+        text = (
+            f"the profile reaches {thickest:.1f} um, but beyond {end:.1f} um the noise of a single "
+            f"pixel of one frame exceeds {USEFUL:.0%} of the thickness, or what this light allows: "
+            "the calibrated range ends there"
         )
+        notes.append(remark("", text))
     notes += [*_describe_unresolved(calibration), *_describe_wall(calibration)]
     moved = freedom.displacement @ best.displacement
     _refuse_nonsense(calibration, thickness_range, points, moved)
@@ -356,23 +344,19 @@ def _settle_departure(points: Points, fit: Fit, freedom: Freedom) -> _Settled:
         return _Settled(fit, candidate, 1.0, notes)
     inflation = min(correlation.inflation, _LARGEST_INFLATION)
     widened = math.sqrt(inflation)
-    notes.append(
-        Note(
-            Level.WARNING,
-            "",
-            "errors of neighbouring points along the profile are correlated (coefficient "
-            f"{correlation.coefficient:.2f}); errors were widened by {widened:.2f}. Form, "
-            "position or light of the fixture is not as stated",
-        )
+    text = (
+        "errors of neighbouring points along the profile are correlated (coefficient "
+        f"{correlation.coefficient:.2f}); errors were widened by {widened:.2f}. Form, position or "
+        "light of the fixture is not as stated"
     )
+    notes.append(warn("", text))
     return _Settled(fit, candidate, inflation, notes)
 
 
 def _describe_departure(fit: Fit, candidate: Candidate, choice: Choice) -> Note:
     """Note on the spline that is used."""
     falling = "; it falls somewhere, where the calibrated range ends" if choice.falling else ""
-    return Note(
-        Level.NOTE,
+    return remark(
         "",
         f"the ratio departs from the reabsorption model {_describe_largest(fit, candidate)}: a "
         f"spline of {count_of(candidate.pieces, 'piece')} is added to the model, the Bayesian "
@@ -384,8 +368,7 @@ def _describe_structure(fit: Fit, choice: Choice) -> Note:
     """Note on a departure that is not used."""
     chance = max(choice.chance, 1e-12)  # below it only the order of magnitude is known
     largest = _describe_largest(fit, choice.tested)
-    return Note(
-        Level.WARNING,
+    return warn(
         "",
         f"the residuals have structure (once in {1 / chance:.0g} by chance). A spline would "
         f"depart from the reabsorption model {largest}, but the evidence is too weak to use it",
@@ -477,16 +460,13 @@ def _describe_wall(calibration: Calibration) -> list[Note]:
     films = np.linspace(*_HIGHEST)
     highest = films[np.argmax(calibration.model.predict(films))]
     std = calibration.standard_deviations[-1]
-    return [
-        Note(
-            Level.NOTE,
-            "",
-            f"the wall behind the film of the fixture reflects {calibration.reflectance:.0%} ± "
-            f"{std:.0%} of laser and emission: the ratio has its maximum at {highest:.1f} um and "
-            "falls beyond it. The wall of the joint must reflect as much, or wall in [optics] "
-            "states what it reflects",
-        )
-    ]
+    text = (
+        f"the wall behind the film of the fixture reflects {calibration.reflectance:.0%} ± "
+        f"{std:.0%} of laser and emission: the ratio has its maximum at {highest:.1f} um and falls "
+        "beyond it. The wall of the joint must reflect as much, or wall in [optics] states what it "
+        "reflects"
+    )
+    return [remark("", text)]
 
 
 def _describe_unresolved(calibration: Calibration) -> list[Note]:
@@ -496,12 +476,9 @@ def _describe_unresolved(calibration: Calibration) -> list[Note]:
     if std[2] < _UNRESOLVED * q or calibration.model.reflects:
         return []
     difference_std = math.sqrt(covariance[1, 1] + covariance[2, 2] - 2 * covariance[1, 2])
-    return [
-        Note(
-            Level.WARNING,
-            "",
-            f"the films are too thin to separate p and q (q = {q:.3f} ± {std[2]:.3f} 1/um); only "
-            f"K and p - q = {p - q:.4f} ± {difference_std:.4f} 1/um are determined. Do not "
-            "measure films thicker than the fixture's",
-        )
-    ]
+    text = (
+        f"the films are too thin to separate p and q (q = {q:.3f} ± {std[2]:.3f} 1/um); only K and "
+        f"p - q = {p - q:.4f} ± {difference_std:.4f} 1/um are determined. Do not measure films "
+        "thicker than the fixture's"
+    )
+    return [warn("", text)]

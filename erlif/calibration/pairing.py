@@ -15,7 +15,7 @@ from erlif.calibration.pose import Pose
 from erlif.calibration.profile import MINIMUM_POINTS, Profile, gradient_of_thickness
 from erlif.core.arrays import Array, Mask
 from erlif.core.errors import CalibrationError
-from erlif.core.notes import Level, Note, remark, warn
+from erlif.core.notes import Note, remark, warn
 from erlif.core.products import RatioImages
 
 # Number of the CMM point that each pixel belongs to, (pixel,).
@@ -90,14 +90,10 @@ def pair_profile_with_image(
 
     uncertainty = profile.uncertainty
     if uncertainty is None:
-        notes.append(
-            Note(
-                Level.NOTE,
-                "",
-                "the profile has no uncertainty_um; it was estimated from the scatter about the "
-                "curve",
-            )
+        text = (
+            "the profile has no uncertainty_um; it was estimated from the scatter about the curve"
         )
+        notes.append(remark("", text))
         uncertainty = np.full(total, math.nan)
 
     if position.shape[1] == 1:
@@ -171,8 +167,7 @@ def _describe_coverage(pixels: _Pixels, used: Mask) -> list[Note]:
         )
     if not used.all():
         notes.append(
-            Note(
-                Level.NOTE,
+            remark(
                 "",
                 f"{int((~used).sum())} of {used.size} points of the profile lie outside the "
                 "usable image",

@@ -11,7 +11,7 @@ import scipy
 
 from erlif.calibration.points import Points
 from erlif.core.arrays import Array, Mask
-from erlif.core.notes import Level, Note
+from erlif.core.notes import Note, remark
 
 # Elements of a change of pose: along and across the profile [mm], scale [1], turn [rad].
 ALONG, ACROSS, SCALE, TURN = range(4)
@@ -132,8 +132,7 @@ class FoundPose:
         notes = []
         if changes:
             notes.append(
-                Note(
-                    Level.NOTE,
+                remark(
                     "",
                     "the pose of the profile was refined against the image: "
                     f"{', '.join(changes)}, about the middle of the profile",
@@ -141,8 +140,7 @@ class FoundPose:
             )
         if left:
             notes.append(
-                Note(
-                    Level.NOTE,
+                remark(
                     "",
                     f"left as given: {', '.join(left)}. The profile has too little form to "
                     "determine them to a pixel (a straight wedge looks the same wherever it "

@@ -14,7 +14,7 @@ from numpy.polynomial import legendre
 from erlif.core.arrays import Array
 from erlif.core.bounded import read_rows
 from erlif.core.errors import CalibrationError
-from erlif.core.notes import Level, Note
+from erlif.core.notes import Note, remark, warn
 
 # Fewest points of a profile: beside K, p and q, five degrees of freedom remain.
 MINIMUM_POINTS = 8
@@ -151,14 +151,11 @@ def _find_axes(header: list[str], values: Array, name: str, notes: list[Note]) -
         return values, 2
 
     # a CMM keeps y of a line scan to its own error only
-    notes.append(
-        Note(
-            Level.NOTE,
-            name,
-            f"a line profile along x_mm, at y_mm {values[:, 1].mean():.4g}; y_mm was left out and "
-            "the film assumed constant across the profile",
-        )
+    text = (
+        f"a line profile along x_mm, at y_mm {values[:, 1].mean():.4g}; y_mm was left out and the "
+        "film assumed constant across the profile"
     )
+    notes.append(remark(name, text))
     return np.delete(values, 1, axis=1), 1
 
 
@@ -168,21 +165,15 @@ def _sort_and_merge(
     """Rows in the order of x_mm, repeated positions averaged."""
     order = np.lexsort(values[:, :axes].T[::-1])
     if np.any(order != np.arange(len(order))) and axes == 1:
-        notes.append(
-            Note(Level.WARNING, name, "the points are not in the order of x_mm; they were sorted")
-        )
+        text = "the points are not in the order of x_mm; they were sorted"
+        notes.append(warn(name, text))
         values = values[order]
 
     places, group = np.unique(values[:, :axes], axis=0, return_inverse=True)
     if len(places) == len(values):
         return values
-    notes.append(
-        Note(
-            Level.WARNING,
-            name,
-            f"{len(values) - len(places)} points repeat a position; repeated points were averaged",
-        )
-    )
+    text = f"{len(values) - len(places)} points repeat a position; repeated points were averaged"
+    notes.append(warn(name, text))
     count = np.bincount(group)
     merged = np.stack([np.bincount(group, column) / count for column in values.T], axis=1)
     if stated:

@@ -24,7 +24,7 @@ from erlif.core.errors import (
     reason_of,
 )
 from erlif.core.format import ATTRIBUTE, FORMAT_VERSION, is_version_after
-from erlif.core.notes import Level, Note
+from erlif.core.notes import warn
 from erlif.core.version import __version__
 from erlif.io.files import (
     has_group,
@@ -157,8 +157,7 @@ def _read(path: Path) -> Calibration:
         calibration = Calibration.from_dataset(dataset.load())
         written = str(dataset.attrs.get("erlif_version", ""))
     if is_version_after(written, __version__):
-        note = Note(
-            Level.WARNING,
+        note = warn(
             "",
             f"it was written by erlif {written[:40]}, this is {__version__}: what later versions "
             "add is not read. Update erlif, or calibrate again",

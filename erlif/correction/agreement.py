@@ -16,7 +16,7 @@ import numpy as np
 
 from erlif.core.arrays import AnyArray, Image, Mask
 from erlif.core.errors import FrameError
-from erlif.core.notes import Level, Note
+from erlif.core.notes import Note, warn
 from erlif.core.products import References
 from erlif.core.statistics import robust_std
 from erlif.core.units import count_of
@@ -151,8 +151,7 @@ def _find_light_in_dark(
     rest = y - share * x
     std = float(np.sqrt((rest * rest).sum() / (x.size - 2) / (x * x).sum()))
     if share > max(_LEAK, _SIGNIFICANT * std):
-        yield Note(
-            Level.WARNING,
+        yield warn(
             camera,
             f"the dark shows {share:.1%} of the light of the frames, in their shape: light fell "
             "on the sensor. Record the darks again with the shutter closed and the laser off",
@@ -160,8 +159,7 @@ def _find_light_in_dark(
 
     page_std = darks.level_std * np.sqrt(darks.pages) if darks.pages > 1 else 0.0
     if page_std > max(_UNSTEADY * typical, 1.0):
-        yield Note(
-            Level.WARNING,
+        yield warn(
             camera,
             f"the dark level changes by {page_std:.1f} DN from page to page, "
             f"{page_std / typical:.1%} of the light: some pages were lit, or the camera had not "
@@ -175,8 +173,7 @@ def _find_missing_pages(
     """Pages that one camera lacks against the other, or one light level against the others."""
     pages, others = measured.darks.pages, other.darks.pages
     if 0 < pages < others:
-        yield Note(
-            Level.WARNING,
+        yield warn(
             camera,
             f"{count_of(pages, 'dark page')}, the other camera has {others}. The file may be cut "
             "short: export it again, or record it again",
@@ -185,16 +182,14 @@ def _find_missing_pages(
     levels = measured.level_pages
     if measured.has_flat and measured.flat_pages < other.flat_pages:
         count = count_of(measured.flat_pages, "flat page")
-        yield Note(
-            Level.WARNING,
+        yield warn(
             camera,
             f"{count}, the other camera has {other.flat_pages}. The file may be cut short: export "
             "it again, or record it again",
         )
     elif len(levels) > 1 and levels[-1] < min(levels[:-1]):
         count = count_of(levels[-1], "page")
-        yield Note(
-            Level.WARNING,
+        yield warn(
             camera,
             f"{count} at the last light level of the flat, {min(levels[:-1])} and more at the "
             "others. The file may be cut short: export it again, or record it again",
@@ -211,8 +206,7 @@ def _compare_flats(references: References) -> Iterator[Note]:
     for number, flat in blocks.items():
         darkest = float(flat.min() / flat.max())
         if darkest < _DARK_CORNER:
-            yield Note(
-                Level.WARNING,
+            yield warn(
                 f"camera{number}",
                 f"the light of the flat falls to {darkest:.0%} within the image, more than lenses "
                 "do. It shows the beam of the laser, a film or a shadow in place of an even "
@@ -226,8 +220,7 @@ def _compare_flats(references: References) -> Iterator[Note]:
     ratio = ratio / np.median(ratio)
     low, high = float(ratio.min()), float(ratio.max())
     if max(high, 1 / low) > 1 + _UNLIKE:
-        yield Note(
-            Level.WARNING,
+        yield warn(
             "camera1 and camera2",
             f"the ratio is wrong by {low - 1:+.0%} to {high - 1:+.0%} over the image, by which "
             "the light of their flats differs. The flats show different targets or lamps: record "
@@ -259,8 +252,7 @@ def _compare_patterns(
     for n in range(2):
         if (n, n) in shares and shares[n, n].is_missing:
             share = shares[n, n]
-            yield Note(
-                Level.WARNING,
+            yield warn(
                 f"camera{n + 1}",
                 "the frames do not show the response of the pixels that the flat shows "
                 f"({share.value:.2f} ± {share.std:.2f} of it), which adds to the film. The flat "

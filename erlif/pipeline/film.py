@@ -16,7 +16,7 @@ from erlif.calibration import Calibration, note_pitch, record_calibration
 from erlif.core.arrays import Array
 from erlif.core.flags import FLAG_ATTRS, Flag
 from erlif.core.format import describe_origin
-from erlif.core.notes import Level, Note, join_notes
+from erlif.core.notes import Note, join_notes, warn
 from erlif.core.timing import stage
 from erlif.core.units import count_of
 from erlif.core.variables import FILM, FRAMES
@@ -532,15 +532,12 @@ def _note_moved_mean(film: xr.Dataset) -> list[Note]:
     attrs = film["speed_exponent_mean"].attrs if "speed_exponent_mean" in film else {}
     if "geometry" not in attrs:
         return []
-    return [
-        Note(
-            Level.WARNING,
-            "film_mean",
-            "no power of speed: the place of the minimum moves in the region, which alone makes n "
-            f"= {attrs['geometry']:.3f} of the fitted {attrs['fitted']:.3f}. Use that of "
-            "film_min, or a region of interest over which the film differs less",
-        )
-    ]
+    text = (
+        "no power of speed: the place of the minimum moves in the region, which alone makes n = "
+        f"{attrs['geometry']:.3f} of the fitted {attrs['fitted']:.3f}. Use that of film_min, or a "
+        "region of interest over which the film differs less"
+    )
+    return [warn("film_mean", text)]
 
 
 def describe_frames(
@@ -655,12 +652,9 @@ def _censoring_notes(results: Sequence[TriggerResult]) -> list[Note]:
     worst = int(np.argmax(shares))
     if shares[worst] < _CENSORED:
         return []
-    return [
-        Note(
-            Level.WARNING,
-            "",
-            f"film_mean lacks up to {shares[worst]:.0%} of the region (trigger {worst}), too thin "
-            "or thick to measure; film_min, a fit, is not affected. A mean that lacks more than 2 "
-            "% counts in no exponent",
-        )
-    ]
+    text = (
+        f"film_mean lacks up to {shares[worst]:.0%} of the region (trigger {worst}), too thin or "
+        "thick to measure; film_min, a fit, is not affected. A mean that lacks more than 2 % "
+        "counts in no exponent"
+    )
+    return [warn("", text)]

@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from erlif.core.arrays import Array
 from erlif.core.errors import ConfigError, ModelError
-from erlif.core.notes import Level, Note
+from erlif.core.notes import Note, remark, warn
 from erlif.models.reynolds import Journal, Motion
 from erlif.prediction.given import FITTED, Change, GivenErrors, follow_changes, share_of_fitted
 from erlif.prediction.least_squares import (
@@ -569,34 +569,25 @@ def _notes(estimates: Mapping[str, Estimate], minimum: Minimum, *, known: bool) 
     notes = []
     viscosity = estimates.get("viscosity")
     if viscosity is not None and not viscosity.determined:
-        notes.append(
-            Note(
-                Level.WARNING,
-                "fit",
-                "The film does not change enough to determine the viscosity: it is at least "
-                f"{viscosity.low:.3g} Pa s (95 %). Record more cycles, or from the moment of "
-                "loading on.",
-            )
+        text = (
+            "The film does not change enough to determine the viscosity: it is at least "
+            f"{viscosity.low:.3g} Pa s (95 %). Record more cycles, or from the moment of loading "
+            "on."
         )
+        notes.append(warn("fit", text))
     if {"viscosity", "cavitation_pressure"} <= set(estimates) and not known:
-        notes.append(
-            Note(
-                Level.WARNING,
-                "fit",
-                "Viscosity and cavitation pressure change the film in nearly the same way: 0.1 % "
-                "of the film is up to 3 % of both, which the standard deviations do not contain. "
-                "State a width of the cavitation pressure, or fix one of the two.",
-            )
+        text = (
+            "Viscosity and cavitation pressure change the film in nearly the same way: 0.1 % of "
+            "the film is up to 3 % of both, which the standard deviations do not contain. State a "
+            "width of the cavitation pressure, or fix one of the two."
         )
+        notes.append(warn("fit", text))
     if minimum.inflation > MISFIT:
-        notes.append(
-            Note(
-                Level.WARNING,
-                "fit",
-                f"The residuals are {minimum.inflation:.3g} times the stated random errors; the "
-                "standard deviations contain this factor.",
-            )
+        text = (
+            f"The residuals are {minimum.inflation:.3g} times the stated random errors; the "
+            "standard deviations contain this factor."
         )
+        notes.append(warn("fit", text))
     return notes
 
 
@@ -609,12 +600,9 @@ def _note_rupture(problem: Problem, least: LeastSquares, minimum: Minimum) -> li
     lowest, rupture = orbits.lowest_pressure(orbit), orbits.journal.cavitation_pressure
     if not lowest < rupture:
         return []
-    return [
-        Note(
-            Level.NOTE,
-            "fit",
-            "The film of the free pin is taken as full; its pressure falls to "
-            f"{lowest * 1e-3:.3g} kPa, below the cavitation pressure of {rupture * 1e-3:.3g} kPa. "
-            "Compare with solve_journal, which follows the cavities.",
-        )
-    ]
+    text = (
+        f"The film of the free pin is taken as full; its pressure falls to {lowest * 1e-3:.3g} "
+        f"kPa, below the cavitation pressure of {rupture * 1e-3:.3g} kPa. Compare with "
+        "solve_journal, which follows the cavities."
+    )
+    return [remark("fit", text)]

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from erlif.core.errors import EncoderError
-from erlif.core.notes import Level, Note
+from erlif.core.notes import Note, remark, warn
 from erlif.core.products import EncoderLog
 from erlif.io.ingest.images import Page, is_one_file
 from erlif.io.ingest.logs.checks import check_frame_numbers, check_values
@@ -129,7 +129,7 @@ def read_log(
 
     read = _in_time if in_time else _by_frame
     log, remarks = read(table, choice, known, needs_angle=needs_angle)
-    notes = [Note(Level.NOTE, table.file, "; ".join(remarks))] if remarks else []
+    notes = [remark(table.file, "; ".join(remarks))] if remarks else []
     return ReadLog(log, notes)
 
 
@@ -149,7 +149,7 @@ def leave_out_late_rows(
         return log, []
     numbers, frames = log.number.values, len(pages)
     late = f"frames {numbers[frames]} to {numbers[-1]} have no files and are left out"
-    return EncoderLog(log.isel(frame=slice(frames))), [Note(Level.WARNING, name, late)]
+    return EncoderLog(log.isel(frame=slice(frames))), [warn(name, late)]
 
 
 def _has_late_rows(log: EncoderLog, pages: Sequence[Page]) -> bool:

@@ -16,7 +16,7 @@ import numpy as np
 from erlif.core.arrays import AnyArray, Array, Counts
 from erlif.core.errors import FrameError
 from erlif.core.guarded import file_stamp
-from erlif.core.notes import Level, Note
+from erlif.core.notes import Note, warn
 from erlif.io.ingest.counts import (
     FEW_LEVELS,
     STORED_TYPES,
@@ -383,8 +383,7 @@ def depth_warning(highest: int, *, bit_depth: int, camera: int) -> Note | None:
     full_scale = (1 << bit_depth) - 1
     if highest > full_scale // 16:
         return None
-    return Note(
-        Level.WARNING,
+    return warn(
         f"camera{camera}",
         f"no count is above {highest} of {full_scale} (bit_depth = {bit_depth}); "
         f"bit_depth = {max(8, highest.bit_length())} would fit, or the light is very low.",

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from typing import NamedTuple
 
-from erlif.core.notes import Level, Note
+from erlif.core.notes import Level, Note, warn
 from erlif.pipeline.audit.columns import note_columns, without_single
 from erlif.pipeline.audit.crank import note_crank
 from erlif.pipeline.audit.evidence import Evidence
@@ -75,11 +75,8 @@ def _try(audit: Audit, evidence: Evidence) -> list[Note]:
     try:
         return list(audit.find(evidence))
     except (ArithmeticError, ValueError, IndexError) as error:
-        return [
-            Note(
-                Level.WARNING,
-                "audit",
-                f"{audit.name} could not be audited: {error}. The film is not affected; look at "
-                "these by eye, and report the failure",
-            )
-        ]
+        text = (
+            f"{audit.name} could not be audited: {error}. The film is not affected; look at these "
+            "by eye, and report the failure"
+        )
+        return [warn("audit", text)]

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator
 
 import numpy as np
 
-from erlif.core.notes import Level, Note
+from erlif.core.notes import Note, warn
 from erlif.correction.saturation import Histogram
 
 _FULLY = 0.98  # share of the pixels between the darkest and the brightest per cent
@@ -33,7 +33,7 @@ def note_bits(histograms: Iterable[Histogram]) -> Iterator[Note]:
     """
     for camera, histogram in enumerate(histograms, 1):
         for fault in find_bit_faults(histogram):
-            yield Note(Level.WARNING, "bits", f"camera{camera}: {fault}")
+            yield warn("bits", f"camera{camera}: {fault}")
 
 
 def find_bit_faults(histogram: Histogram) -> list[str]:

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from erlif.core.arrays import AnyArray, Array
-from erlif.core.notes import Level, Note, list_some, warn
+from erlif.core.notes import Note, list_some, warn
 from erlif.core.products import EncoderLog
 from erlif.core.statistics import robust_std
 from erlif.core.units import count_of
@@ -63,8 +63,7 @@ def note_columns(evidence: Evidence) -> Iterator[Note]:
                 usual = float(np.median(np.delete(values, lost)))
                 low, high = values[lost].min(), values[lost].max()
                 rows, count = list_some(lost), count_of(lost.size, "row")
-                yield Note(
-                    Level.WARNING,
+                yield warn(
                     "load",
                     f"the load cell or its cable is loose: {low:.3g} to {high:.3g} N in {count} "
                     f"({rows}), {usual:.4g} N in the others. Correct them, or take out these "

@@ -11,7 +11,7 @@ import numpy as np
 
 from erlif.core.arrays import AnyArray, Array
 from erlif.core.errors import ModelError
-from erlif.core.notes import Level, Note, list_some, warn
+from erlif.core.notes import Note, list_some, warn
 from erlif.core.statistics import robust_std
 from erlif.io.ingest import Run
 from erlif.io.settings import CrankRockerSettings
@@ -90,8 +90,7 @@ def note_crank(evidence: Evidence) -> Iterator[Note]:
     if odd:
         yield _warn_of_readings(odd, most)
     for row, size in slips[:1]:
-        yield Note(
-            Level.WARNING,
+        yield warn(
             "encoder",
             f"it slipped by {size:+.2f} deg at row {row}, or rows or pulses are missing there: "
             "the readings leave the turn of an even crank. Fasten it, and correct the readings or "
@@ -295,8 +294,7 @@ def _note_swing(run: Run, fit: _Turn) -> Iterator[Note]:
         with suppress(ModelError):  # no crank gives that swing with these links
             crank = 100 * crank_for_swing(fit.size * (high - low), **others)
             fitting = f", as with a crank of {crank:.3g} cm in place of {100 * links.crank:.3g} cm"
-    yield Note(
-        Level.WARNING,
+    yield warn(
         "encoder",
         f"its reading swings by {fit.size * span:.2f} deg, the linkage of [mechanism] by "
         f"{span:.2f} deg{fitting}. Correct the lengths of the links, or ticks_per_turn",

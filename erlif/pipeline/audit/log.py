@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from erlif.core.arrays import Array
-from erlif.core.notes import Level, Note, remark, warn
+from erlif.core.notes import Note, remark, warn
 from erlif.core.products import EncoderLog
 from erlif.core.units import count_of, parse_quantity
 from erlif.io.settings import RunSettings
@@ -103,8 +103,7 @@ def note_mounting(log: EncoderLog, settings: RunSettings) -> Iterator[Note]:
     step = signed_steps(angle)
     ways = sorted((float(step[step > 0].sum()), -float(step[step < 0].sum())))
     if ways[0] > _TO_AND_FRO * ways[1]:
-        yield Note(
-            Level.WARNING,
+        yield warn(
             "encoder",
             f"it is stated to be on the crank, but goes to and fro from {angle.min():.1f} to "
             f'{angle.max():.1f} deg: speed and theory are wrong. Set mounted_on = "rocker" in '
@@ -131,8 +130,7 @@ def note_angles(log: EncoderLog) -> Iterator[Note]:
     turns = int(np.count_nonzero(np.diff(np.sign(signed[step > 0]))))
     low, high, most = angle.min(), angle.max(), step.max()
     reversals = count_of(turns, "reversal")
-    yield Note(
-        Level.NOTE,
+    yield remark(
         "motion",
         f"angle from {low:.2f} to {high:.2f} deg in steps of {np.median(step):.3g} deg (median), "
         f"{most:.3g} deg at most; {reversals}",
@@ -146,22 +144,21 @@ def note_angles(log: EncoderLog) -> Iterator[Note]:
     gaps = 2 + np.flatnonzero(even & (step[2:-2] > _GAP * usual))
     if gaps.size:
         shown = ", ".join(f"{k} and {k + 1} ({step[k]:.3g} deg)" for k in gaps[:5])
-        yield remark(
+        yield warn(
             "motion",
             f"the angle jumps between frames {shown}: a trigger was missed, or rows of the log "
-            "are out of place",
-            "Compare the log with the frames there",
+            "are out of place. Compare the log with the frames there",
         )
 
     still = step == 0
     runs = np.convolve(still, np.ones(_STUCK - 1), "valid") == _STUCK - 1
     if runs.any():
         first = int(np.argmax(runs))
-        yield remark(
+        yield warn(
             "motion",
             f"the angle stays at {angle[first]:g} deg in frames {first} to {first + _STUCK - 1} "
-            "and perhaps longer: the encoder or its logger was stuck",
-            "Check the cable, and leave these frames out",
+            "and perhaps longer: the encoder or its logger was stuck. Check the cable, and leave "
+            "these frames out",
         )
 
 
@@ -169,8 +166,7 @@ def _note_times(time: Array) -> Iterator[Note]:
     step = np.diff(time)
     usual = float(np.median(step))
     low, high = step.min(), step.max()
-    yield Note(
-        Level.NOTE,
+    yield remark(
         "motion",
         f"time from {time[0]:.6g} to {time[-1]:.6g} s, steps of {usual:.3g} s (median), {low:.3g} "
         f"to {high:.3g} s",
@@ -178,10 +174,10 @@ def _note_times(time: Array) -> Iterator[Note]:
     pauses = np.flatnonzero(step > _PAUSE * usual)
     if pauses.size:
         shown = ", ".join(f"{k} and {k + 1} ({step[k]:.3g} s)" for k in pauses[:5])
-        yield remark(
+        yield warn(
             "motion",
-            f"the recording pauses between frames {shown}",
-            "Check whether the rig stood still or frames are missing",
+            f"the recording pauses between frames {shown}. Check whether the rig stood still or "
+            "frames are missing",
         )
 
 
@@ -223,21 +219,20 @@ def note_conditions(log: EncoderLog, settings: RunSettings) -> Iterator[Note]:
         values = np.asarray(log["temperature"].values, float)
         low, high, jumps = values.min(), values.max(), np.abs(np.diff(values))
         if low < _OIL[0] or high > _OIL[1]:
-            yield remark(
+            yield warn(
                 "conditions",
-                f"temperature {low:.1f} to {high:.1f} degC, no oil of a rig has that",
-                'Correct the unit, units = { temperature = "degF" } in [encoder], or the column',
+                f"temperature {low:.1f} to {high:.1f} degC, no oil of a rig has that. Correct the "
+                'unit, units = { temperature = "degF" } in [encoder], or the column',
             )
         elif jumps.max(initial=0.0) > _JUMP:
             k = int(np.argmax(jumps))
-            yield remark(
+            yield warn(
                 "conditions",
                 f"temperature {low:.1f} to {high:.1f} degC, it changes by {jumps[k]:.1f} K from "
-                f"frame {k} to {k + 1}",
-                "Check the sensor and its cable",
+                f"frame {k} to {k + 1}. Check the sensor and its cable",
             )
         else:
-            yield Note(Level.NOTE, "conditions", f"temperature {low:.1f} to {high:.1f} degC")
+            yield remark("conditions", f"temperature {low:.1f} to {high:.1f} degC")
 
     if "load" in log:
         values = np.asarray(log["load"].values, float)
@@ -245,7 +240,7 @@ def note_conditions(log: EncoderLog, settings: RunSettings) -> Iterator[Note]:
         stated = None if joint is None else joint.load
         factor = 1.0 if stated is None else float(np.median(values)) / stated
         if 1 / _LOAD < factor < _LOAD:
-            yield Note(Level.NOTE, "conditions", f"load {low:.4g} to {high:.4g} N")
+            yield remark("conditions", f"load {low:.4g} to {high:.4g} N")
         else:
             yield warn(
                 "conditions",

@@ -11,7 +11,7 @@ from collections.abc import Iterator, Sequence
 import cv2
 import numpy as np
 
-from erlif.core.notes import Level, Note
+from erlif.core.notes import Note, warn
 from erlif.core.statistics import robust_rms
 from erlif.pipeline.chain import FrameChain
 from erlif.pipeline.recording.sample import Bands
@@ -44,8 +44,7 @@ def note_noise(chain: FrameChain, sample: Sequence[Bands]) -> Iterator[Note]:
     """
     found = measure_noise(chain, sample)
     if found < _LEAST:
-        yield Note(
-            Level.WARNING,
+        yield warn(
             "counts",
             f"errors are wrong, and films may be: the counts have {found:.2f} of the noise that "
             "gain and read noise leave. Counts were halved, averaged or smoothed after the "

@@ -13,7 +13,7 @@ from itertools import pairwise
 import numpy as np
 
 from erlif.core.arrays import AnyArray, Array
-from erlif.core.notes import Level, Note
+from erlif.core.notes import Note, warn
 from erlif.core.units import count_of
 from erlif.pipeline.audit.evidence import Evidence, median_by_frame
 
@@ -64,8 +64,7 @@ def note_strangers(evidence: Evidence) -> Iterator[Note]:
         if last > first:
             where = f"pairs {numbers[first]} to {numbers[last]} are"
         count = count_of(last - first + 1, "pair")
-        yield Note(
-            Level.WARNING,
+        yield warn(
             "pairs",
             f"{where} of another run or of the fixture, or the film jumped there: its form "
             f"changes by {size:.0f} times what it does elsewhere. Compare the files of {count} "

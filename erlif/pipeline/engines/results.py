@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from erlif.core.arrays import AnyArray, Array
-from erlif.core.notes import Level, Note, warn
+from erlif.core.notes import Note, warn
 from erlif.io.ingest import FramePairs, depth_warning
 from erlif.ratio import (
     NO_CELLS,
@@ -295,13 +295,8 @@ def describe_frame_notes(frames: Sequence[FrameResult], pairs: FramePairs) -> li
     lost = sorted(one.frame for one in frames if np.isnan(one.drift[0]))
     if lost:
         subject = f"frame pairs {', '.join(str(frame) for frame in lost)}"
-        notes.append(
-            Note(
-                Level.WARNING,
-                subject,
-                "no common texture, as after a misfired pulse; flagged poor_registration",
-            )
-        )
+        text = "no common texture, as after a misfired pulse; flagged poor_registration"
+        notes.append(warn(subject, text))
     ordered = sorted(frames, key=lambda one: one.frame)
     followed = ordered[:: -(-len(ordered) // _FOLLOWED)] if ordered else []
     known = [note for note in notes if note is not None]

@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from erlif.calibration import Calibration
-from erlif.core.notes import Level, Note
+from erlif.core.notes import Note, remark, warn
 from erlif.pipeline.engines.results import TriggerResult
 from erlif.trend import Contact, choose_contact
 
@@ -64,26 +64,20 @@ def note_contact(results: Sequence[TriggerResult], contact: Contact) -> list[Not
     notes = []
     gaps = [gap for one in results for gap in one.minima.values()]
     if any(np.isfinite(gap.bend).all() for gap in gaps):
-        notes.append(
-            Note(
-                Level.NOTE,
-                "film_min",
-                f"the minimum of {_GAPS[contact]}, as the curvatures of the maps of all triggers "
-                "ask for",
-            )
+        text = (
+            f"the minimum of {_GAPS[contact]}, as the curvatures of the maps of all triggers ask "
+            "for"
         )
+        notes.append(remark("film_min", text))
     statistics = [one.statistics for one in results]
     count = sum(one.minimum_departs and math.isnan(one.minimum) for one in statistics)
     if count:
         total = len(results)
-        notes.append(
-            Note(
-                Level.WARNING,
-                "film_min",
-                f"NaN at {count} of {total} triggers: {_GAPS[contact]} departs from their maps "
-                "by more than noise and marks. Its minimum is off by more than 0.1 um and a "
-                "tenth; maps and film_mean hold: take quantiles of the maps, or a smaller region "
-                "of interest about the thinnest film",
-            )
+        text = (
+            f"NaN at {count} of {total} triggers: {_GAPS[contact]} departs from their maps by more "
+            "than noise and marks. Its minimum is off by more than 0.1 um and a tenth; maps and "
+            "film_mean hold: take quantiles of the maps, or a smaller region of interest about the "
+            "thinnest film"
         )
+        notes.append(warn("film_min", text))
     return notes

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from erlif.calibration import Calibration
-from erlif.core.notes import Level, Note, remark, warn
+from erlif.core.notes import Note, remark, warn
 from erlif.pipeline.engines.results import FrameResult, shares_passed
 from erlif.pipeline.physics.position import clearance_std
 from erlif.pipeline.plane import ObjectPlane
@@ -106,8 +106,7 @@ def describe_gap(
     if errors is None:
         return (
             [
-                Note(
-                    Level.WARNING,
+                warn(
                     "systematics",
                     "the gap of this run does not determine the errors of [systematics], and "
                     "nothing was taken out. It needs [joint], a dozen frames, one calibration, "

@@ -11,7 +11,7 @@ import xarray as xr
 
 from erlif.calibration import Calibration
 from erlif.core.arrays import AnyArray, Array
-from erlif.core.notes import Level, Note, remark, warn
+from erlif.core.notes import Note, remark, warn
 from erlif.core.products import References
 from erlif.core.variables import FILM
 from erlif.io.ingest import FramePairs, Run
@@ -201,10 +201,9 @@ def _describe(estimate: BackgroundEstimate, calibration: Calibration, *, correct
     )
     shares = f"{one}, {two} of the median light"
     if corrected:
-        return Note(Level.NOTE, "background", f"light that is not film subtracted: {shares}")
+        return remark("background", f"light that is not film subtracted: {shares}")
     if not estimate.significant:
-        return Note(
-            Level.NOTE,
+        return remark(
             "background",
             f"no light that is not film was found; {100 * estimate.detectable:.1f} % of the "
             "median light in both cameras would have been significant",
@@ -216,8 +215,7 @@ def _describe(estimate: BackgroundEstimate, calibration: Calibration, *, correct
         1e3 * float(value(np.array(low), calibration))
         for value in (estimate.film_shift, estimate.film_shift_std)
     )
-    return Note(
-        Level.WARNING,
+    return warn(
         "background",
         f"light and films of the run do not agree without light that is not film: {shares}. Films "
         f"of {low:.1f} um are then off by {shift:+.0f} ± {std:.0f} nm; film_mean_std and "
@@ -316,8 +314,7 @@ def describe_bleaching(
     """
     if trend is None:
         return {}, [
-            Note(
-                Level.WARNING,
+            warn(
                 "bleaching",
                 "bleaching cannot be separated from a change of the film: this takes "
                 "several cycles or a reference patch. Nothing was taken out of the ratio",

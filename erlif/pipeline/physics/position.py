@@ -12,7 +12,7 @@ import numpy as np
 
 from erlif.calibration import Calibration
 from erlif.core.arrays import Array
-from erlif.core.notes import Level, Note
+from erlif.core.notes import Note, remark, warn
 from erlif.core.tables import read_table
 from erlif.core.units import Quantity
 from erlif.core.variables import FILM
@@ -143,16 +143,13 @@ def note_form(
     std = [one.covariance(calibration.full_covariance)[0, 0] ** 0.5 for one in known]
     least = float(np.nanmedian(std))
     if depth > least:
-        notes.append(
-            Note(
-                Level.NOTE,
-                "pin",
-                f"the load flattens pin and bushing by up to {depth:.2g} um (Hertz, b^2/2R), more "
-                f"than the standard deviation of the displacement towards the load, {least:.2g} "
-                "um: it is that of the surfaces in the image, not of the axes. Film thickness and "
-                "tilts are not affected",
-            )
+        text = (
+            f"the load flattens pin and bushing by up to {depth:.2g} um (Hertz, b^2/2R), more than "
+            f"the standard deviation of the displacement towards the load, {least:.2g} um: it is "
+            "that of the surfaces in the image, not of the axes. Film thickness and tilts are not "
+            "affected"
         )
+        notes.append(remark("pin", text))
     return notes
 
 
@@ -167,8 +164,7 @@ def _note_cause(form: GapForm, view: PinView, joint: JointSettings) -> Note:
             "look at the dark of this run, and photograph the dry joint"
         )
         causes = _list(["a bent pin or an uneven bore", by_dark, *imitations])
-        return Note(
-            Level.WARNING,
+        return warn(
             "pin",
             f"the gap is curved along the axis, {1e3 * form.bend:.2f} ± {1e3 * form.bend_std:.2f} "
             "nm/mm2, where a straight pin has none. Maps alone do not separate the causes: "
@@ -200,8 +196,7 @@ def _note_cause(form: GapForm, view: PinView, joint: JointSettings) -> Note:
     first = bool(form.imitations) and form.imitations[0].cost < own_cost
     causes = _list([*imitations, *own] if first else [*own, *imitations])
     std = 100 * form.excess_std
-    return Note(
-        Level.WARNING,
+    return warn(
         "pin",
         f"the curvature along sliding deviates by {excess:+.1f} ± {std:.1f} % from that of the "
         f"radii in [joint], over films of {low:.1f} to {high:.1f} um. Maps alone do not separate "

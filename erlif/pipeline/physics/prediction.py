@@ -9,7 +9,7 @@ import xarray as xr
 
 from erlif.core.arrays import Array
 from erlif.core.errors import ConfigError, ErlifError
-from erlif.core.notes import Level, Note, warn
+from erlif.core.notes import Note, remark, warn
 from erlif.io.ingest import Run
 from erlif.io.settings import CrankRockerSettings, PredictionOptions, RunSettings
 from erlif.models.mechanism import CrankRocker
@@ -297,13 +297,7 @@ def try_prediction(plane: ObjectPlane, film: xr.Dataset, frames: xr.Dataset) -> 
     # a measured film is worth more than its prediction, whatever went wrong in the latter
     except (ErlifError, ArithmeticError, ValueError, IndexError) as error:
         return NO_PREDICTION._replace(
-            notes=[
-                Note(
-                    Level.WARNING,
-                    "[prediction]",
-                    f"the film over the cycle is not predicted: {error}",
-                )
-            ]
+            notes=[warn("[prediction]", f"the film over the cycle is not predicted: {error}")]
         )
 
 
@@ -369,14 +363,11 @@ def note_correlation(film: xr.Dataset) -> list[Note]:
     measured, predicted, steady = (speed_correlation(film[name].values, speed) for name in names)
     if not np.isfinite([measured, predicted, steady]).all():
         return []
-    return [
-        Note(
-            Level.NOTE,
-            "theory",
-            f"minimum film and |speed| have a correlation of {measured:+.2f}; the transient "
-            f"prediction gives {predicted:+.2f}, the steady regime map {steady:+.2f}",
-        )
-    ]
+    text = (
+        f"minimum film and |speed| have a correlation of {measured:+.2f}; the transient prediction "
+        f"gives {predicted:+.2f}, the steady regime map {steady:+.2f}"
+    )
+    return [remark("theory", text)]
 
 
 def note_difference(film: xr.Dataset, options: PredictionOptions) -> list[Note]:

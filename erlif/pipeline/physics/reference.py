@@ -10,7 +10,7 @@ import numpy as np
 
 from erlif.calibration import Calibration
 from erlif.core.arrays import Array
-from erlif.core.notes import Level, Note
+from erlif.core.notes import Note, remark, warn
 from erlif.core.variables import FILM
 from erlif.io.settings import ReferenceSettings
 from erlif.pipeline.engines.results import FrameResult, TriggerResult, share_passed, shares_passed
@@ -99,14 +99,11 @@ def describe_scale(scale: PatchScale | None) -> list[Note]:
         return []
     first, last = scale.course[0], scale.course.sum()
     std = float(np.sqrt(scale.covariance[0, 0]))
-    return [
-        Note(
-            Level.NOTE,
-            "reference",
-            f"the ratio on the patch is {100 * first:+.2f} ± {100 * std:.2f} % from that of its "
-            f"film at the first frame and {100 * last:+.2f} % at the last; taken out of all frames",
-        )
-    ]
+    text = (
+        f"the ratio on the patch is {100 * first:+.2f} ± {100 * std:.2f} % from that of its film "
+        f"at the first frame and {100 * last:+.2f} % at the last; taken out of all frames"
+    )
+    return [remark("reference", text)]
 
 
 def describe_reference(
@@ -184,13 +181,8 @@ def _compare(
     """
     valid = np.isfinite(film) & (random > 0)
     if not valid.any():
-        return [
-            Note(
-                Level.WARNING,
-                "reference",
-                "the patch has no valid pixels, or its ratio lies outside the calibrated range",
-            )
-        ]
+        text = "the patch has no valid pixels, or its ratio lies outside the calibrated range"
+        return [warn("reference", text)]
     weight = random[valid] ** -2.0
     mean = float((weight * film[valid]).sum() / weight.sum())
     of_fixture = float(replace(calibration, systematics=None).thickness_std(known))
@@ -198,13 +190,10 @@ def _compare(
     off = mean - known
     stated = f"{mean:.3f} um measured, {known:.3f} um known, difference {off:+.3f} um"
     if abs(off) <= _DEVIANT * std:
-        return [Note(Level.NOTE, "reference", f"{stated} with a standard deviation of {std:.3f}")]
-    return [
-        Note(
-            Level.WARNING,
-            "reference",
-            f"{stated}, {abs(off) / std:.1f} standard deviations of {std:.3f} um. Dyes, filters "
-            "or light have changed since the fixture was photographed, or the patch is not as "
-            "thick. Calibrate again, and look for light that is not film",
-        )
-    ]
+        return [remark("reference", f"{stated} with a standard deviation of {std:.3f}")]
+    text = (
+        f"{stated}, {abs(off) / std:.1f} standard deviations of {std:.3f} um. Dyes, filters or "
+        "light have changed since the fixture was photographed, or the patch is not as thick. "
+        "Calibrate again, and look for light that is not film"
+    )
+    return [warn("reference", text)]

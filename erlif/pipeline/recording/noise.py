@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from erlif.core.notes import Level, Note, warn
+from erlif.core.notes import Note, warn
 from erlif.core.products import References
 from erlif.correction import make_references
 from erlif.pipeline.chain import FrameChain, one_thread_per_frame
@@ -160,15 +160,12 @@ def _describe(estimate: NoiseEstimate, unknown: NoiseUnknowns) -> list[Note]:
             )
         if unknown.read_noise.all():
             assumed.append("one read noise [DN] for both")
-        notes.append(
-            Note(
-                Level.WARNING,
-                f"camera{n + 1}",
-                f"{' and '.join(what)} estimated from the noise that the two cameras do not share "
-                f"in {estimate.frames} frames{precision}, assuming {' and '.join(assumed)}. "
-                "Declare them, or record darks and flats, for a better estimate",
-            )
+        text = (
+            f"{' and '.join(what)} estimated from the noise that the two cameras do not share in "
+            f"{estimate.frames} frames{precision}, assuming {' and '.join(assumed)}. Declare them, "
+            "or record darks and flats, for a better estimate"
         )
+        notes.append(warn(f"camera{n + 1}", text))
     if unknown.response[1]:
         notes.append(_describe_response(estimate, unknown))
     return notes

@@ -10,7 +10,7 @@ import numpy as np
 from erlif.calibration import Calibration
 from erlif.core.arrays import Array
 from erlif.core.errors import FrameError
-from erlif.core.notes import Level, Note, list_some
+from erlif.core.notes import Note, list_some, warn
 from erlif.core.products import EncoderLog
 from erlif.io.ingest import FramePairs, read_pair
 from erlif.pipeline.chain import FrameChain
@@ -226,8 +226,7 @@ def _describe_unknown(fault: PulseFault, numbers: list[int]) -> Note:
     if shown:
         of_pulse = f"the pulses of pairs {list_some(shown)} are among those shown twice"
     subject = f"frame pairs {list_some([numbers[k] for k in fault.frames])}"
-    return Note(
-        Level.WARNING,
+    return warn(
         subject,
         f"camera 2 shows another laser pulse than camera 1, and {of_pulse}: the film of these "
         "pairs is wrong by the speckle of the laser. Check the triggering of the cameras, and "
@@ -251,14 +250,11 @@ def _check_stuck(ordered: Sequence[FrameResult], pairs: FramePairs) -> list[Note
         if len(set(known)) == 1 and len(known) == len(ordered):
             raise PulseError(_one_camera(camera + 1, len(known), pairs))
         subject, count = f"camera{camera + 1}", len(known)
-        notes.append(
-            Note(
-                Level.WARNING,
-                subject,
-                f"{copies} of {count} files are copies of others: the camera was stuck, or its "
-                "export; their maps combine two pulses",
-            )
+        text = (
+            f"{copies} of {count} files are copies of others: the camera was stuck, or its export; "
+            "their maps combine two pulses"
         )
+        notes.append(warn(subject, text))
     return notes
 
 
@@ -282,8 +278,7 @@ def _describe_repeated(frames: list[int], count: int, pairs: FramePairs) -> Note
     names = [pairs.pages[0][k].name for k in frames]
     if len(frames) == count > 1:
         raise PulseError(_one_image(count, names))
-    return Note(
-        Level.WARNING,
+    return warn(
         f"frame pairs {list_some(frames)}",
         "they show the same image to the last count: a camera or its export was stuck, or a file "
         "was copied. Each is used as if it were a new exposure",

@@ -11,7 +11,7 @@ import numpy as np
 from erlif.calibration import Calibration
 from erlif.core.arrays import Array
 from erlif.core.errors import CalibrationError
-from erlif.core.notes import Level, Note
+from erlif.core.notes import Note, warn
 from erlif.pipeline.chain import FrameChain
 from erlif.pipeline.recording.sample import Bands, ratios_of
 from erlif.registration import MapNodes, compare_with_inverse
@@ -136,8 +136,7 @@ def _note_misfit(
     known = ". The cameras are not exchanged: their map is that of the calibration"
     order = known if in_order else ""
     share = float(np.median(shares))
-    note = Note(
-        Level.WARNING,
+    note = warn(
         "ratio",
         f"films are wrong or missing{order}: {share:.0%} of the pixels have a ratio that no film "
         f"has, below {low:.3f} or above {high:.3f}. The scale of the ratio is in doubt by as "

@@ -10,7 +10,7 @@ import numpy as np
 from erlif.calibration import Calibration, check_bands, note_pitch, open_calibration
 from erlif.core.arrays import Array
 from erlif.core.errors import ErlifError
-from erlif.core.notes import Level, Note, remark, warn
+from erlif.core.notes import Note, remark, warn
 from erlif.io.ingest import Run, hash_inputs, open_fixture
 from erlif.pipeline.fixture import before_wall_of
 from erlif.pipeline.recording.swap import judge_ratios
@@ -34,9 +34,7 @@ def note_calibration(run: Run, cameras: CameraSurvey, *, allow_outside: bool) ->
         If the calibration cannot be used, or the cameras are exchanged against it.
     """
     if not run.settings.calibrations:
-        yield Note(
-            Level.WARNING, "calibration", "run.toml names none; process will need --calibration"
-        )
+        yield warn("calibration", "run.toml names none; process will need --calibration")
     for name in run.settings.calibrations:
         yield from _note_one(run, cameras, name, allow_outside=allow_outside)
 
@@ -60,10 +58,8 @@ def _note_one(run: Run, cameras: CameraSurvey, name: str, *, allow_outside: bool
     stored = None if own_map is None else MapNodes.of(own_map)
     yield from judge_ratios(cameras.chain, calibration, cameras.sample, stored=stored).notes
     low, high = calibration.thickness_range
-    yield Note(
-        Level.NOTE,
-        "calibration",
-        f"{calibration.fixture!r}, calibrated range {low:.2f} to {high:.2f} um",
+    yield remark(
+        "calibration", f"{calibration.fixture!r}, calibrated range {low:.2f} to {high:.2f} um"
     )
     yield from note_range(calibration, cameras.log_ratios)
     if has_fixture:
@@ -73,9 +69,7 @@ def _note_one(run: Run, cameras: CameraSurvey, name: str, *, allow_outside: bool
 def note_range(calibration: Calibration, log_ratios: Array) -> Iterator[Note]:
     """Ratios of the run against those of the calibrated range."""
     if not log_ratios.size:
-        yield remark(
-            "ratio", "no pixel has a ratio", "Check exposure and registration of the cameras"
-        )
+        yield warn("ratio", "no pixel has a ratio. Check exposure and registration of the cameras")
         return
     low, high = (float(one) for one in calibration.predict_log(calibration.thickness_range))
     first, last = np.exp(np.quantile(log_ratios, [0.05, 0.95]))
@@ -105,22 +99,20 @@ def note_age(calibration: Calibration, path: Path, *, allow_outside: bool) -> It
     try:
         fixture = open_fixture(path.parent, skip_bad_frames=True, allow_outside=allow_outside)
     except ErlifError as error:
-        yield Note(Level.WARNING, "calibration", f"the fixture beside it cannot be read: {error}")
+        yield warn("calibration", f"the fixture beside it cannot be read: {error}")
         return
 
     files = {page.path for pages in fixture.pairs.pages for page in pages}
     if sum(file.stat().st_size for file in files if file.exists()) > _LARGEST:
-        yield Note(
-            Level.NOTE,
-            "calibration",
-            "the files of the fixture are not compared with it, they exceed 2 GB",
+        yield remark(
+            "calibration", "the files of the fixture are not compared with it, they exceed 2 GB"
         )
         return
     now = hash_inputs(fixture)
     changed = sorted(name for name in recorded if now.get(name) != recorded[name])
     if changed:
-        yield remark(
+        yield warn(
             "calibration",
-            f"it was made from other files than the fixture has now: {', '.join(changed)} changed",
-            f"Calibrate again with: erlif calibrate {path.parent} --overwrite",
+            f"it was made from other files than the fixture has now: {', '.join(changed)} "
+            f"changed. Calibrate again with: erlif calibrate {path.parent} --overwrite",
         )

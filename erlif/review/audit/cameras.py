@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 
 from erlif.core.arrays import AnyArray, Array, Image
-from erlif.core.notes import Level, Note, list_some, remark, retitle
+from erlif.core.notes import Note, list_some, remark, retitle, warn
 from erlif.core.progress import silent
 from erlif.core.statistics import robust_std
 from erlif.io.ingest import Fixture, FramePairs, Run
@@ -185,8 +185,7 @@ def note_registration(survey: CameraSurvey) -> Iterator[Note]:
     x, y = (
         float(np.nanmedian(one)) for one in (camera_map.displacement_x, camera_map.displacement_y)
     )
-    yield Note(
-        Level.NOTE,
+    yield remark(
         "registration",
         f"camera 2 displaced by ({x:+.2f}, {y:+.2f}) px, correlation of the textures "
         f"{quality:.2f}, {overlap:.0%} of the image seen by both cameras",
@@ -194,27 +193,25 @@ def note_registration(survey: CameraSurvey) -> Iterator[Note]:
     found_again = [one for one in survey.frames if np.isfinite(one.drift).all()]
     for one in found_again[:: max(len(found_again) // SHOWN, 1)][:SHOWN]:
         drift = ", ".join(f"{value:+.2f}" for value in one.drift)
-        yield Note(Level.NOTE, "registration", f"pair {one.frame}: camera 2 moved by ({drift}) px")
+        yield remark("registration", f"pair {one.frame}: camera 2 moved by ({drift}) px")
 
     if overlap < _LITTLE_OVERLAP:
-        yield remark(
+        yield warn(
             "registration",
-            f"the cameras have {overlap:.0%} of the image in common",
-            "Turn the cameras until both show the same part of the joint",
+            f"the cameras have {overlap:.0%} of the image in common. Turn the cameras until both "
+            "show the same part of the joint",
         )
     if quality < _WEAK:
-        yield remark(
+        yield warn(
             "registration",
             f"the textures of the cameras have a correlation of {quality:.2f}: light, focus or "
-            "texture are weak",
-            "Check focus and exposure of both cameras",
+            "texture are weak. Check focus and exposure of both cameras",
         )
     lost = [one.frame for one in survey.frames if not np.isfinite(one.drift).all()]
     if lost:
-        yield remark(
+        yield warn(
             "registration",
-            f"no common texture of the cameras in pairs {list_some(lost)}",
-            "Leave these pairs out",
+            f"no common texture of the cameras in pairs {list_some(lost)}. Leave these pairs out",
         )
 
 
@@ -231,12 +228,11 @@ def note_textures(survey: CameraSurvey) -> Iterator[Note]:
         orientation=camera_map.settings.orientation,
     )
     if correlation > _SHARED:
-        yield remark(
+        yield warn(
             "registration",
             f"the flats of both cameras show one texture, correlation {correlation:.2f}: they "
             "were recorded on the joint or with the laser, and take its texture for that of the "
-            "sensors",
-            "Record flats of an evenly lit target without structure",
+            "sensors. Record flats of an evenly lit target without structure",
         )
 
 
@@ -299,6 +295,4 @@ def note_pulses(
     yield from retitle("pulses", check_pulses(survey.frames, pairs, copies=not known))
     judged, count = len(survey.frames), len(pairs.usable)
     rest = "; erlif process searches all" if judged < count else ""
-    yield Note(
-        Level.NOTE, "pulses", f"{judged} of {count} pairs searched for images of other pulses{rest}"
-    )
+    yield remark("pulses", f"{judged} of {count} pairs searched for images of other pulses{rest}")

@@ -118,7 +118,7 @@ def note_counts(survey: CountSurvey, pairs: FramePairs) -> Iterator[Note]:
         top, share = int(np.flatnonzero(histogram)[-1]), float(saturated[camera - 1])
         warning = depth_warning(top, bit_depth=bit_depth, camera=camera)
         if warning:
-            yield Note(Level.WARNING, "counts", str(warning))
+            yield warn("counts", str(warning))
             continue
         most = histogram.size - 1
         yield remark(
@@ -158,7 +158,7 @@ def note_light(survey: CountSurvey, darks: Sequence[float]) -> Iterator[Note]:
         f"{100 * sharpness[:, n].max():.1f} % of the light"
         for n in range(2)
     )
-    yield Note(Level.NOTE, "light", cameras)
+    yield remark("light", cameras)
     blurred = (sharpness < _BLURRED * usual_sharpness) & ~dim
     for odd, fault in (
         (
@@ -222,9 +222,8 @@ def note_copies(survey: CountSurvey) -> Iterator[Note]:
                 "export was stuck. Export the recording again, one frame for each pulse",
             )
         else:
-            yield remark(
+            yield warn(
                 "pairs",
                 f"frame pairs {list_some(frames)} show the same image: a camera or its export was "
-                "stuck, or a file was copied",
-                "Export them again, or leave out all but one",
+                "stuck, or a file was copied. Export them again, or leave out all but one",
             )

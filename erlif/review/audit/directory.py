@@ -10,7 +10,7 @@ from typing import Any
 
 from erlif.calibration import read_profile
 from erlif.core.errors import ConfigError, ErlifError
-from erlif.core.notes import Level, Note, retitle
+from erlif.core.notes import Level, Note, remark, retitle
 from erlif.core.progress import ShowProgress, choose_progress
 from erlif.core.timing import stage
 from erlif.core.version import __version__
@@ -219,9 +219,7 @@ def _describe(recording: Run | Fixture) -> Note:
     count, name = len(recording.pairs.usable), recording.settings.name
     some = f"; counts of {MOST_SPREAD} of them, evenly spread, are examined"
     examined = some if count > MOST_SPREAD else ""
-    return Note(
-        Level.NOTE, "frames", f"{count} pairs of {width} x {height} pixels, {name!r}{examined}"
-    )
+    return remark("frames", f"{count} pairs of {width} x {height} pixels, {name!r}{examined}")
 
 
 @dataclass
@@ -269,7 +267,7 @@ class _Parts:
         odd = {frame for frames in find_copies(self.survey) for frame in frames}
         self.found.pairs = tabulate_pairs(self.recording.pairs, self.run, odd=odd)
         for row in self.found.pairs:
-            yield Note(Level.NOTE, "pairs", f"{row}")
+            yield remark("pairs", f"{row}")
         yield from note_copies(self.survey)
 
     def references(self) -> Iterator[Note]:
@@ -303,7 +301,7 @@ class _Parts:
         encoder = run.settings.encoder
         logged = encoder is not None and encoder.file is not None
         subject = "encoder log" if logged else "no encoder log"
-        yield Note(Level.NOTE, subject, f"{describe_cycle(located)}")
+        yield remark(subject, f"{describe_cycle(located)}")
         yield from note_motion(run.log, located, run.settings)
         yield from note_conditions(run.log, run.settings)
         numbers = [one.frame for one in self.cameras.frames]
@@ -322,6 +320,4 @@ def _note_profile(fixture: Fixture) -> Iterator[Note]:
     profile = read_profile(fixture.directory / fixture.settings.fixture.profile)
     yield from retitle("profile", profile.notes)
     low, high = profile.thickness.min(), profile.thickness.max()
-    yield Note(
-        Level.NOTE, "profile", f"{profile.thickness.size} points from {low:.2f} to {high:.2f} um"
-    )
+    yield remark("profile", f"{profile.thickness.size} points from {low:.2f} to {high:.2f} um")
