@@ -156,23 +156,17 @@ def _describe_coverage(pixels: _Pixels, used: Mask) -> list[Note]:
     notes = []
     if pixels.covered < _COVERED:
         text = f"the profile covers {pixels.covered:.0%} of the usable pixels"
+        doubt = (
+            "pixel_pitch, origin or direction in fixture.toml may be wrong. All films are wrong "
+            "with them: correct them, or measure a longer profile"
+        )
+        few = pixels.covered < _COVERED_LEAST
         notes.append(
-            remark("", f"{text}; the rest was left out")
-            if pixels.covered >= _COVERED_LEAST
-            else warn(
-                "",
-                f"{text}: pixel_pitch, origin or direction in fixture.toml may be wrong. All films "
-                "are wrong with them: correct them, or measure a longer profile",
-            )
+            warn("", f"{text}: {doubt}") if few else remark("", f"{text}; the rest was left out")
         )
     if not used.all():
-        notes.append(
-            remark(
-                "",
-                f"{int((~used).sum())} of {used.size} points of the profile lie outside the "
-                "usable image",
-            )
-        )
+        outside = f"{int((~used).sum())} of {used.size} points of the profile"
+        notes.append(remark("", f"{outside} lie outside the usable image"))
     return notes
 
 

@@ -131,22 +131,16 @@ class FoundPose:
         left = [name for element, name in given.items() if not self.determined[element]]
         notes = []
         if changes:
+            found = f"{', '.join(changes)}, about the middle of the profile"
             notes.append(
-                remark(
-                    "",
-                    "the pose of the profile was refined against the image: "
-                    f"{', '.join(changes)}, about the middle of the profile",
-                )
+                remark("", f"the pose of the profile was refined against the image: {found}")
             )
         if left:
-            notes.append(
-                remark(
-                    "",
-                    f"left as given: {', '.join(left)}. The profile has too little form to "
-                    "determine them to a pixel (a straight wedge looks the same wherever it "
-                    "begins), or agrees with the given values",
-                )
+            why = (
+                "The profile has too little form to determine them to a pixel (a straight wedge "
+                "looks the same wherever it begins), or agrees with the given values"
             )
+            notes.append(remark("", f"left as given: {', '.join(left)}. {why}"))
         return notes
 
     def to_record(self) -> dict[str, Any]:

@@ -171,29 +171,21 @@ def _find_missing_pages(
     measured: CameraMeasurement, other: CameraMeasurement, camera: str
 ) -> Iterator[Note]:
     """Pages that one camera lacks against the other, or one light level against the others."""
+    faults = []
     pages, others = measured.darks.pages, other.darks.pages
     if 0 < pages < others:
-        yield warn(
-            camera,
-            f"{count_of(pages, 'dark page')}, the other camera has {others}. The file may be cut "
-            "short: export it again, or record it again",
-        )
+        faults.append(f"{count_of(pages, 'dark page')}, the other camera has {others}")
 
     levels = measured.level_pages
     if measured.has_flat and measured.flat_pages < other.flat_pages:
         count = count_of(measured.flat_pages, "flat page")
-        yield warn(
-            camera,
-            f"{count}, the other camera has {other.flat_pages}. The file may be cut short: export "
-            "it again, or record it again",
-        )
+        faults.append(f"{count}, the other camera has {other.flat_pages}")
     elif len(levels) > 1 and levels[-1] < min(levels[:-1]):
         count = count_of(levels[-1], "page")
-        yield warn(
-            camera,
-            f"{count} at the last light level of the flat, {min(levels[:-1])} and more at the "
-            "others. The file may be cut short: export it again, or record it again",
-        )
+        most = min(levels[:-1])
+        faults.append(f"{count} at the last light level of the flat, {most} and more at the others")
+    cure = "The file may be cut short: export it again, or record it again"
+    yield from (warn(camera, f"{fault}. {cure}") for fault in faults)
 
 
 def _compare_flats(references: References) -> Iterator[Note]:

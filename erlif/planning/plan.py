@@ -474,15 +474,11 @@ def rig_of(source: Path | str | PlanSettings, *, folder: Path | None = None) -> 
     one, two = settings.camera1, settings.camera2
     alike = ("gain", "read_noise", "offset", "bit_depth", "full_well")
     other = [key for key in alike if getattr(one, key) != getattr(two, key)]
-    if other:
+    if other or one.bit_depth != 12:
+        fault = f"{', '.join(other)} differ" if other else f"bit_depth is {one.bit_depth}"
         raise ConfigError(
             "Expected two cameras of one kind with 12 bits, as the virtual rig has; in the plan "
-            f"{', '.join(other)} differ. Make [camera1] and [camera2] alike for the rehearsal."
-        )
-    if one.bit_depth != 12:
-        raise ConfigError(
-            "Expected two cameras of one kind with 12 bits, as the virtual rig has; in the plan "
-            f"bit_depth is {one.bit_depth}. Make [camera1] and [camera2] alike for the rehearsal."
+            f"{fault}. Make [camera1] and [camera2] alike for the rehearsal."
         )
 
     standard = RigSettings()

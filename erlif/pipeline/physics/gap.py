@@ -104,18 +104,12 @@ def describe_gap(
     list of Note
     """
     if errors is None:
-        return (
-            [
-                warn(
-                    "systematics",
-                    "the gap of this run does not determine the errors of [systematics], and "
-                    "nothing was taken out. It needs [joint], a dozen frames, one calibration, "
-                    "the right dark, and a ratio that neither drifts nor steps",
-                )
-            ]
-            if corrected
-            else []
+        text = (
+            "the gap of this run does not determine the errors of [systematics], and nothing was "
+            "taken out. It needs [joint], a dozen frames, one calibration, the right dark, and a "
+            "ratio that neither drifts nor steps"
         )
+        return [warn("systematics", text)] if corrected else []
     middle, film = calibration.at(0.5), np.array(errors.film)
     shift = 1e3 * float(errors.film_shift(film, middle))
     std, prior = (1e3 * float(errors.film_std(film, middle, before=n)) for n in (False, True))

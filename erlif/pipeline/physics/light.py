@@ -313,13 +313,11 @@ def describe_bleaching(
     notes : list of Note
     """
     if trend is None:
-        return {}, [
-            warn(
-                "bleaching",
-                "bleaching cannot be separated from a change of the film: this takes "
-                "several cycles or a reference patch. Nothing was taken out of the ratio",
-            )
-        ] if corrected else []
+        text = (
+            "bleaching cannot be separated from a change of the film: this takes several cycles or "
+            "a reference patch. Nothing was taken out of the ratio"
+        )
+        return {}, [warn("bleaching", text)] if corrected else []
     values = {"ratio": (trend.log_ratio, trend.log_ratio_std)}
     if np.isfinite(trend.light):
         values["light"] = trend.light, trend.light_std

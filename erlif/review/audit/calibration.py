@@ -76,18 +76,17 @@ def note_range(calibration: Calibration, log_ratios: Array) -> Iterator[Note]:
 
     # noise alone takes half of the pixels at a limit beyond it, so that the range is widened
     margin = _MARGIN * (high - low)
+    cure = (
+        "The films are thinner or thicker than the fixture's, or dyes, filters or light have "
+        "changed since the calibration. Calibrate again with a fixture of these films"
+    )
     covered = (log_ratios > low - margin) & (log_ratios < high + margin)
     yield remark(
         "ratio",
         f"{first:.3f} to {last:.3f} in 90 % of the pixels, calibrated from {np.exp(low):.3f} to "
         f"{np.exp(high):.3f}; {(log_ratios < low).mean():.0%} lie below and "
         f"{(log_ratios > high).mean():.0%} above, where a map has flags in place of films",
-        (
-            "The films are thinner or thicker than the fixture's, or dyes, filters or light have "
-            "changed since the calibration. Calibrate again with a fixture of these films"
-        )
-        if covered.mean() < _COVERED
-        else "",
+        cure if covered.mean() < _COVERED else "",
     )
 
 

@@ -203,14 +203,11 @@ def _open(directory: Path, **options: bool) -> Run | Fixture:
         return open_run(directory, find_start=fit_start, **options)
     if (directory / "fixture.toml").is_file():
         return open_fixture(directory, **options)
-    if not directory.is_dir():
-        raise ConfigError(
-            f"Expected a run (run.toml) or a fixture (fixture.toml) in {directory}; there is no "
-            "such directory. Correct the name."
-        )
+    reason = "there is no such directory. Correct the name."
+    if directory.is_dir():
+        reason = f"it holds neither. Make one from the files in it with: erlif init {directory}"
     raise ConfigError(
-        f"Expected a run (run.toml) or a fixture (fixture.toml) in {directory}; it holds neither. "
-        f"Make one from the files in it with: erlif init {directory}"
+        f"Expected a run (run.toml) or a fixture (fixture.toml) in {directory}; {reason}"
     )
 
 
