@@ -38,8 +38,7 @@ def limits() -> str:
     )
     split = [whole.split_error(whole.film_gradient(film)) for film in FILMS]
 
-    words = tomllib.loads((ROOT / "erlif/pipeline/words.toml").read_text(encoding="utf-8"))
-    named = words["systematics"]["terms"]
+    named = tomllib.loads((ROOT / "erlif/pipeline/terms.toml").read_text(encoding="utf-8"))
     stated = {
         key.name: key.default
         for kind in (type(RunSettings.model_fields["systematics"].default), type(of_fixture))

@@ -2,7 +2,6 @@
 
 import ast
 import re
-import tomllib
 from pathlib import Path
 
 from scenes.messages import STEPS
@@ -14,7 +13,7 @@ SOURCES = sorted(Path(erlif.__file__).parent.rglob("*.py"))
 ERRORS = (
     *("ErlifError", "ConfigError", "FrameError", "EncoderError", "RegistrationError"),
     *("CalibrationError", "OutputError", "ClusterError", "ModelError"),
-    "EnduranceError",
+    *("EnduranceError", "table.use.error"),
 )
 
 COMPLETED = ("erlif/io/readers/", "erlif/models/")
@@ -65,20 +64,15 @@ def names_a_step(message: str) -> bool:
 
 
 def messages() -> list[tuple[str, str]]:
-    """Place and text of all errors that are made in the program, and of tables of refusals."""
-    found = [
-        (f"{path.name} [{name}]", entry["text"])
-        for path in sorted(Path(erlif.__file__).parent.rglob("refusals.toml"))
-        if not f"erlif/{path.parent.name}/".startswith(COMPLETED)
-        for name, entry in tomllib.loads(path.read_text(encoding="utf-8")).items()
-    ]
+    """Place and text of all errors that are made in the program."""
+    found = []
     for path in SOURCES:
         place = "erlif/" + path.relative_to(Path(erlif.__file__).parent).as_posix()
         if place.startswith(COMPLETED):
             continue
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-            named = isinstance(node, ast.Call) and isinstance(node.func, ast.Name)
-            if named and node.func.id in ERRORS and node.args:
+            made = isinstance(node, ast.Call) and ast.unparse(node.func) in ERRORS
+            if made and node.args:
                 found.append((f"{place}:{node.lineno}", skeleton(node.args[0])))
     return found
 

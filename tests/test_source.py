@@ -67,8 +67,7 @@ def test_every_module_has_a_test_file_of_its_name():
     untested = [
         short(path)
         for path in SOURCES
-        # the tables of refusals have one test, in tests/core
-        if path.stem not in ("__init__", "__main__", "refusals")
+        if path.stem not in ("__init__", "__main__")
         and path.parent != ROOT / "erlif"  # public names of folders
         and not (
             ROOT / "tests" / path.relative_to(ROOT / "erlif").parent / f"test_{path.stem}.py"

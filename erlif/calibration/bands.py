@@ -7,10 +7,8 @@ from typing import Protocol
 
 import numpy as np
 
-from erlif.calibration.refusals import refusal
-from erlif.core.notes import Note, note_writer
-
-_make_note = note_writer("erlif.calibration")
+from erlif.core.errors import CalibrationError
+from erlif.core.notes import Note, warn
 
 _SAME_BAND = 1.0  # nm: filters of the same name differ by less
 
@@ -77,8 +75,13 @@ with the filters of the run.
     """
     if share_bands(calibration.bands, bands):
         return
-    key = "exchanged_bands" if share_bands(calibration.bands, bands[::-1]) else "other_bands"
-    raise refusal(key, bands=bands, calibrated=calibration.bands)
+    one, two = calibration.bands
+    exchanged = share_bands(calibration.bands, bands[::-1])
+    swapped = " The bands are exchanged: the cameras look swapped." if exchanged else ""
+    raise CalibrationError(
+        f"Expected a calibration of the bands of the run, {bands[0]:g} and {bands[1]:g} nm; got "
+        f"one of {one:g} and {two:g} nm.{swapped} Calibrate with the filters of the run."
+    )
 
 
 def note_pitch(stated: float | None, pitch: float) -> Iterator[Note]:
@@ -101,4 +104,9 @@ def note_pitch(stated: float | None, pitch: float) -> Iterator[Note]:
     (['warning'], [])
     """
     if stated is not None and abs(stated / pitch - 1) > _SAME_PITCH:
-        yield _make_note("other_pitch", fixture=1e3 * stated, run=1e3 * pitch)
+        yield warn(
+            "pixel_pitch",
+            f"{1e3 * stated:.4g} um in fixture.toml of the calibration, {1e3 * pitch:.4g} um in "
+            "run.toml: if the first is wrong, all films are. Correct the wrong one and calibrate "
+            "again, unless the fixture was photographed at another magnification",
+        )

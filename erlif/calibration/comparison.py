@@ -11,9 +11,9 @@ import scipy
 from erlif.calibration.bands import share_bands
 from erlif.calibration.curve import Calibration
 from erlif.calibration.departure import find_correlation
-from erlif.calibration.refusals import refusal
 from erlif.calibration.regression import OUTLIER
 from erlif.core.arrays import Array
+from erlif.core.errors import CalibrationError
 from erlif.core.statistics import robust_rms
 
 # Probability of chance below which a difference is significant.
@@ -237,8 +237,12 @@ def compare_calibrations(calibration: Calibration, earlier: Calibration) -> Comp
     True
     """
     if not share_bands(calibration.bands, earlier.bands):
-        raise refusal("two_pairs_of_bands", one=calibration, other=earlier)
-    film = np.linspace(*_common_range(calibration, earlier), _GRID)
+        raise CalibrationError(
+            f"Expected calibrations of the same bands; one is of {calibration.bands[0]:g} and "
+            f"{calibration.bands[1]:g} nm, the other of {earlier.bands[0]:g} and "
+            f"{earlier.bands[1]:g} nm. Compare calibrations made with the same filters."
+        )
+    film = np.linspace(*calibration.range_shared_with(earlier), _GRID)
     pairs = _match_points(calibration, earlier)
     change = (
         _test_curves(calibration, earlier, film)
@@ -267,15 +271,6 @@ def compare_calibrations(calibration: Calibration, earlier: Calibration) -> Comp
             else calibration.temperature - earlier.temperature
         ),
     )
-
-
-def _common_range(calibration: Calibration, earlier: Calibration) -> tuple[float, float]:
-    """Lower and upper end of the films that both calibrations cover. [um]"""
-    one, other = calibration.thickness_range, earlier.thickness_range
-    low, high = max(one[0], other[0]), min(one[1], other[1])
-    if high <= low:
-        raise refusal("no_common_range", one=one, other=other)
-    return low, high
 
 
 class _Change(NamedTuple):

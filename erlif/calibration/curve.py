@@ -18,10 +18,10 @@ from erlif.calibration.departure import Departure
 from erlif.calibration.description import describe_parameters, draw_curve
 from erlif.calibration.inverse import InverseTable
 from erlif.calibration.pose import FoundPose
-from erlif.calibration.refusals import refusal
 from erlif.calibration.regression import BLACK, Reabsorption
 from erlif.calibration.systematics import Systematics
 from erlif.core.arrays import Array
+from erlif.core.errors import CalibrationError
 from erlif.core.html import card, findings_list, rows_table
 from erlif.core.notes import Level, Note, join_notes
 from erlif.core.variables import CALIBRATION
@@ -368,19 +368,23 @@ class Calibration:
         [0.87, 0.84, 0.81]
         """
         check_bands(later, self.bands)
-        low, high = (
-            choose(one, other)
-            for choose, one, other in zip(
-                (max, min), self.thickness_range, later.thickness_range, strict=True
-            )
-        )
-        if low >= high:
-            raise refusal("no_common_range", one=self.thickness_range, other=later.thickness_range)
         return replace(
             self,
             later=replace(later, camera_map=None, systematics=None),
-            thickness_range=(low, high),
+            thickness_range=self.range_shared_with(later),
         )
+
+    def range_shared_with(self, other: Calibration) -> tuple[float, float]:
+        """Lower and upper end of the films that another calibration covers as well. [um]"""
+        (one, two), (three, four) = self.thickness_range, other.thickness_range
+        low, high = max(one, three), min(two, four)
+        if low >= high:
+            raise CalibrationError(
+                f"Expected calibrations that share a range of films; one covers {one:.2f} to "
+                f"{two:.2f} um, the other {three:.2f} to {four:.2f} um. Compare calibrations of "
+                "the same fixture."
+            )
+        return low, high
 
     @cached_property
     def inverse(self) -> InverseTable:
@@ -458,7 +462,11 @@ class Calibration:
         attrs = dataset.attrs
         try:
             if attrs["ratio_direction"] != DIRECTION:
-                raise refusal("other_ratio", direction=DIRECTION, found=attrs["ratio_direction"])
+                raise CalibrationError(
+                    f"Expected a calibration of the ratio {DIRECTION}; this one is of "
+                    f"{attrs['ratio_direction']}. Calibrate again with erlif, with the reabsorbed "
+                    "band on camera 1."
+                )
 
             # figures and the comparison of two calibrations need the fitted points
             for name in FITTED_POINTS:
@@ -498,7 +506,15 @@ class Calibration:
                 ),
             )
         except (KeyError, AttributeError) as error:
-            raise refusal("foreign_file", reason=f"{error} is missing from this file") from error
+            raise foreign_file(f"{error} is missing from this file") from error
+
+
+def foreign_file(reason: str) -> CalibrationError:
+    """The error of a file that is no calibration."""
+    return CalibrationError(
+        f"Expected a calibration as erlif calibrate writes it; {reason}. Make one with: erlif "
+        "calibrate FIXTURE_DIR"
+    )
 
 
 def parameters_in(names: Container[Any]) -> tuple[str, ...]:

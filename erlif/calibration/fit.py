@@ -27,17 +27,15 @@ from erlif.calibration.placement import add_uncertainty_of_turn, refine_pose
 from erlif.calibration.points import Points
 from erlif.calibration.pose import ALONG, FoundPose, Freedom, Pose
 from erlif.calibration.profile import Profile
-from erlif.calibration.refusals import refusal
 from erlif.calibration.regression import OUTLIER, Fit, fit_robustly
 from erlif.calibration.soundness import check_fit, places
 from erlif.calibration.systematics import Systematics
 from erlif.core.arrays import Array, Mask
-from erlif.core.notes import Note, note_writer
+from erlif.core.errors import CalibrationError
+from erlif.core.notes import Note, remark, warn
 from erlif.core.products import RatioImages, require
 from erlif.core.units import count_of
 from erlif.core.variables import CALIBRATION
-
-_make_note = note_writer("erlif.calibration")
 
 # Error of a single pixel at which the calibrated range ends, of the thickness.
 USEFUL = 0.25
@@ -159,7 +157,12 @@ def fit_calibration(
     steepness = 0.0
     if refined_pose is None or not refined_pose.determined[ALONG]:
         steepness = float(np.median(np.abs(points.gradient[:, 0])))  # um/mm
-        notes.append(_make_note("given_origin", shift=steepness * pixel_pitch))
+        text = (
+            "the origin along the profile is used as given: each pixel of error shifts all films "
+            f"by {steepness * pixel_pitch:.2g} um. [systematics] position in fixture.toml states "
+            "its standard deviation; a mark on the fixture lowers it"
+        )
+        notes.append(remark("", text))
 
     fit = fit_robustly(points, freedom, reflectance=reflectance)
     if refined_pose is not None:
@@ -168,7 +171,8 @@ def fit_calibration(
     fit, candidate, kept = settled.fit, settled.candidate, settled.fit.kept
     notes += settled.notes
     if not kept.all():
-        notes.append(_make_note("points_left_out", count=int((~kept).sum()), total=kept.size))
+        text = f"{int((~kept).sum())} of {kept.size} points lie far off the curve and were left out"
+        notes.append(remark("", text))
 
     calibration = _make_curve(settled, refined_pose, bands=bands, fixture=fixture)
     best = fit if candidate is None else candidate
@@ -178,7 +182,12 @@ def fit_calibration(
     thickness_range, limited = _calibrated_range(calibration, films, points, kept, frames)
     if limited:
         thickest, end = points.thickness.max(), thickness_range[1]
-        notes.append(_make_note("range_ends", thickest=thickest, end=end, useful=USEFUL))
+        text = (
+            f"the profile reaches {thickest:.1f} um, but beyond {end:.1f} um the noise of a single "
+            f"pixel of one frame exceeds {USEFUL:.0%} of the thickness, or what this light allows: "
+            "the calibrated range ends there"
+        )
+        notes.append(remark("", text))
     notes += [*_describe_unresolved(calibration), *_describe_wall(calibration)]
     moved = freedom.displacement @ best.displacement
     _refuse_nonsense(calibration, thickness_range, points, moved)
@@ -271,7 +280,11 @@ def _describe_curve(
 def _refuse_constant_thickness(points: Points) -> None:
     """Refuse a fixture of a single film thickness."""
     if np.ptp(points.thickness) == 0:
-        raise refusal("constant_thickness", thickness=points.thickness[0])
+        raise CalibrationError(
+            "Expected a fixture of films of many thicknesses; its profile is "
+            f"{points.thickness[0]:g} um thick at all points in the image. Photograph a wedge or a "
+            "gap that widens."
+        )
 
 
 def _refuse_falling_ratio(points: Points) -> None:
@@ -286,8 +299,19 @@ def _refuse_falling_ratio(points: Points) -> None:
     rise = points.log_ratio[thick].mean() - points.log_ratio[thin].mean()
     if rise < 0:
         mirrored = points.pixel_var[thick].mean() > points.pixel_var[thin].mean()
-        name = "falling_ratio_and_light" if mirrored else "falling_ratio"
-        raise refusal(name, direction=DIRECTION, fall=-rise)
+        cure = (
+            ", and so does the light. Likely, in this order: (1) the profile runs the other way; "
+            "(2) light is missing at the thick end, and the cameras are exchanged. Correct "
+            "direction and origin in fixture.toml, or the files of [camera1] and [camera2]."
+            if mirrored
+            else ". Likely, in this order: (1) the cameras look swapped: exchange the files of "
+            "[camera1] and [camera2], the reabsorbed (580 nm) band belongs to camera 1; (2) the "
+            "profile runs the other way: look at direction and origin in fixture.toml."
+        )
+        raise CalibrationError(
+            f"Expected the ratio {DIRECTION} to rise with thickness; it falls by {-rise:.0%} from "
+            f"the thin to the thick end{cure}"
+        )
 
 
 class _Settled(NamedTuple):
@@ -320,19 +344,23 @@ def _settle_departure(points: Points, fit: Fit, freedom: Freedom) -> _Settled:
         return _Settled(fit, candidate, 1.0, notes)
     inflation = min(correlation.inflation, _LARGEST_INFLATION)
     widened = math.sqrt(inflation)
-    notes.append(_make_note("correlated", coefficient=correlation.coefficient, widened=widened))
+    text = (
+        "errors of neighbouring points along the profile are correlated (coefficient "
+        f"{correlation.coefficient:.2f}); errors were widened by {widened:.2f}. Form, position or "
+        "light of the fixture is not as stated"
+    )
+    notes.append(warn("", text))
     return _Settled(fit, candidate, inflation, notes)
 
 
 def _describe_departure(fit: Fit, candidate: Candidate, choice: Choice) -> Note:
     """Note on the spline that is used."""
     falling = "; it falls somewhere, where the calibrated range ends" if choice.falling else ""
-    return _make_note(
-        "departure",
-        largest=_describe_largest(fit, candidate),
-        pieces=count_of(candidate.pieces, "piece"),
-        evidence=choice.evidence,
-        falling=falling,
+    return remark(
+        "",
+        f"the ratio departs from the reabsorption model {_describe_largest(fit, candidate)}: a "
+        f"spline of {count_of(candidate.pieces, 'piece')} is added to the model, the Bayesian "
+        f"information criterion being lower by {choice.evidence:.0f}{falling}",
     )
 
 
@@ -340,7 +368,11 @@ def _describe_structure(fit: Fit, choice: Choice) -> Note:
     """Note on a departure that is not used."""
     chance = max(choice.chance, 1e-12)  # below it only the order of magnitude is known
     largest = _describe_largest(fit, choice.tested)
-    return _make_note("structure", once=1 / chance, largest=largest)
+    return warn(
+        "",
+        f"the residuals have structure (once in {1 / chance:.0g} by chance). A spline would "
+        f"depart from the reabsorption model {largest}, but the evidence is too weak to use it",
+    )
 
 
 def _residuals(points: Points, fit: Fit, freedom: Freedom, candidate: Candidate | None) -> Array:
@@ -428,7 +460,13 @@ def _describe_wall(calibration: Calibration) -> list[Note]:
     films = np.linspace(*_HIGHEST)
     highest = films[np.argmax(calibration.model.predict(films))]
     std = calibration.standard_deviations[-1]
-    return [_make_note("wall", share=calibration.reflectance, std=std, highest=highest)]
+    text = (
+        f"the wall behind the film of the fixture reflects {calibration.reflectance:.0%} ± "
+        f"{std:.0%} of laser and emission: the ratio has its maximum at {highest:.1f} um and falls "
+        "beyond it. The wall of the joint must reflect as much, or wall in [optics] states what it "
+        "reflects"
+    )
+    return [remark("", text)]
 
 
 def _describe_unresolved(calibration: Calibration) -> list[Note]:
@@ -437,12 +475,10 @@ def _describe_unresolved(calibration: Calibration) -> list[Note]:
     std, covariance = calibration.standard_deviations, calibration.covariance
     if std[2] < _UNRESOLVED * q or calibration.model.reflects:
         return []
-    return [
-        _make_note(
-            "unresolved",
-            q=q,
-            q_std=std[2],
-            difference=p - q,
-            difference_std=math.sqrt(covariance[1, 1] + covariance[2, 2] - 2 * covariance[1, 2]),
-        )
-    ]
+    difference_std = math.sqrt(covariance[1, 1] + covariance[2, 2] - 2 * covariance[1, 2])
+    text = (
+        f"the films are too thin to separate p and q (q = {q:.3f} ± {std[2]:.3f} 1/um); only K and "
+        f"p - q = {p - q:.4f} ± {difference_std:.4f} 1/um are determined. Do not measure films "
+        "thicker than the fixture's"
+    )
+    return [warn("", text)]

@@ -13,12 +13,10 @@ import scipy
 from erlif.calibration.points import Points
 from erlif.calibration.pose import Pose
 from erlif.calibration.profile import MINIMUM_POINTS, Profile, gradient_of_thickness
-from erlif.calibration.refusals import refusal
 from erlif.core.arrays import Array, Mask
-from erlif.core.notes import Note, note_writer
+from erlif.core.errors import CalibrationError
+from erlif.core.notes import Note, remark, warn
 from erlif.core.products import RatioImages
-
-_make_note = note_writer("erlif.calibration")
 
 # Number of the CMM point that each pixel belongs to, (pixel,).
 Cells = npt.NDArray[np.intp]
@@ -92,7 +90,10 @@ def pair_profile_with_image(
 
     uncertainty = profile.uncertainty
     if uncertainty is None:
-        notes.append(_make_note("no_uncertainty"))
+        text = (
+            "the profile has no uncertainty_um; it was estimated from the scatter about the curve"
+        )
+        notes.append(remark("", text))
         uncertainty = np.full(total, math.nan)
 
     if position.shape[1] == 1:
@@ -147,13 +148,25 @@ def _assign_pixels(ratios: RatioImages, position: Array, pose: Pose) -> _Pixels:
 def _describe_coverage(pixels: _Pixels, used: Mask) -> list[Note]:
     """Notes on pixels without profile and on points without pixels; too few points are refused."""
     if used.sum() < MINIMUM_POINTS:
-        raise refusal("few_points_in_image", least=MINIMUM_POINTS, count=int(used.sum()), used=used)
+        raise CalibrationError(
+            f"Expected at least {MINIMUM_POINTS} points of the profile in the image; "
+            f"{int(used.sum())} of {used.size} are. Check origin, direction and pixel_pitch in "
+            "fixture.toml, or measure a longer profile."
+        )
     notes = []
     if pixels.covered < _COVERED:
-        key = "covered" if pixels.covered >= _COVERED_LEAST else "covered_less"
-        notes.append(_make_note(key, share=pixels.covered))
+        text = f"the profile covers {pixels.covered:.0%} of the usable pixels"
+        doubt = (
+            "pixel_pitch, origin or direction in fixture.toml may be wrong. All films are wrong "
+            "with them: correct them, or measure a longer profile"
+        )
+        few = pixels.covered < _COVERED_LEAST
+        notes.append(
+            warn("", f"{text}: {doubt}") if few else remark("", f"{text}; the rest was left out")
+        )
     if not used.all():
-        notes.append(_make_note("points_outside", count=int((~used).sum()), total=used.size))
+        outside = f"{int((~used).sum())} of {used.size} points of the profile"
+        notes.append(remark("", f"{outside} lie outside the usable image"))
     return notes
 
 

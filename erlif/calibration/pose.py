@@ -11,9 +11,7 @@ import scipy
 
 from erlif.calibration.points import Points
 from erlif.core.arrays import Array, Mask
-from erlif.core.notes import Note, note_writer
-
-_make_note = note_writer("erlif.calibration")
+from erlif.core.notes import Note, remark
 
 # Elements of a change of pose: along and across the profile [mm], scale [1], turn [rad].
 ALONG, ACROSS, SCALE, TURN = range(4)
@@ -133,9 +131,16 @@ class FoundPose:
         left = [name for element, name in given.items() if not self.determined[element]]
         notes = []
         if changes:
-            notes.append(_make_note("pose_refined", found=", ".join(changes)))
+            found = f"{', '.join(changes)}, about the middle of the profile"
+            notes.append(
+                remark("", f"the pose of the profile was refined against the image: {found}")
+            )
         if left:
-            notes.append(_make_note("pose_given", left=", ".join(left)))
+            why = (
+                "The profile has too little form to determine them to a pixel (a straight wedge "
+                "looks the same wherever it begins), or agrees with the given values"
+            )
+            notes.append(remark("", f"left as given: {', '.join(left)}. {why}"))
         return notes
 
     def to_record(self) -> dict[str, Any]:

@@ -11,12 +11,10 @@ import numpy as np
 import numpy.typing as npt
 from numpy.polynomial import legendre
 
-from erlif.calibration.refusals import refusal
 from erlif.core.arrays import Array
 from erlif.core.bounded import read_rows
-from erlif.core.notes import Note, note_writer
-
-_make_note = note_writer("erlif.calibration")
+from erlif.core.errors import CalibrationError
+from erlif.core.notes import Note, remark, warn
 
 # Fewest points of a profile: beside K, p and q, five degrees of freedom remain.
 MINIMUM_POINTS = 8
@@ -109,7 +107,10 @@ def read_profile(path: Path) -> Profile:
     values = _sort_and_merge(values, axes, path.name, notes, stated=stated)
 
     if len(values) < MINIMUM_POINTS:
-        raise refusal("few_points", least=MINIMUM_POINTS, path=path, count=len(values))
+        raise CalibrationError(
+            f"Expected at least {MINIMUM_POINTS} points in {path.name}; got {len(values)}. Measure "
+            "the profile more closely."
+        )
     uncertainty = values[:, -1] if stated else None
     position = values[:, :2] if axes == 2 else values[:, 0]
     return Profile(position, values[:, axes], uncertainty, tuple(notes))
@@ -118,10 +119,17 @@ def read_profile(path: Path) -> Profile:
 def _check_table(header: list[str], values: Array, name: str, *, stated: bool) -> None:
     """Refuse uncertainties that are none, and thicknesses in another unit, row by row as read."""
     if stated and np.any(values[:, -1] <= 0):
-        raise refusal("no_uncertainty", name=name, row=int(np.argmax(values[:, -1] <= 0)) + 2)
+        raise CalibrationError(
+            f"Expected positive values of uncertainty_um in {name}; row "
+            f"{int(np.argmax(values[:, -1] <= 0)) + 2} has none. Leave the column out if the "
+            "uncertainty is not known."
+        )
     thickness = values[:, header.index("thickness_um")]
     if thickness.size and np.median(thickness) > THICKEST:
-        raise refusal("thick_films", most=THICKEST, name=name, median=np.median(thickness))
+        raise CalibrationError(
+            f"Expected films of at most {THICKEST:g} um in {name}; half of them are thicker than "
+            f"{np.median(thickness):g} um, as numbers in nm would be. Give thickness_um in um."
+        )
 
 
 def _find_axes(header: list[str], values: Array, name: str, notes: list[Note]) -> tuple[Array, int]:
@@ -132,14 +140,22 @@ def _find_axes(header: list[str], values: Array, name: str, notes: list[Note]) -
 
     along, across = float(np.ptp(values[:, 0])), float(np.ptp(values[:, 1])) if surface else 0.0
     if along <= _LINE * across:
-        raise refusal("constant_x", name=name, x=values[0, 0])
+        raise CalibrationError(
+            f"Expected x_mm to change along the profile in {name}; it is {values[0, 0]:g} at all "
+            "points. Give a scan along y with y_mm as x_mm, and direction in fixture.toml turned "
+            "by 90 deg."
+        )
     if not surface:
         return values, 1
     if across > _LINE * along:
         return values, 2
 
     # a CMM keeps y of a line scan to its own error only
-    notes.append(_make_note("line", subject=name, y=values[:, 1].mean()))
+    text = (
+        f"a line profile along x_mm, at y_mm {values[:, 1].mean():.4g}; y_mm was left out and the "
+        "film assumed constant across the profile"
+    )
+    notes.append(remark(name, text))
     return np.delete(values, 1, axis=1), 1
 
 
@@ -149,13 +165,15 @@ def _sort_and_merge(
     """Rows in the order of x_mm, repeated positions averaged."""
     order = np.lexsort(values[:, :axes].T[::-1])
     if np.any(order != np.arange(len(order))) and axes == 1:
-        notes.append(_make_note("unsorted", subject=name))
+        text = "the points are not in the order of x_mm; they were sorted"
+        notes.append(warn(name, text))
         values = values[order]
 
     places, group = np.unique(values[:, :axes], axis=0, return_inverse=True)
     if len(places) == len(values):
         return values
-    notes.append(_make_note("repeated", subject=name, count=len(values) - len(places)))
+    text = f"{len(values) - len(places)} points repeat a position; repeated points were averaged"
+    notes.append(warn(name, text))
     count = np.bincount(group)
     merged = np.stack([np.bincount(group, column) / count for column in values.T], axis=1)
     if stated:
@@ -169,12 +187,19 @@ def _read_table(path: Path) -> tuple[list[str], Array]:
         table = [row for _, row in read_rows(path, largest=LARGEST_FILE)]
     except (OSError, ValueError) as error:
         reason = error.strerror if isinstance(error, OSError) else error
-        raise refusal("unreadable_profile", path=path, reason=reason) from error
+        raise CalibrationError(
+            f"Expected the profile {path.name} as a CSV file; it cannot be read: {reason}. Save "
+            "the profile as CSV in UTF-8, or correct its name in fixture.toml."
+        ) from error
 
     header = table[0] if table else []
     required = ["x_mm", "y_mm", "thickness_um"] if "y_mm" in header else ["x_mm", "thickness_um"]
     if header not in (required, [*required, "uncertainty_um"]):
-        raise refusal("profile_header", path=path, header=",".join(header)[:_SHOWN] or "nothing")
+        raise CalibrationError(
+            "Expected the header x_mm,thickness_um[,uncertainty_um] or "
+            f"x_mm,y_mm,thickness_um[,uncertainty_um] in {path.name}; got "
+            f"{','.join(header)[:_SHOWN] or 'nothing'}. Write one of them as the first row."
+        )
 
     values = np.empty((len(table) - 1, len(header)))
     for n, row in enumerate(table[1:]):
@@ -185,8 +210,9 @@ def _read_table(path: Path) -> tuple[list[str], Array]:
                 values[n, m] = math.nan
             if not abs(values[n, m]) <= LARGEST_VALUE:
                 got = repr(row[m][:_SHOWN]) if m < len(row) else "nothing"
-                raise refusal(
-                    "no_number", most=LARGEST_VALUE, row=n + 2, column=name, path=path, got=got
+                raise CalibrationError(
+                    f"Expected a number up to {LARGEST_VALUE:g} in row {n + 2}, column {name} of "
+                    f"{path.name}; got {got}. Correct the cell, or leave the row out."
                 )
     return header, values
 
@@ -228,7 +254,10 @@ def gradient_of_thickness(position: Array, thickness: Array, uncertainty: Array 
     """
     middle, reach = (position.max(axis=0) + position.min(axis=0)) / 2, np.ptp(position, axis=0) / 2
     if not reach.all():
-        raise refusal("no_extent")
+        raise CalibrationError(
+            "Expected a profile with extent along each of its axes; all points lie at one position "
+            "of an axis. Give a line by its positions along it alone."
+        )
     scaled = (position - middle) / reach
     known = uncertainty is not None and bool(np.isfinite(uncertainty).all())
     weight = 1 / uncertainty if uncertainty is not None and known else np.ones(thickness.size)

@@ -15,10 +15,10 @@ import xarray as xr
 from erlif.calibration.curve import PARAMETERS, Calibration
 from erlif.calibration.departure import Departure
 from erlif.calibration.profile import THICKEST
-from erlif.calibration.refusals import refusal
 from erlif.calibration.regression import BLACK
 from erlif.calibration.systematics import COURSES, TERMS, Systematics
 from erlif.core.arrays import Array, Image
+from erlif.core.errors import CalibrationError
 from erlif.core.format import is_later
 
 # Largest size of the arrays of one group; a map of 25 megapixels has 425 MB. [byte]
@@ -160,10 +160,20 @@ def check_fit(
     """
     scatter = float(np.mean(residual**2) / max(float(np.var(log_ratio)), np.finfo(float).tiny))
     if not scatter < LARGEST_SCATTER:
-        raise refusal("unexplained_ratio", share=min(scatter, 1.0), chi_square=reduced_chi_square)
+        raise CalibrationError(
+            "Expected the ratio to follow the thickness of the profile; the fitted curve leaves "
+            f"{min(scatter, 1.0):.0%} of the variance of the ratio unexplained (reduced chi-square "
+            f"{reduced_chi_square:.3g}). Compare profile, origin and direction in fixture.toml "
+            "with the images, and look at the frames with: erlif check FIXTURE_DIR"
+        )
     best = float(relative_error.min()) if np.isfinite(relative_error).all() else np.inf
     if not best < LARGEST_ERROR:
-        raise refusal("uncertain_fit", most=LARGEST_ERROR, best=best, chi_square=reduced_chi_square)
+        raise CalibrationError(
+            f"Expected a calibration that determines films to better than {LARGEST_ERROR:.0%}; its "
+            f"error is at least {best:.3g} times the film in the whole range (reduced chi-square "
+            f"{reduced_chi_square:.3g}). Compare profile, origin and direction in fixture.toml "
+            "with the images, and look at the frames with: erlif check FIXTURE_DIR"
+        )
 
 
 def check_displacements(*components: Image) -> None:

@@ -12,14 +12,19 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from erlif.calibration.curve import PARAMETERS, Calibration, parameters_in
+from erlif.calibration.curve import PARAMETERS, Calibration, foreign_file, parameters_in
 from erlif.calibration.departure import Departure
-from erlif.calibration.refusals import refusal
 from erlif.calibration.soundness import check_calibration, check_displacements, check_file
 from erlif.calibration.systematics import Systematics
-from erlif.core.errors import ErlifError, OutputError, RegistrationError, reason_of
+from erlif.core.errors import (
+    CalibrationError,
+    ErlifError,
+    OutputError,
+    RegistrationError,
+    reason_of,
+)
 from erlif.core.format import ATTRIBUTE, FORMAT_VERSION, is_version_after
-from erlif.core.notes import note_writer
+from erlif.core.notes import warn
 from erlif.core.version import __version__
 from erlif.io.files import (
     has_group,
@@ -33,8 +38,6 @@ from erlif.io.files.kinds import KINDS, kind_of
 from erlif.io.settings import RunSettings
 from erlif.registration import CameraMap
 from erlif.registration.camera_map import describe_map
-
-_make_note = note_writer("erlif.calibration")
 
 # Products whose files are no calibrations.
 _OTHERS = ("film", "prediction", "pressure", "comparison", "budget")
@@ -118,9 +121,15 @@ Make one with: erlif calibrate FIXTURE_DIR
     """
     path = Path(path)
     if path.is_dir():
-        raise refusal("directory", path=path, file=path / "calibration.nc")
+        raise CalibrationError(
+            f"Expected a calibration file; {path} is a directory. Name its file: "
+            f"{path / 'calibration.nc'}"
+        )
     if not path.is_file():
-        raise refusal("no_file", path=path)
+        raise CalibrationError(
+            f"Expected a calibration file; {path} does not exist. Make one with: erlif calibrate "
+            "FIXTURE_DIR"
+        )
 
     try:
         with warnings.catch_warnings():
@@ -131,7 +140,7 @@ Make one with: erlif calibrate FIXTURE_DIR
         raise
     except Exception as error:  # damaged bytes make HDF5 raise errors of any kind
         reason = f"{path} is damaged or something else ({reason_of(error)})"
-        raise refusal("foreign_file", reason=reason) from error
+        raise foreign_file(reason) from error
 
 
 def _read(path: Path) -> Calibration:
@@ -139,12 +148,20 @@ def _read(path: Path) -> Calibration:
     with open_netcdf(path) as dataset:
         kind = kind_of(dataset)
         if kind in _OTHERS:
-            raise refusal("another_product", path=path, kind=KINDS[kind])
+            raise CalibrationError(
+                f"Expected a calibration as erlif calibrate writes it; {path} holds "
+                f"{KINDS[kind].words}. Name the calibration in its place; it is made with: erlif "
+                "calibrate FIXTURE_DIR"
+            )
         check_file(dataset)
         calibration = Calibration.from_dataset(dataset.load())
         written = str(dataset.attrs.get("erlif_version", ""))
     if is_version_after(written, __version__):
-        note = _make_note("later_version", written=written[:40], own=__version__)
+        note = warn(
+            "",
+            f"it was written by erlif {written[:40]}, this is {__version__}: what later versions "
+            "add is not read. Update erlif, or calibrate again",
+        )
         calibration = replace(calibration, notes=(note, *calibration.notes))
     check_calibration(calibration)
     if not has_group(path, "registration"):
@@ -232,7 +249,7 @@ def calibration_of(film: xr.Dataset, trigger: int | None = None) -> Calibration:
 erlif process writes it; there is none. Make the film again with: erlif process RUN_DIR
     """
     if "calibration" not in film.attrs:
-        raise refusal("no_record", reason="there is none")
+        raise _no_record("there is none")
     try:
         calibration = _read_record(json.loads(str(film.attrs["calibration"])), settings_of(film))
         check_calibration(calibration)
@@ -240,10 +257,17 @@ erlif process writes it; there is none. Make the film again with: erlif process 
         raise
     except Exception as error:  # a damaged record has values of any type
         reason = f"it has no {error}" if isinstance(error, KeyError) else str(error).rstrip(".")
-        raise refusal("no_record", reason=f"the one there cannot be used: {reason}") from error
+        raise _no_record(f"the one there cannot be used: {reason}") from error
     if trigger is None or "share_passed" not in film:
         return calibration
     return calibration.at(float(film.share_passed[trigger]))
+
+
+def _no_record(reason: str) -> OutputError:
+    return OutputError(
+        "Expected the calibration among the attributes of the film, as erlif process writes it; "
+        f"{reason}. Make the film again with: erlif process RUN_DIR"
+    )
 
 
 def _read_record(kept: dict[str, Any], settings: RunSettings) -> Calibration:

@@ -17,9 +17,7 @@ from erlif.calibration.regression import (
     LEAST_REFLECTANCE,
 )
 from erlif.core.arrays import Array
-from erlif.core.notes import note_writer
-
-_make_note = note_writer("erlif.calibration")
+from erlif.core.notes import remark, warn
 
 _STATED = 1e-3  # standard deviation of a reflectance up to which it was stated
 
@@ -58,11 +56,26 @@ def change_wall(calibration: Calibration, reflectance: float) -> Calibration:
     before = calibration.reflectance or 0.0
     if reflectance == before:
         return calibration
-    notes = [_make_note("other_wall", share=reflectance, before=before)]
+    notes = [
+        remark(
+            "",
+            f"the curve is that of a joint whose wall reflects {reflectance:.0%}, with the dyes "
+            f"of a fixture whose wall reflects {before:.0%}",
+        )
+    ]
     if not before:
-        notes.append(_make_note("black_wall", least=LEAST_REFLECTANCE))
+        text = (
+            "the wall of the fixture is taken as black: a fit finds a reflectance from "
+            f"{LEAST_REFLECTANCE:.0%} on. wall in [optics] of fixture.toml states a lower one"
+        )
+        notes.append(remark("", text))
     elif (std := calibration.standard_deviations[-1]) > _STATED:
-        notes.append(_make_note("fitted_wall", before=before, std=std))
+        text = (
+            "the curve before another wall is uncertain: the reflectance of the wall of the "
+            f"fixture, {before:.0%} ± {std:.0%}, is that of its fit. State wall in [optics] of "
+            "fixture.toml and calibrate again"
+        )
+        notes.append(warn("", text))
 
     covariance, laser = calibration.covariance, calibration.attenuation_laser
     if laser is None:

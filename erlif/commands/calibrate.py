@@ -18,7 +18,6 @@ from erlif.commands.options import (
     output_option,
 )
 from erlif.commands.progress import working
-from erlif.commands.refusals import refusal
 from erlif.core.errors import CalibrationError, ErlifError
 from erlif.core.speed.imports import large_imports
 
@@ -98,7 +97,11 @@ def _open_comparable(against: Path, fixture_dir: Path) -> Calibration:
     earlier, settings = open_calibration(against), read_fixture_settings(fixture_dir)
     bands = settings.camera1.band, settings.camera2.band
     if not share_bands(earlier.bands, bands):
-        raise refusal("other_bands", bands=bands, against=against, earlier=earlier.bands)
+        raise CalibrationError(
+            f"Expected --against to name a calibration of the bands in fixture.toml, {bands[0]:g} "
+            f"and {bands[1]:g} nm; {against} is of {earlier.bands[0]:g} and {earlier.bands[1]:g} "
+            "nm. Name one made with the same filters, or leave --against out."
+        )
     return earlier
 
 

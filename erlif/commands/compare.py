@@ -9,7 +9,7 @@ import click
 from erlif.commands.lines import describe_written, wrap
 from erlif.commands.options import ANGLE, OVERWRITE, PATH, output_option
 from erlif.commands.progress import show_progress
-from erlif.commands.refusals import refusal
+from erlif.core.errors import ErlifError
 from erlif.core.speed.imports import large_imports
 
 _TABLES = ("compare.nc", "compare.csv", "compare.html")
@@ -67,7 +67,10 @@ def compare(
 
     # everything that can be refused is refused before the work starts
     if len(films) > 1 and not (pair[0] != pair[1] and all(1 <= k <= len(films) for k in pair)):
-        raise refusal("no_such_pair", films=len(films), pair=pair)
+        raise ErlifError(
+            f"Expected two different films from 1 to {len(films)} for the difference map; got "
+            f"{pair[0]} and {pair[1]}. Choose two of them."
+        )
     if output is not None:
         for name in (*_TABLES, *_FIGURES):
             refuse_existing(output / name, overwrite=overwrite, holds="difference_at")

@@ -13,7 +13,7 @@ from types import FrameType
 import click
 
 from erlif.commands.lines import wrap
-from erlif.commands.refusals import refusal
+from erlif.core.errors import ErlifError
 
 # Exit status where the input or the usage is at fault.
 BAD_INPUT = 2
@@ -50,7 +50,10 @@ def refuse_little_memory() -> None:
         return
     limit = resource.getrlimit(resource.RLIMIT_AS)[0]
     if limit != resource.RLIM_INFINITY and limit < LEAST_MEMORY:
-        raise refusal("little_memory", limit=limit / 1e9, least=LEAST_MEMORY / 1e9)
+        raise ErlifError(
+            f"Expected an address space of {LEAST_MEMORY / 1e9:g} GB or more; this shell limits it "
+            f"to {limit / 1e9:.2f} GB. Raise the limit (ulimit -v), and start again."
+        )
 
 
 class EndedBySignal(KeyboardInterrupt):

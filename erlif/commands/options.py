@@ -8,8 +8,7 @@ from typing import Any, TypeVar
 
 import click
 
-from erlif.commands.refusals import refusal
-from erlif.core.errors import ConfigError
+from erlif.core.errors import ConfigError, OutputError
 from erlif.core.units import parse_quantity
 
 Command = TypeVar("Command", bound=Callable[..., Any])
@@ -163,7 +162,10 @@ def expect_suffix(output: Path, *suffixes: str) -> None:
         If the name ends in another suffix.
     """
     if output.suffix not in suffixes:
-        raise refusal("wrong_suffix", known=" or ".join(suffixes), output=output)
+        raise OutputError(
+            f"Expected a name in {' or '.join(suffixes)} for the output; got {output.name}. Name "
+            "it so with -o."
+        )
 
 
 def expect_output(output: Path, *suffixes: str, overwrite: bool, holds: str = "") -> None:

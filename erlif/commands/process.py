@@ -11,8 +11,8 @@ import click
 from erlif.commands.lines import verbosity, wrap
 from erlif.commands.options import CALIBRATION, PATH, PROCESSING, expect_suffix, output_option
 from erlif.commands.progress import working
-from erlif.commands.refusals import refusal
 from erlif.commands.series import process_series
+from erlif.core.errors import OutputError
 from erlif.core.speed.imports import large_imports
 from erlif.core.speed.memory import keep_memory
 
@@ -52,7 +52,11 @@ def process(
     """
     if len(runs) > 1 or resume or (runs[0].exists() and not runs[0].is_dir()):
         if output is not None:
-            raise refusal("output_of_several", output=output)
+            raise OutputError(
+                f"Expected one run directory, without --resume, with -o {output}. The films of "
+                "several runs, of a table and of --resume are written into the directories of the "
+                "runs, or to the column output of the table. Leave -o out."
+            )
         process_series(runs, calibration=calibration, resume=resume, **options)
     else:
         process_one(runs[0], calibration, output, options)

@@ -16,7 +16,7 @@ from erlif.commands.options import (
     output_option,
 )
 from erlif.commands.progress import working
-from erlif.commands.refusals import refusal
+from erlif.core.errors import ErlifError
 from erlif.core.speed.imports import large_imports
 
 
@@ -30,7 +30,10 @@ def first_and_last(
     if not hyphen:
         last = first
     if not (first.strip().isdecimal() and last.strip().isdecimal()):
-        raise refusal("no_range", value=value)
+        raise ErlifError(
+            f"Expected a trigger or a range of triggers, such as 12 or 100-149; got {value}. Give "
+            "it with --trigger."
+        )
     return int(first), int(last)
 
 
@@ -75,7 +78,10 @@ def report(
     output = output or (Path("report.html") if several else films[0].parent / "report.html")
     expect_suffix(output, ".html")
     if several and triggers is not None:
-        raise refusal("many_films", films=len(films))
+        raise ErlifError(
+            f"Expected one film with --trigger; got {len(films)}. Leave out --trigger, or name one "
+            "film."
+        )
     # several films share a page; triggers and images belong to a single one
     with working() as progress:
         if several:

@@ -26,7 +26,6 @@ from erlif.commands.options import (
 )
 from erlif.commands.process import process_one
 from erlif.commands.progress import announced_compiling
-from erlif.commands.refusals import refusal
 from erlif.commands.view import leading_to
 from erlif.core.errors import EncoderError, ErlifError, FrameError
 from erlif.core.speed.imports import large_imports
@@ -138,7 +137,11 @@ def watch(
         with announced_compiling(), watched.running():
             _follow(watched, quiet, on_alarm)
         if not watched.state().arrived:
-            raise refusal("no_pair", run_dir=run_dir)
+            raise FrameError(
+                f"Expected frame pairs in {run_dir} before the end of the watch; none has come. "
+                "Check the names of the frames under [camera1] and [camera2] in run.toml, and "
+                "start again."
+            )
         watched.announce("The recording has ended; the run is being processed.")
         _finish(run_dir, calibration, output, options)
     if watched.alarmed:

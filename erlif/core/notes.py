@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import Any
-
-from erlif.core.tables import read_table
 
 
 class Level(StrEnum):
@@ -69,39 +66,9 @@ def remark(subject: str, text: str, cure: str = "") -> Note:
     )
 
 
-def note_writer(package: str, name: str = "notes.toml") -> Callable[..., Note]:
-    """Maker of the notes whose texts stand in a table of a package.
-
-    An entry of the table has its text, and where it has them a level, the subject, and a cure,
-    which makes a note a warning.
-
-    Parameters
-    ----------
-    package : str
-    name : str
-        Name of the file.
-
-    Returns
-    -------
-    callable
-        Key of a note, and by keyword the subject where it is not that of the entry, whether it has
-        a cure (by default, where the entry has one), and the values that the text names.
-
-    Examples
-    --------
-    >>> write = note_writer("erlif.calibration")
-    >>> str(write("repeated", subject="wedge.csv", count=2))
-    'wedge.csv: 2 points repeat a position; repeated points were averaged'
-    """
-
-    def write(key: str, *, subject: str = "", wrong: bool = True, **values: Any) -> Note:
-        entry = read_table(package, name)[key]
-        subject, text = subject or entry.get("subject", ""), entry["text"].format(**values)
-        if "cure" in entry:
-            return remark(subject, text, entry["cure"].format(**values) if wrong else "")
-        return Note(Level(entry.get("level", Level.NOTE)), subject, text)
-
-    return write
+def warn(subject: str, text: str) -> Note:
+    """A warning: what was found, and what to do."""
+    return Note(Level.WARNING, subject, text)
 
 
 def retitle(subject: str, notes: Iterable[Note]) -> Iterator[Note]:

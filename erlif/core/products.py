@@ -8,7 +8,7 @@ from typing import NewType
 
 import xarray as xr
 
-from erlif.core.refusals import refusal
+from erlif.core.errors import ErlifError
 
 EncoderLog = NewType("EncoderLog", xr.Dataset)
 """Log of the encoder, one row for each frame pair: number (frame).
@@ -100,4 +100,7 @@ def require(dataset: xr.Dataset, *names: str) -> None:
     missing = ", ".join(name for name in names if name not in dataset)
     if missing:
         present = ", ".join(str(name) for name in dataset.variables)
-        raise refusal("missing_variables", names=", ".join(names), missing=missing, present=present)
+        raise ErlifError(
+            f"This stage reads {', '.join(names)}; {missing} is missing from the dataset, which "
+            f"holds {present}. Call the stage before it first."
+        )

@@ -6,7 +6,7 @@ import warnings
 from collections.abc import Callable
 from typing import Any, Literal
 
-from erlif.core.refusals import refusal
+from erlif.core.errors import ErlifError
 
 # Called with the name of a step, the number of items that are finished, and their total.
 Progress = Callable[[str, int, int], None]
@@ -65,7 +65,10 @@ step, the finished items and their total; got 'dots'. Use progress="bar".
         return _Bars()
     if callable(progress):
         return progress
-    raise refusal("no_progress", progress=progress)
+    raise ErlifError(
+        'Expected progress to be "bar", True, False or a function of the step, the finished items '
+        f'and their total; got {progress!r}. Use progress="bar".'
+    )
 
 
 class _Bars:

@@ -15,15 +15,13 @@ import cv2
 import numpy as np
 
 from erlif.core.arrays import AnyArray, Image, Mask
-from erlif.core.notes import Note, note_writer
+from erlif.core.errors import FrameError
+from erlif.core.notes import Note, warn
 from erlif.core.products import References
 from erlif.core.statistics import robust_std
 from erlif.core.units import count_of
 from erlif.correction.camera import CameraMeasurement
-from erlif.correction.refusals import refusal
 from erlif.correction.view import BLOCKS, FrameView, mean_of_blocks
-
-_write = note_writer("erlif.correction")
 
 # Robust standard deviations beyond which fine structure is dust, a bubble or a bad pixel.
 _CLEAR = 4.0
@@ -126,7 +124,13 @@ def _refuse_bright_dark(measured: CameraMeasurement, view: FrameView, camera: st
     level = float(np.median(view.centre))
     # rounding and the noise of the level leave less than one count
     if darks.pages and level < darks.level - 1:
-        raise refusal("bright_dark", camera=camera, level=level, darks=darks)
+        raise FrameError(
+            f"Expected the frames of {camera} to be brighter than its dark; half of their pixels "
+            f"are below {level:.1f} DN, the dark has {darks.level:.1f} DN. Dark and flat may be "
+            "exchanged, the dark recorded with light, or the offset of the camera changed. Correct "
+            f"dark in [{camera}], or record darks with the shutter closed and the settings of the "
+            "frames."
+        )
 
 
 def _find_light_in_dark(
@@ -147,28 +151,41 @@ def _find_light_in_dark(
     rest = y - share * x
     std = float(np.sqrt((rest * rest).sum() / (x.size - 2) / (x * x).sum()))
     if share > max(_LEAK, _SIGNIFICANT * std):
-        yield _write("light_in_dark", subject=camera, share=share)
+        yield warn(
+            camera,
+            f"the dark shows {share:.1%} of the light of the frames, in their shape: light fell "
+            "on the sensor. Record the darks again with the shutter closed and the laser off",
+        )
 
     page_std = darks.level_std * np.sqrt(darks.pages) if darks.pages > 1 else 0.0
     if page_std > max(_UNSTEADY * typical, 1.0):
-        yield _write("unsteady_dark", subject=camera, std=page_std, share=page_std / typical)
+        yield warn(
+            camera,
+            f"the dark level changes by {page_std:.1f} DN from page to page, "
+            f"{page_std / typical:.1%} of the light: some pages were lit, or the camera had not "
+            "settled. Record the darks again",
+        )
 
 
 def _find_missing_pages(
     measured: CameraMeasurement, other: CameraMeasurement, camera: str
 ) -> Iterator[Note]:
     """Pages that one camera lacks against the other, or one light level against the others."""
+    faults = []
     pages, others = measured.darks.pages, other.darks.pages
     if 0 < pages < others:
-        yield _write("few_darks", subject=camera, pages=count_of(pages, "dark page"), others=others)
+        faults.append(f"{count_of(pages, 'dark page')}, the other camera has {others}")
 
     levels = measured.level_pages
     if measured.has_flat and measured.flat_pages < other.flat_pages:
         count = count_of(measured.flat_pages, "flat page")
-        yield _write("few_flats", subject=camera, pages=count, others=other.flat_pages)
+        faults.append(f"{count}, the other camera has {other.flat_pages}")
     elif len(levels) > 1 and levels[-1] < min(levels[:-1]):
         count = count_of(levels[-1], "page")
-        yield _write("few_last", subject=camera, pages=count, others=min(levels[:-1]))
+        most = min(levels[:-1])
+        faults.append(f"{count} at the last light level of the flat, {most} and more at the others")
+    cure = "The file may be cut short: export it again, or record it again"
+    yield from (warn(camera, f"{fault}. {cure}") for fault in faults)
 
 
 def _compare_flats(references: References) -> Iterator[Note]:
@@ -181,7 +198,12 @@ def _compare_flats(references: References) -> Iterator[Note]:
     for number, flat in blocks.items():
         darkest = float(flat.min() / flat.max())
         if darkest < _DARK_CORNER:
-            yield _write("uneven_flat", subject=f"camera{number}", darkest=darkest)
+            yield warn(
+                f"camera{number}",
+                f"the light of the flat falls to {darkest:.0%} within the image, more than lenses "
+                "do. It shows the beam of the laser, a film or a shadow in place of an even "
+                "target. Record flats of an evenly lit target",
+            )
     if len(blocks) < 2:
         return
 
@@ -190,7 +212,12 @@ def _compare_flats(references: References) -> Iterator[Note]:
     ratio = ratio / np.median(ratio)
     low, high = float(ratio.min()), float(ratio.max())
     if max(high, 1 / low) > 1 + _UNLIKE:
-        yield _write("unlike_flats", subject="camera1 and camera2", low=low - 1, high=high - 1)
+        yield warn(
+            "camera1 and camera2",
+            f"the ratio is wrong by {low - 1:+.0%} to {high - 1:+.0%} over the image, by which "
+            "the light of their flats differs. The flats show different targets or lamps: record "
+            "those of both cameras with one evenly lit target",
+        )
 
 
 def _compare_patterns(
@@ -208,11 +235,22 @@ def _compare_patterns(
     if len(shares) == 4 and all(
         shares[n, 1 - n].is_present and shares[n, n].is_missing for n in range(2)
     ):
-        raise refusal("exchanged_flats")
+        raise FrameError(
+            "Expected the response of the pixels of each camera in its own frames; the frames of "
+            "camera1 show the pixels of the flat of camera2, and those of camera2 the pixels of "
+            "the flat of camera1. The cameras look swapped: exchange files in [camera1] and "
+            "[camera2], or dark and flat, whichever names the other camera."
+        )
     for n in range(2):
         if (n, n) in shares and shares[n, n].is_missing:
             share = shares[n, n]
-            yield _write("foreign_flat", subject=f"camera{n + 1}", share=share.value, std=share.std)
+            yield warn(
+                f"camera{n + 1}",
+                "the frames do not show the response of the pixels that the flat shows "
+                f"({share.value:.2f} ± {share.std:.2f} of it), which adds to the film. The flat "
+                "is of another camera, another region of interest or another time: name the flat "
+                "that belongs to these frames, or record one",
+            )
 
 
 def find_share(

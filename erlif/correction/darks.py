@@ -15,7 +15,6 @@ from erlif.core.detector import QUANTISATION_VAR
 from erlif.core.errors import FrameError
 from erlif.core.statistics import robust_std, sample_pixels
 from erlif.correction.pages import PageStack
-from erlif.correction.refusals import refusal
 from erlif.correction.saturation import Histogram
 
 # Excess over the surroundings from which a pixel is hot: robust standard deviations, and DN.
@@ -251,5 +250,9 @@ def reduce_background(
     light = stack.mean - darks.mean
     share = float(np.median(light)) / typical if typical > 0 else float("nan")
     if share > _FILM:
-        raise refusal("dyed_background", camera=camera, share=share)
+        raise FrameError(
+            f"Expected background of {camera} to be frames of the dry or dye-free joint under the "
+            f"laser; their median light is {share:.0%} of that of the run. Check that no dyed oil "
+            "was in the joint, or take the key out of run.toml."
+        )
     return Background(light, stack.count, share)

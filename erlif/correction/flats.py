@@ -9,9 +9,9 @@ from typing import NamedTuple
 import numpy as np
 
 from erlif.core.arrays import AnyArray, Counts, Mask
+from erlif.core.errors import FrameError
 from erlif.correction.darks import median_of_surroundings
 from erlif.correction.pages import PageStack, precision_of
-from erlif.correction.refusals import refusal
 from erlif.correction.saturation import Histogram, count_pixels, find_pile_up
 
 # Relative difference of mean brightness below which two pages belong to one light level.
@@ -117,7 +117,10 @@ def reduce_flats(
     # the histogram of all pages and frames shows a pile-up that single pages hint at
     saturation = find_pile_up(total) or full_scale
     if recorded and (not levels or brightest < full_scale * _BRIGHT_ENOUGH):
-        raise refusal("no_flats", camera=camera, saturation=saturation)
+        raise FrameError(
+            f"Expected flats of {camera} well above dark and below saturation ({saturation}); none "
+            "is. Record flats with the light at a quarter to three quarters of full scale."
+        )
     return levels, saturation
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -17,7 +17,7 @@ import xarray as xr
 
 from erlif.core.arrays import AnyArray, Mask
 from erlif.core.detector import QUANTISATION_VAR, reading_var
-from erlif.core.notes import Level, Note, note_writer
+from erlif.core.notes import Note, remark, warn
 from erlif.core.products import References
 from erlif.core.tables import read_table
 from erlif.core.units import count_of
@@ -28,8 +28,6 @@ from erlif.correction.photon_transfer import (
     fit_photon_transfer,
     measure_response_spread,
 )
-
-_write = note_writer("erlif.correction")
 
 # Relative deviation of a declared gain or read noise from the measured one that is reported.
 _TOLERATED = 0.10
@@ -181,7 +179,7 @@ def make_references(
     # one number for each camera, stored once and not for every pixel
     of_dark = merged.dark_var.values[:, :1, :1].copy()
     merged["dark_var"] = merged.dark_var.copy(data=np.broadcast_to(of_dark, merged.dark.shape))
-    both = Note(Level.NOTE, CHARACTERISTICS, "; ".join(lines))
+    both = remark(CHARACTERISTICS, "; ".join(lines))
     return Cameras(References(merged), (both, *notes))
 
 
@@ -341,37 +339,69 @@ class _Camera:
 
     def notes(self) -> Iterator[Note]:
         """What needs attention of gain, read noise and recordings, in this order."""
-        write = partial(_write, subject=self.name)
         measured, gain, transfer = self.measured, self.gain, self.transfer
         # the comparison is False where no gain was measured, because that gain is NaN
         declared = self.declared.gain
         if declared is not None and abs(declared / gain.measured - 1) > _TOLERATED:
-            yield write("declared_gain", gain=declared, off=100 * (declared / gain.measured - 1))
+            off = 100 * (declared / gain.measured - 1)
+            yield warn(
+                self.name,
+                f"the declared gain, {declared:g} electron/DN, deviates by {off:+.0f} % from the "
+                "measured one; the declared value is used. Check it: every error bar scales with "
+                "it.",
+            )
         if not gain.known:
-            yield write("no_gain")
+            yield warn(
+                self.name,
+                "neither gain nor flats with two pages of one light level; the gain will be "
+                "estimated from the noise of the frames",
+            )
 
         # variance per light of a response f is f'^2/f, which changes three times as much as f
         if transfer is not None and transfer.is_bent:
-            yield write("bent", bend=100 * transfer.bend, std=100 * transfer.bend_std)
+            yield warn(
+                self.name,
+                "the photon transfer curve is not straight: variance per light changes by "
+                f"{100 * transfer.bend:+.1f} ± {100 * transfer.bend_std:.1f} % from dark to the "
+                "brightest flat. A response that departs from linear by about a third of that has "
+                "such a curve, or charge that spreads to neighbouring pixels",
+            )
 
         # the measured read noise in electrons scales with the gain: without one there is no
         # comparison
         own, std = self.read_noise.measured, self.read_noise.std
         given = self.declared.read_noise if gain.known else None
         if given is not None and abs(given - own) > _TOLERATED * own + 3 * std:
-            yield write("declared_read_noise", given=given, measured=_with_std(own, std))
+            yield warn(
+                self.name,
+                f"the declared read noise, {given:g} electron, differs from the measured one, "
+                f"{_with_std(own, std)} electron; the declared value is used.",
+            )
         if not self.read_noise.known:
-            yield write("no_read_noise")
+            yield warn(
+                self.name,
+                "neither read noise nor two dark pages; the read noise will be estimated from the "
+                "noise of the frames",
+            )
 
         dry = measured.background
         if dry is not None:
-            yield write("background", frames=count_of(dry.pages, "frame"), share=100 * dry.share)
+            yield remark(
+                self.name,
+                f"background of {count_of(dry.pages, 'frame')} of the dry joint subtracted, "
+                f"{100 * dry.share:.2g} % of the median light",
+            )
 
         # a pile-up below full scale comes from the sensor or from a range set in the camera
         if measured.saturation < measured.full_scale:
-            yield write("pile_up", top=measured.saturation, full_scale=measured.full_scale)
+            top = measured.saturation
+            yield warn(
+                self.name,
+                f"counts pile up at {top}, below full scale ({measured.full_scale}): pixels of "
+                f"{top} and more count as saturated",
+            )
         if not measured.has_flat:
-            yield write("no_flat")
+            yield warn(self.name, "no flat; vignetting and pixel response are not corrected")
 
     def summary(self) -> str:
         """One line: what was measured, and what was declared."""

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from erlif.core.arrays import Array
-from erlif.kinematics.refusals import refusal
+from erlif.core.errors import EncoderError
 
 # Frames below which the motion does not show in their light.
 FEWEST_FRAMES = 12
@@ -103,12 +103,22 @@ def find_clock_offset(
     True
     """
     if since.size < FEWEST_FRAMES:
-        raise refusal("few_frames", fewest=FEWEST_FRAMES, frames=since.size)
+        raise EncoderError(
+            f"Expected at least {FEWEST_FRAMES} frames to find their start from the motion; got "
+            f'{since.size}. Give start = "0.25 s" in [encoder] of run.toml.'
+        )
     room = float(time[-1] - time[0] - since[-1])
     if room < 0:
-        raise refusal("short_log", recording=since[-1], log=time[-1] - time[0])
+        raise EncoderError(
+            f"Expected a log that is longer than the recording, {since[-1]:.6g} s; it has "
+            f"{time[-1] - time[0]:.6g} s. Export the whole log, or check frame_rate in [encoder]."
+        )
     if np.ptp(light) == 0:
-        raise refusal("constant_light")
+        raise EncoderError(
+            "Expected light of the frames that follows the motion of the joint, to find their "
+            "start; it is the same in all frames. Check that they are no copies of one exposure, "
+            'or give start = "0.25 s" in [encoder] of run.toml.'
+        )
     turns = float(crank[-1] - crank[0]) / _TURN
     period = float(time[-1] - time[0]) / max(abs(turns), 1e-9)
     model = _Model(since, light, time, crank, np.abs(speed) / float(np.abs(speed).max()))
@@ -125,7 +135,11 @@ def find_clock_offset(
     variance = least / (since.size - _Model.PARAMETERS - 1)
     explained = 1 - least / model.without_motion
     if explained < EXPLAINED:
-        raise refusal("unexplained_light", explained=max(explained, 0))
+        raise EncoderError(
+            "Expected light of the frames that follows the motion of the joint, to find their "
+            f"start; the motion explains {max(explained, 0):.0%} of its variance. Give start = "
+            '"0.25 s" in [encoder] of run.toml, or record the trigger of the cameras.'
+        )
 
     # other minima of the same depth: the other stroke, and whole cycles apart
     alike = [one for one in refined if model.residual(one) - least < EQUAL * variance]

@@ -10,8 +10,8 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from erlif.core.arrays import Array
+from erlif.core.errors import EncoderError
 from erlif.core.products import EncoderLog
-from erlif.kinematics.refusals import refusal
 from erlif.models.mechanism import CrankRocker, SliderCrank
 
 # A reading this far beyond a dead point is taken as the dead point. [rad]
@@ -135,7 +135,11 @@ def read_link_angle(
     """
     logged = log.angle.values
     if logged.size > 1 and np.ptp(logged) == 0:
-        raise refusal("no_motion", encoder=encoder, angle=logged[0], rows=logged.size)
+        raise EncoderError(
+            f"Expected the angle of a moving {encoder.mounted_on} in the log; it is {logged[0]:g} "
+            f"deg in all {logged.size} rows. Choose the column of the encoder with angle in "
+            "[encoder] of run.toml, or leave [mechanism] out for a joint at rest."
+        )
     if encoder.mounted_on == "crank":
         return _read_crank(log, encoder)
     return _read_swing(log, mechanism, encoder, crank_speed)
@@ -150,9 +154,15 @@ def _read_crank(log: EncoderLog, encoder: Encoder) -> LinkAngle:
     if "angle_rate" in log:
         falls = bool(np.median(log["angle_rate"].values) < 0)
     if falls and encoder.direction == "rising":
-        raise refusal("readings_fall")
+        raise EncoderError(
+            "Expected the readings to rise as the crank turns; they fall. Write direction = "
+            '"falling" in [encoder], or check mounted_on, which places the encoder on the crank.'
+        )
     if encoder.direction == "falling" and step.size and not falls:
-        raise refusal("readings_rise")
+        raise EncoderError(
+            "Expected the readings to fall as the crank turns, because of direction in [encoder]; "
+            "they rise. Correct direction, or mounted_on, which places the encoder on the crank."
+        )
 
     zero = encoder.zero or 0.0
     angle = ((-reading if falls else reading) + zero) % _TURN
@@ -199,7 +209,12 @@ def _read_swing(
 def _refuse_direction(encoder: Encoder) -> None:
     """Refuse a stated direction that the times of the log contradict."""
     here = "fall" if encoder.direction == "rising" else "rise"
-    raise refusal("wrong_direction", encoder=encoder, here=here)
+    raise EncoderError(
+        f"Expected readings that are {encoder.direction}, because of direction in [encoder], while "
+        f"the angle of the {encoder.mounted_on} rises; by the times of the log they {here}: the "
+        "link dwells at the other dead point. Leave direction out, so that it is found, or check "
+        "mounted_on and the links in [mechanism]."
+    )
 
 
 def find_direction(
@@ -359,15 +374,12 @@ def _check_reach(
     if low - ENCODER_ERROR <= angle[worst] <= high + ENCODER_ERROR:
         return
     first, last = sorted(math.degrees(sign * (limit - zero)) for limit in limits)
-    raise refusal(
-        "out_of_reach",
-        frame=int(log.number[worst]),
-        reading=counted[worst],
-        angle=math.degrees(angle[worst]),
-        low=math.degrees(low),
-        high=math.degrees(high),
-        first=first,
-        last=last,
+    raise EncoderError(
+        f"Frame {int(log.number[worst])}, the logged angle: {counted[worst]:.3f} deg is link angle "
+        f"{math.degrees(angle[worst]):.3f} deg, which the linkage cannot reach; its range is "
+        f"{math.degrees(low):.3f} to {math.degrees(high):.3f} deg, readings {first:.3f} to "
+        f"{last:.3f} deg. Check zero, direction and mounted_on in [encoder], or the links in "
+        "[mechanism]."
     )
 
 
@@ -378,16 +390,20 @@ def _fit_zero(
     swing = float(np.ptp(reading))
     slack = high - low - swing
     if slack < -2 * ENCODER_ERROR:
-        raise refusal("wide_swing", span=math.degrees(high - low), found=math.degrees(swing))
+        raise EncoderError(
+            "Expected encoder angles within the swing of the linkage, "
+            f"{math.degrees(high - low):.3f} deg; the logged angle spans {math.degrees(swing):.3f} "
+            "deg. Check the links in [mechanism], or mounted_on and units in [encoder]."
+        )
 
     # a log over a whole cycle comes as near to both dead points as its steps are long
     step = float(np.abs(np.diff(reading)).max()) if reading.size > 1 else 0.0
     if slack > 2 * step + 2 * ENCODER_ERROR:
-        raise refusal(
-            "narrow_swing",
-            span=math.degrees(high - low),
-            found=math.degrees(swing),
-            encoder=encoder,
+        raise EncoderError(
+            "Expected a log that reaches both ends of the swing of the linkage, "
+            f"{math.degrees(high - low):.3f} deg, because zero is not given; the logged angle "
+            f"spans {math.degrees(swing):.3f} deg. Give zero in [encoder], or check the links in "
+            f"[mechanism] and mounted_on, which places the encoder on the {encoder.mounted_on}."
         )
 
     zero = (low + high) / 2 - (float(reading.min()) + float(reading.max())) / 2

@@ -10,10 +10,10 @@ import numpy.typing as npt
 import xarray as xr
 
 from erlif.core.arrays import Array
+from erlif.core.errors import EncoderError
 from erlif.core.products import EncoderLog
 from erlif.core.variables import FILM, FRAMES
 from erlif.kinematics.encoder import Encoder, Mechanism
-from erlif.kinematics.refusals import refusal
 
 # Turns of the crank below which a log without triggers_per_cycle counts as one cycle.
 _SINGLE_CYCLE = 1.5
@@ -282,8 +282,12 @@ def fold_by_number(
     off, spacing = find_deviations(angle, fold.trigger, turning=turning)
     if off.max() > OFF_ANGLE * spacing:
         worst = int(np.argmax(off))
-        raise refusal(
-            "off_angle", triggers=triggers_per_cycle, frame=int(log.number[worst]), off=off[worst]
+        raise EncoderError(
+            f"Expected the frames of one trigger at one angle; with {triggers_per_cycle} triggers "
+            f"per cycle (triggers_per_cycle) frame {int(log.number[worst])} is {off[worst]:.2f} "
+            "deg from the first cycle's. Set triggers_per_cycle in [encoder] to the number of "
+            "triggers in one cycle and keep every row; or take it out where the triggers do not "
+            "repeat, and average by bins = 50."
         )
     return fold
 

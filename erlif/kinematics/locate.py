@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from erlif.core.arrays import Array
-from erlif.core.notes import Level, Note
+from erlif.core.notes import Note, remark, warn
 from erlif.core.products import EncoderLog, require
 from erlif.core.variables import FILM
 from erlif.kinematics.encoder import (
@@ -162,11 +162,11 @@ def encoder_notes(located: xr.Dataset) -> list[Note]:
         )
     if attrs.get("direction_found"):
         texts.append("its reading falls while the angle of its link rises, as the log shows")
-    if remark := located.attrs.get("grouping"):
-        texts.append(remark)
-    notes = [Note(Level.NOTE, "encoder", text) for text in texts]
+    if grouping := located.attrs.get("grouping"):
+        texts.append(grouping)
+    notes = [remark("encoder", text) for text in texts]
     if contradiction := located.attrs.get("contradiction"):
-        notes.append(Note(Level.WARNING, "[mechanism]", contradiction))
+        notes.append(warn("[mechanism]", contradiction))
     return notes
 
 

@@ -13,9 +13,9 @@ import numpy as np
 import xarray as xr
 
 from erlif.core.arrays import Array
+from erlif.core.errors import EncoderError
 from erlif.core.products import EncoderLog, require
 from erlif.kinematics.folding import FrameColumns, describe_frames, fold_by_number, fold_by_phase
-from erlif.kinematics.refusals import refusal
 
 # Turn of a disc from frame to frame above which its sense is not certain. [degree]
 _LARGEST_STEP = 150.0
@@ -168,7 +168,12 @@ def locate_slider(
     elif "time" in log and zero is not None:
         drive = omega * log.time.values + zero
     else:
-        raise refusal("no_drive_angle")
+        raise EncoderError(
+            "Expected a column angle_deg with the angle of the drive, or a column time_s together "
+            "with zero in [encoder], the angle of the drive at time 0: without them the position "
+            "of the slider is not known. Add them, or leave [mechanism] out; the film then has no "
+            "speed."
+        )
 
     amplitude = slider.stroke / 2
     turned, position = np.degrees(drive) % _TURN, 1e3 * amplitude * np.sin(drive)
@@ -249,7 +254,10 @@ def _describe(
     angle = np.asarray(columns["crank_angle"][0], float) if "crank_angle" in columns else None
     if bins is not None:
         if angle is None:
-            raise refusal("no_angle_for_bins")
+            raise EncoderError(
+                "Expected a column angle_deg, because [encoder] averages the frames in bins of the "
+                "angle; there is none. Log the angle, or remove bins."
+            )
         fold = fold_by_phase(np.radians(angle), bins, dead_points, falling=_falls(log, angle))
     else:
         # without a number of triggers all frames lie within one cycle
@@ -328,7 +336,11 @@ def _choose_rate(log: EncoderLog, rotation: Rotation) -> float | Array:
 def _rate_of_frames(log: EncoderLog) -> Array:
     """Speed of rotation at each frame, from the angles and times of the frames. [rad/s]"""
     if "angle" not in log or "time" not in log or log.sizes["frame"] < 2:
-        raise refusal("no_speed")
+        raise EncoderError(
+            "Expected the speed of rotation in [mechanism], or the columns angle_deg and time_s in "
+            'the encoder log to compute it from. Give the speed of rotation as speed = "60 rpm" in '
+            "[mechanism]."
+        )
 
     # an encoder that counts on beyond a turn has no jumps; any other is below one turn
     angle, time = log.angle.values, log.time.values
@@ -337,13 +349,24 @@ def _rate_of_frames(log: EncoderLog) -> Array:
         step = _wrap(step)
         if np.abs(step).max() > _LARGEST_STEP:
             worst = int(np.argmax(np.abs(step)))
-            raise refusal(
-                "large_step", largest=_LARGEST_STEP, frame=int(log.number[worst]), step=step[worst]
+            raise EncoderError(
+                f"Expected less than {_LARGEST_STEP:g} deg from frame to frame, from which the "
+                f"speed of rotation follows; from frame {int(log.number[worst])} to the next the "
+                f"logged angle turns by {step[worst]:.1f} deg, which may be whole turns more. Give "
+                'the speed of rotation as speed = "60 rpm" in [mechanism].'
             )
     if not np.all(np.diff(time) > 0):
-        raise refusal("falling_times")
+        raise EncoderError(
+            "Expected column time_s to rise from frame to frame, to compute the speed of rotation "
+            "from it and angle_deg; it does not. Correct the times. Give the speed of rotation as "
+            'speed = "60 rpm" in [mechanism].'
+        )
     if not np.any(step):
-        raise refusal("constant_angle")
+        raise EncoderError(
+            "Expected the logged angle to change as the disc turns; it is the same in all frames, "
+            'as with one trigger in a turn. Give the speed of rotation as speed = "60 rpm" in '
+            "[mechanism]."
+        )
 
     turned = np.radians(angle[0] + np.concatenate([[0.0], np.cumsum(step)]))
     return np.asarray(np.gradient(turned, time))

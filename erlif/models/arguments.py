@@ -27,7 +27,6 @@ import numpy as np
 
 from erlif.core.errors import ModelError, RangeWarning, UnitWarning
 from erlif.core.tables import read_table
-from erlif.models.refusals import refusal
 
 # A float, a list, a numpy array or an xarray DataArray, in SI units.
 #
@@ -206,7 +205,10 @@ def for_each(count: int, item: str, **argument: Values) -> Values:
     ((name, value),) = argument.items()
     values = np.asarray(value, float)
     if values.shape not in ((), (count,)) or np.any(np.isnan(values)):
-        raise refusal("not_for_each", name=name, item=item, values=values, count=count)
+        raise ModelError(
+            f"{name} must be one number, or one for each {item} without NaN, got shape "
+            f"{values.shape}. Give one number, or {count}."
+        )
     return np.broadcast_to(values, (count,))
 
 
@@ -232,7 +234,10 @@ class _Within:
         require_between(self.lowest, self.highest, **arguments)
         for name, value in arguments.items():
             if not self.ends and np.any(np.isin(value, (self.lowest, self.highest))):
-                raise refusal("end_of_range", name=name, lowest=self.lowest, highest=self.highest)
+                raise ModelError(
+                    f"{name} must lie between {self.lowest:g} and {self.highest:g}, without the "
+                    "ends."
+                )
 
 
 _REFUSE: dict[str, Callable[..., None]] = {

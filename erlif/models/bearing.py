@@ -7,8 +7,8 @@ through all of them. Equations 6 to 9 are in `erlif.models.contact`, 26 to 32 in
 
 import numpy as np
 
+from erlif.core.errors import ModelError
 from erlif.models.arguments import Values, formula, require_between, require_increasing
-from erlif.models.refusals import refusal
 
 # Hole over pin diameter up to which the stress concentration of eq. 4 is fitted. [1]
 LARGEST_HOLE_RATIO = 0.2
@@ -217,7 +217,10 @@ def lateral_shift(
     slope = load * length**2 / (24 * youngs_modulus * np.pi * diameter**4 / 64)
     steepest = np.abs(slope)
     if np.any(np.greater(steepest, 1)):
-        raise refusal("pin_folds", times=float(np.nanmax(np.asarray(steepest))))
+        raise ModelError(
+            "load must stay below 24 E I / length^2, where the straight halves of the pin would "
+            f"fold, got {float(np.nanmax(np.asarray(steepest))):.3g} times that."
+        )
     # the difference 1 - sqrt(1 - slope^2) without the loss of digits at small slopes
     return length * slope**2 / (1 + np.sqrt(1 - slope**2))
 

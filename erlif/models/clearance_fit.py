@@ -14,7 +14,6 @@ from scipy.special import ndtr
 from erlif.core.arrays import Array
 from erlif.core.errors import ModelError
 from erlif.models.arguments import Values, for_each, formula, require_between, require_positive
-from erlif.models.refusals import refusal
 from erlif.models.running_in import thin_wall_torque_ratio
 
 # Moduli among which the best is sought, from soft rubber to stiffer than any wall. [Pa]
@@ -153,11 +152,17 @@ def fit_clearances(
     measured = np.atleast_1d(np.asarray(friction, float))
     places = np.atleast_1d(np.asarray(clearance, float))
     if places.shape != measured.shape or places.ndim != 1 or places.size < _FEWEST:
-        raise refusal("few_bushings", fewest=_FEWEST, places=places, measured=measured)
+        raise ModelError(
+            f"Expected clearance and friction of {_FEWEST} or more bushings, got {places.size} and "
+            f"{measured.size}. Measure more bushings."
+        )
     if np.any(np.isnan(places)) or np.any(np.isnan(measured)):
         raise ModelError("clearance and friction must not be NaN. Leave those bushings out.")
     if np.ptp(places) == 0:
-        raise refusal("equal_clearances")
+        raise ModelError(
+            "clearance must differ between bushings: equal ones do not separate friction and "
+            "stiffness. Measure bushings of other clearances."
+        )
     torque_std = for_each(measured.size, "bushing", friction_std=friction_std)
     place_std = for_each(measured.size, "bushing", clearance_std=clearance_std)
     wall = {

@@ -15,7 +15,6 @@ import scipy
 
 from erlif.core.errors import ModelError
 from erlif.models.arguments import Values, formula
-from erlif.models.refusals import refusal
 
 # Torque ratio of a bushing worn to its steady state. Colbert et al. (2009), eq. A6. [1]
 #
@@ -269,7 +268,10 @@ def torque_ratio(angle: Values, *, pressure: Values) -> Values:
     # only the component along the line of load carries, the whole pressure rubs
     carried = np.trapezoid(pressures * np.cos(angles), angles, axis=-1)
     if np.any(np.less_equal(carried, 0)):
-        raise refusal("no_load_of_pressure", lowest=float(np.nanmin(carried)))
+        raise ModelError(
+            "pressure must carry a load along the line at angle 0, got an integral of "
+            f"{float(np.nanmin(carried)):g}."
+        )
     return wrap(np.trapezoid(pressures, angles, axis=-1) / carried)
 
 
@@ -336,12 +338,18 @@ def average_reversals(
     ratio = np.asarray(friction_coefficient(torque, load=load, radius=radius), float)
     sense = np.asarray(direction)
     if sense.ndim != 1 or ratio.shape != sense.shape:
-        raise refusal("uneven_columns", ratio=ratio, sense=sense)
+        raise ModelError(
+            f"torque and direction must be columns of one length, got shapes {ratio.shape} and "
+            f"{sense.shape}."
+        )
 
     # friction reverses with the motion and an offset does not
     forward, backward = ratio[sense > 0], ratio[sense < 0]
     if forward.size < 2 or backward.size < 2:
-        raise refusal("one_direction", forward=forward, backward=backward)
+        raise ModelError(
+            f"direction must hold at least two samples each way, got {forward.size} forward and "
+            f"{backward.size} backward."
+        )
     return ReversalFriction(
         friction=float(forward.mean() - backward.mean()) / 2,
         offset=float(forward.mean() + backward.mean()) / 2,
@@ -361,7 +369,10 @@ def _samples(angle: Values, pressure: Values) -> tuple[Values, Values, Callable[
 
     angles, pressures = np.asarray(angle), np.asarray(pressure)
     if not angles.ndim or not pressures.ndim or angles.shape[-1] != pressures.shape[-1]:
-        raise refusal("uneven_samples", angles=angles, pressures=pressures)
+        raise ModelError(
+            "angle and pressure must hold the same number of samples along their last axis, got "
+            f"shapes {angles.shape} and {pressures.shape}."
+        )
     return angles, pressures, lambda values: values
 
 

@@ -9,9 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 import scipy
 
+from erlif.core.errors import ModelError
 from erlif.models.arguments import Values, check_fields, formula
 from erlif.models.linkage import measures
-from erlif.models.refusals import refusal
 
 # A full turn. [rad]
 TURN = 2 * np.pi
@@ -34,7 +34,9 @@ def _within_reach(
     if np.any(outside):
         worst = float(np.asarray(value)[np.asarray(outside)].flat[0])
         least, most, found = (_with_unit(number, name) for number in (low, high, worst))
-        raise refusal("beyond_reach", name=name, least=least, most=most, found=found)
+        raise ModelError(
+            f"{name} must lie in the reach of the linkage, {least} to {most}, got {found}."
+        )
     return np.clip(value, low, high)
 
 
@@ -100,7 +102,12 @@ class CrankRocker:
         others = sorted((self.coupler, self.rocker, self.ground))
         long, rest = self.crank + others[2], others[0] + others[1]
         if not (self.crank < others[0] and long < rest):
-            raise refusal("no_crank_rocker", links=self, long=long, rest=rest)
+            raise ModelError(
+                f"crank, coupler, rocker and ground of {self.crank:g}, {self.coupler:g}, "
+                f"{self.rocker:g} and {self.ground:g} m are no crank-rocker: the crank must be the "
+                f"shortest link, and crank plus longest link ({long:g} m) less than the other two "
+                f"({rest:g} m)."
+            )
 
     @property
     def links(self) -> measures.Links:
@@ -360,7 +367,10 @@ def crank_for_swing(swing: float, *, coupler: float, rocker: float, ground: floa
     shortest, middle, longest = sorted((coupler, rocker, ground))
     longest_crank = min(shortest, shortest + middle - longest)
     if longest_crank <= 0:
-        raise refusal("no_triangle", coupler=coupler, rocker=rocker, ground=ground)
+        raise ModelError(
+            f"coupler, rocker and ground of {coupler:g}, {rocker:g} and {ground:g} m close no "
+            "triangle."
+        )
 
     def swing_of(crank: float) -> float:
         return float(measures.swing(measures.Links(crank, coupler, rocker, ground)))
@@ -368,7 +378,10 @@ def crank_for_swing(swing: float, *, coupler: float, rocker: float, ground: floa
     if swing >= swing_of(longest_crank):
         widest, wanted = np.degrees(swing_of(longest_crank)), np.degrees(swing)
         links = (coupler, rocker, ground)
-        raise refusal("wide_swing", widest=widest, links=links, wanted=wanted)
+        raise ModelError(
+            f"swing must be less than {widest:.3f} degrees with coupler {links[0]:g} m, rocker "
+            f"{links[1]:g} m and ground {links[2]:g} m, got {wanted:.3f} degrees."
+        )
     return float(
         scipy.optimize.brentq(lambda crank: swing_of(crank) - swing, 0.0, longest_crank, xtol=1e-15)
     )
@@ -425,7 +438,10 @@ class SliderCrank:
     def __post_init__(self) -> None:
         check_fields(self, clearance="number or zero")
         if not self.coupler > self.crank:
-            raise refusal("short_coupler", coupler=self.coupler, crank=self.crank)
+            raise ModelError(
+                "coupler must be longer than the crank for the crank to turn fully, got coupler "
+                f"{self.coupler:g} m and crank {self.crank:g} m."
+            )
 
     @property
     def rod(self) -> float:

@@ -12,7 +12,6 @@ import numpy as np
 
 from erlif.core.errors import ModelError
 from erlif.models.arguments import Values, formula, require_known
-from erlif.models.refusals import refusal
 
 # Constant in Walther's law, of ASTM D341 for oils above 2 mm2/s. [mm2/s]
 WALTHER_SHIFT = 0.7
@@ -93,7 +92,10 @@ def vogel_viscosity(temperature: Values, *, a: Values, b: Values, c: Values) -> 
     above = temperature - c
     if np.any(np.less_equal(above, 0)):
         coldest = np.nanmin(np.asarray(temperature))
-        raise refusal("below_vogel_constant", coldest=coldest, c=np.nanmax(np.asarray(c)))
+        raise ModelError(
+            f"temperature must be above the Vogel constant c, got {coldest:g} K with c "
+            f"{np.nanmax(np.asarray(c)):g} K."
+        )
     return a * np.exp(b / above)
 
 
@@ -147,7 +149,11 @@ def fit_vogel(temperatures: Values, *, viscosities: Values) -> VogelConstants:
     [0.3, 0.12, 0.0133]
     """
     if np.shape(temperatures) != (3,) or np.shape(viscosities) != (3,):
-        raise refusal("not_three", shapes=(np.shape(temperatures), np.shape(viscosities)))
+        shapes = (np.shape(temperatures), np.shape(viscosities))
+        raise ModelError(
+            f"temperatures and viscosities must be three each, got shapes {shapes[0]} and "
+            f"{shapes[1]}."
+        )
     require_known(temperatures=temperatures, viscosities=viscosities)
 
     # from cold to hot, in the logarithm of the viscosity
@@ -160,7 +166,10 @@ def fit_vogel(temperatures: Values, *, viscosities: Values) -> VogelConstants:
     ratio = (y[1] - y[0]) / (T[1] - T[0]) * (T[2] - T[1]) / (y[2] - y[1])
     c = (T[2] - ratio * T[0]) / (1 - ratio)
     if not (ratio > 1 and c < T[0]):
-        raise refusal("no_vogel_curve")
+        raise ModelError(
+            "viscosities must fall with temperature, ever more slowly, for a Vogel curve through "
+            "them."
+        )
 
     # the two outer points fix b and a for this c
     b = (y[0] - y[2]) / (1 / (T[0] - c) - 1 / (T[2] - c))
@@ -301,10 +310,15 @@ def roelands_viscosity(
     scale = np.log(viscosity) + ROELANDS_CONSTANT
     if np.any(np.less_equal(scale, 0)):
         least, found = np.exp(-ROELANDS_CONSTANT), np.nanmin(np.asarray(viscosity))
-        raise refusal("low_viscosity", least=least, found=found)
+        raise ModelError(
+            f"viscosity must exceed {least:.3g} Pa s for the law of Roelands, got {found:g}."
+        )
     if np.any(np.less_equal(pressure, -ROELANDS_PRESSURE)):
         found = np.nanmin(np.asarray(pressure))
-        raise refusal("low_pressure", least=-ROELANDS_PRESSURE, found=found)
+        raise ModelError(
+            f"pressure must exceed {-ROELANDS_PRESSURE:g} Pa for the law of Roelands, got "
+            f"{found:g}."
+        )
 
     exponent = pressure_viscosity * ROELANDS_PRESSURE / scale
     return viscosity * np.exp(scale * ((1 + pressure / ROELANDS_PRESSURE) ** exponent - 1))

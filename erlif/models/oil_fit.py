@@ -20,7 +20,6 @@ from erlif.models.oil import (
     _walther,
     vogel_viscosity,
 )
-from erlif.models.refusals import refusal
 
 _CONSTANTS = {"vogel": ("a", "b", "c"), "walther": ("A", "B")}
 _QUANTITY = {"vogel": "viscosity", "walther": "kinematic_viscosity"}
@@ -252,8 +251,11 @@ def fit_viscosity(
     T, viscosity = np.asarray(temperatures, float), np.asarray(viscosities, float)
     known = len(_CONSTANTS[law]) + (relative_std is None)
     if T.ndim != 1 or T.shape != viscosity.shape or np.unique(T[~np.isnan(T)]).size < known:
-        key = "few_points" if relative_std is None else "few_points_of_known_std"
-        raise refusal(key, known=known, T=T, viscosity=viscosity)
+        raise ModelError(
+            f"Expected temperatures and viscosities of one length, at {known} or more different "
+            f"temperatures, got shapes {T.shape} and {viscosity.shape}. Measure more points"
+            f"{', or give relative_std' if relative_std is None else ''}."
+        )
     if np.any(np.isnan(T)) or np.any(np.isnan(viscosity)):
         raise ModelError("temperatures and viscosities must not be NaN. Leave those points out.")
 
@@ -357,7 +359,11 @@ def _fit_vogel(T: Values, viscosity: Values, spread: Values) -> tuple[Values, Va
     constant, slope, error = _line(1 / (T - coldest + distance[:, None]), y, spread)
     best = int(np.argmin(error))
     if best in (0, _BRACKET - 1):
-        raise refusal("no_vogel_constant")
+        raise ModelError(
+            "viscosities must fall with temperature, ever more slowly, for a Vogel curve through "
+            "them; these points do not determine c. Measure over a wider range of temperatures, or "
+            "take law='walther'."
+        )
 
     def residuals(x: Values) -> Values:
         return (x[0] + x[1] / (T - x[2]) - y) / spread
@@ -413,7 +419,10 @@ def _fit_walther(T: Values, viscosity: Values, spread: Values) -> tuple[Values, 
     # from the centre, where both are independent, to 1 K
     B = fit.x[1]
     if not B > 0:
-        raise refusal("not_walther")
+        raise ModelError(
+            "viscosities must fall with temperature for Walther's law, and these do not. Check "
+            "which viscosity belongs to which temperature."
+        )
     values = np.array([fit.x[0] + B * np.log10(_CENTRE), B])
     slopes = derivatives(fit.x)
     slopes[:, 1] -= np.log10(_CENTRE) * slopes[:, 0]
@@ -431,5 +440,8 @@ def _of_grade(system: str, grade: int) -> Any:
     rows = read_table("erlif.models", "oils.toml")[system]
     table = {int(name): row for name, row in rows.items()}
     if grade not in table:
-        raise refusal("no_such_grade", known=", ".join(rows), system=system, grade=grade)
+        raise ModelError(
+            f"Expected one of the grades {', '.join(rows)} of {system}, got {grade!r}. Choose one "
+            "of them, or fit measured points with fit_viscosity."
+        )
     return table[grade]

@@ -16,10 +16,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from erlif.core.described import describe_by
+from erlif.core.errors import ModelError
 from erlif.core.tables import read_table
 from erlif.models.arguments import Values, formula
 from erlif.models.contact.roots import like
-from erlif.models.refusals import refusal
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -175,7 +175,10 @@ def run_in_bushing(
     distances = np.atleast_1d(np.asarray(sliding_distance, float))
     rises = distances.ndim == 1 and distances.size > 0 and np.all(np.diff(distances) > 0)
     if not rises or np.any(np.isnan(distances)):
-        raise refusal("no_rising_distances", distances=np.array2string(distances, threshold=8))
+        raise ModelError(
+            "sliding_distance must be one row of rising distances without NaN, got "
+            f"{np.array2string(distances, threshold=8)} m."
+        )
     cell = np.pi / cells
     wall = _Wall(
         shaft_radius,
@@ -210,7 +213,10 @@ def _wear(wall: _Wall, distances: Array, specific_wear: float) -> list[tuple[flo
                 continue
             place, pressure, depth = new_place, new_pressure, new_depth
             if depth[0] > wall.thickness:
-                raise refusal("worn_through", depth=depth[0], at=at + trial, end=distances[-1])
+                raise ModelError(
+                    f"sliding_distance must end before the wall is worn through: {depth[0]:.2g} m "
+                    f"after {at + trial:.3g} m of {distances[-1]:.3g} m. Shorten it."
+                )
             at = wanted if trial == wanted - at else at + trial
             step = max(step, trial) * (2 if change < allowed / 2 else 1)
         stages.append((place, pressure, depth))
@@ -238,9 +244,15 @@ def _step(wall: _Wall, place: float, depth: Array, reach: float) -> tuple[float,
 def _require_resolved(wall: _Wall, place: float, pressure: Array) -> None:
     carried = int(np.count_nonzero(pressure))
     if place >= wall.bushing_radius * (1 - 1e-9):
-        raise refusal("pressed_through", wall=wall)
+        raise ModelError(
+            f"load of {wall.load:g} N presses the shaft through the wall: its eccentricity reaches "
+            "the radius of the bushing. Check load, modulus and thickness."
+        )
     if carried < _FEWEST_CELLS:
-        raise refusal("coarse_contact", carried=carried, cells=wall.angle.size, least=_FEWEST_CELLS)
+        raise ModelError(
+            f"cells must resolve the contact at the start: {carried} of {wall.angle.size} cells "
+            f"carry load, {_FEWEST_CELLS} are needed. Choose more cells."
+        )
 
 
 def _describe(

@@ -23,7 +23,6 @@ from erlif.models.arguments import (
 )
 from erlif.models.mechanism import SliderCrank
 from erlif.models.reaction import SliderCrankBodies, warn_of_compression
-from erlif.models.refusals import refusal
 from erlif.models.slider.contact import ContactLaw
 from erlif.models.slider.motion import QUADRATURES, GeneralJoint, SimplifiedJoint, Torque
 
@@ -208,7 +207,10 @@ def _integrate(
             max_step=longest,
         )
         if solution.status < 0 or touches > _MOST_TOUCHES:
-            raise refusal("motion_not_followed", end=times[-1], touches=touches, solution=solution)
+            raise ModelError(
+                f"The motion could not be followed to {times[-1]:g} s, {touches} touches were: "
+                f"{solution.message} Check torque, stiffness and inertia."
+            )
         kept.extend(np.reshape(solution.y, (state.size, -1)).T)
         speeds.extend([impact_speed] * (len(kept) - len(speeds)))
         if solution.status == 0:

@@ -27,7 +27,6 @@ from erlif.models.arguments import (
 )
 from erlif.models.mechanism import SliderCrank
 from erlif.models.reaction import SliderCrankBodies, joint_reaction
-from erlif.models.refusals import refusal
 from erlif.models.slider.contact import ContactLaw, PinCells, Wall
 from erlif.models.slider_dynamics import simulate_slider_crank
 
@@ -239,7 +238,11 @@ def _simulated_cycle(turn: xr.Dataset) -> _Cycle:
     # the friction path of the motion is kept
     path, sampled = float(np.ptp(turn.rubbing.values)), float(sliding @ normal)
     if abs(sampled - path) > _COARSE * path:
-        raise refusal("coarse_samples", sampled=sampled, path=path)
+        raise ModelError(
+            "samples of a turn must resolve its impacts: force over sliding distance is "
+            f"{sampled:.3g} N m by the samples and {path:.3g} N m by integration. Increase "
+            "steps_per_cycle."
+        )
     sliding = sliding * (path / sampled if sampled else 1.0)
     turned = (turn.crank_angle - turn.rod_angle).values
     return _Cycle(normal, turn.contact_angle.values, turned, sliding)
@@ -299,8 +302,9 @@ def _wear(
         )
         at += step
         if np.max(depth) > joint.thickness:
-            raise refusal(
-                "wall_worn_through", depth=np.max(depth), joint=joint, at=at, cycles=cycles
+            raise ModelError(
+                f"cycles must end before the wall is worn through: {np.max(depth):.2g} m of "
+                f"{joint.thickness:g} m after {at} of {cycles} cycles."
             )
 
         # the rod in tension is longer by what is worn where the force acts
@@ -374,7 +378,10 @@ def bound_extrapolation(
     import xarray as xr
 
     if halvings < 2 or extrapolation < 2**halvings:
-        raise refusal("few_halvings", halvings=halvings, extrapolation=extrapolation)
+        raise ModelError(
+            f"halvings must be 2 or more and leave a factor of 1 at least, got {halvings} of "
+            f"{extrapolation}."
+        )
     factors = [extrapolation // 2**k for k in range(halvings + 1)]
     ends = [wear(factor).isel(cycle=-1) for factor in factors]
     errors: dict[str, Values] = {}

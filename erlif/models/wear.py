@@ -10,10 +10,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from erlif.core.errors import ModelError
 from erlif.models.arguments import Values, formula
 from erlif.models.mechanism import SliderCrank
 from erlif.models.reaction import SliderCrankBodies, joint_reaction
-from erlif.models.refusals import refusal
 
 
 @formula(load="load or zero")
@@ -72,7 +72,10 @@ def abrasive_wear(
         lowest, highest = (
             float(pick(np.asarray(asperity_slope))) for pick in (np.nanmin, np.nanmax)
         )
-        raise refusal("steep_asperities", slope=lowest if lowest < 0 else highest)
+        raise ModelError(
+            "asperity_slope must lie from 0 to below pi/2, got "
+            f"{lowest if lowest < 0 else highest:g} rad."
+        )
     # a cone of radius r ploughs an area r^2 tan(Theta) and bears with its front half, H pi r^2 / 2
     slope = np.tan(asperity_slope)
     return adhesive_wear(
@@ -493,7 +496,10 @@ def coupled_wear(
         per_cycle = specific_wear * bushing_radius * path * 2 * np.pi
         step = min(extrapolation, cycles - at[-1])
         if step * per_cycle / (2 * bushing_radius * bushing_width) > LARGEST_STEP * bushing_radius:
-            raise refusal("long_extrapolation", step=step)
+            raise ModelError(
+                f"extrapolation must be smaller: {step} cycles wear more than a tenth of the "
+                "bushing radius."
+            )
         at.append(at[-1] + step)
         volume.append(volume[-1] + step * per_cycle)
 

@@ -12,12 +12,11 @@ from functools import partial
 from pathlib import Path
 
 from erlif.calibration import Calibration
-from erlif.core.errors import ConfigError, ErlifError
+from erlif.core.errors import ConfigError, ErlifError, OutputError
 from erlif.core.progress import Progress, ShowProgress, choose_progress
 from erlif.io.files import take
 from erlif.io.ingest import RunEntry, read_run_table
 from erlif.pipeline.engines.engine import open_engine
-from erlif.pipeline.refusals import refusal
 from erlif.pipeline.run import process_run
 
 _logger = logging.getLogger(__name__)
@@ -185,7 +184,10 @@ def list_runs(runs: Iterable[str | Path | RunEntry]) -> list[RunEntry]:
     _refuse_repeated(outputs, run_dirs)
     for output in outputs:
         if output.suffix not in _SUFFIXES:
-            raise refusal("wrong_suffix", suffixes=" or ".join(_SUFFIXES), output=output)
+            raise OutputError(
+                f"Expected a name in {' or '.join(_SUFFIXES)} for the output; got {output}. "
+                "Correct the column output."
+            )
     return [replace(one, output=output) for one, output in zip(given, outputs, strict=True)]
 
 
@@ -202,7 +204,10 @@ def _refuse_repeated(paths: Sequence[Path], run_dirs: Sequence[Path]) -> None:
                 f"Expected each run directory once; {path} is given twice{other}. Take one out."
             )
         else:
-            raise refusal("shared_output", one=given[place], other=run_dir, path=path)
+            raise OutputError(
+                f"Expected an output for each run; {given[place]} and {run_dir} both have {path}. "
+                "Change the column output of one."
+            )
 
 
 def _process_entry(

@@ -16,8 +16,7 @@ from erlif.calibration import Calibration, note_pitch, record_calibration
 from erlif.core.arrays import Array
 from erlif.core.flags import FLAG_ATTRS, Flag
 from erlif.core.format import describe_origin
-from erlif.core.notes import Note, join_notes, note_writer
-from erlif.core.tables import read_table
+from erlif.core.notes import Note, join_notes, warn
 from erlif.core.timing import stage
 from erlif.core.units import count_of
 from erlif.core.variables import FILM, FRAMES
@@ -72,9 +71,6 @@ from erlif.trend import (
 
 _logger = logging.getLogger(__name__)
 
-_note = note_writer("erlif.pipeline")
-
-_TEXTS = read_table("erlif.pipeline", "words.toml")["film"]
 
 # Share of the region outside the measurable range from which a note reports it.
 _CENSORED = 0.01
@@ -368,7 +364,12 @@ def describe_film(
     positions = [one.position for one in results]
     own += [*_censoring_notes(results), *note_form(positions, calibration, plane, load)]
     resolution = settings.thickness.smoothing
-    smoothing = {"smoothing": resolution, "smoothing_comment": _TEXTS["smoothing"]}
+    smoothing = {
+        "smoothing": resolution,
+        "smoothing_comment": "full width at half maximum of the window [px] in which the ratio "
+        "behind the maps was smoothed, steps kept; the noise of pixels closer than that is "
+        "correlated; film_min, film_mean and their trend come from the ratio as measured",
+    }
     # gain and noise of the cameras at the time of the calibration stand in its own notes
     from_calibration = [
         Note(note.level, "calibration", str(note))
@@ -531,7 +532,12 @@ def _note_moved_mean(film: xr.Dataset) -> list[Note]:
     attrs = film["speed_exponent_mean"].attrs if "speed_exponent_mean" in film else {}
     if "geometry" not in attrs:
         return []
-    return [_note("moved_mean", fitted=attrs["fitted"], geometry=attrs["geometry"])]
+    text = (
+        "no power of speed: the place of the minimum moves in the region, which alone makes n = "
+        f"{attrs['geometry']:.3f} of the fitted {attrs['fitted']:.3f}. Use that of film_min, or a "
+        "region of interest over which the film differs less"
+    )
+    return [warn("film_mean", text)]
 
 
 def describe_frames(
@@ -602,7 +608,8 @@ def describe_registration(camera_map: CameraMap, blur: BlurDifference) -> xr.Dat
     return describe_map(camera_map).assign_attrs(
         blur_difference=[blur.x, blur.y],
         blur_difference_std=[blur.std_x, blur.std_y],
-        blur_difference_comment=_TEXTS["blur_difference"],
+        blur_difference_comment="half the blur variance of camera 2 less that of camera 1, along x "
+        "and y [px2]",
         ratio_excess=blur.excess,
         ratio_excess_std=blur.excess_std,
     )
@@ -645,4 +652,9 @@ def _censoring_notes(results: Sequence[TriggerResult]) -> list[Note]:
     worst = int(np.argmax(shares))
     if shares[worst] < _CENSORED:
         return []
-    return [_note("beyond_range", share=shares[worst], trigger=worst)]
+    text = (
+        f"film_mean lacks up to {shares[worst]:.0%} of the region (trigger {worst}), too thin or "
+        "thick to measure; film_min, a fit, is not affected. A mean that lacks more than 2 % "
+        "counts in no exponent"
+    )
+    return [warn("", text)]

@@ -17,7 +17,7 @@ from erlif.calibration import (
     read_profile,
     save_calibration,
 )
-from erlif.core.errors import OutputError
+from erlif.core.errors import CalibrationError, OutputError
 from erlif.core.products import RatioImages
 from erlif.core.progress import Progress, ShowProgress, choose_progress, silent
 from erlif.core.timing import stage
@@ -41,7 +41,6 @@ from erlif.pipeline.engines.results import (
 )
 from erlif.pipeline.recording.prepare import prepare_chain
 from erlif.pipeline.recording.pulses import check_pulses, refuse_stuck_cameras
-from erlif.pipeline.refusals import refusal
 from erlif.ratio import RatioSum
 from erlif.registration import move_map
 
@@ -192,7 +191,10 @@ def find_calibration(
     if given is not None:
         return before_wall_of(run, open_calibration(given))
     if not run.settings.calibrations:
-        raise refusal("no_calibration")
+        raise CalibrationError(
+            "Expected a calibration: run.toml names none. Add calibration = "
+            '"path/to/calibration.nc" to it, or use --calibration.'
+        )
 
     names = [run.directory / name for name in run.settings.calibrations]
     first, *others = (

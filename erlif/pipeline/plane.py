@@ -9,9 +9,9 @@ import numpy as np
 import xarray as xr
 
 from erlif.core.arrays import Array, Image
+from erlif.core.errors import ConfigError
 from erlif.core.variables import FILM
 from erlif.io.settings import RunSettings
-from erlif.pipeline.refusals import refusal
 from erlif.trend import Contact, PinView, Region, find_region
 
 # Rows and columns of a patch, at least. [px]
@@ -108,13 +108,11 @@ class ObjectPlane:
             for (low, high), size in ((region.x, self.shape[1]), (region.y, self.shape[0]))
         )
         if min(columns.stop - columns.start, rows.stop - rows.start) < _SMALLEST:
-            raise refusal(
-                "small_patch",
-                smallest=_SMALLEST,
-                right=(self.shape[1] - 1) * self.pitch,
-                bottom=(self.shape[0] - 1) * self.pitch,
-                x=list(region.x),
-                y=list(region.y),
+            raise ConfigError(
+                f"Expected a reference patch of at least {_SMALLEST} x {_SMALLEST} pixels within "
+                f"the image, x 0 to {(self.shape[1] - 1) * self.pitch:.2f} mm and y 0 to "
+                f"{(self.shape[0] - 1) * self.pitch:.2f} mm; region of [reference] is x = "
+                f"{list(region.x)}, y = {list(region.y)}. Correct it in run.toml."
             )
         return Region(rows, columns)
 
@@ -145,4 +143,9 @@ class ObjectPlane:
         if given is None:
             return None
         quarter = 0.5 * np.pi * view.radius
-        raise refusal("far_load_line", low=last - quarter, high=quarter, view=view)
+        raise ConfigError(
+            "Expected a load line no more than a quarter of a turn of the pin from any pixel, "
+            f"{last - quarter:.1f} to {quarter:.1f} mm; [prediction] load_line is "
+            f"{view.load_line:.1f} mm. Correct load_line, pixel_pitch in [optics], or the radii in "
+            "[joint]."
+        )

@@ -13,6 +13,7 @@ from typing import Any
 import xarray as xr
 
 from erlif.calibration import Calibration, record_calibration
+from erlif.core.errors import OutputError
 from erlif.core.format import identify
 from erlif.core.timing import stage
 from erlif.io.files import (
@@ -37,7 +38,6 @@ from erlif.pipeline.engines.results import TriggerResult, frames_in, known_diges
 from erlif.pipeline.film import MAPS
 from erlif.pipeline.plane import ObjectPlane
 from erlif.pipeline.recording.pulses import PulseError
-from erlif.pipeline.refusals import refusal
 
 _logger = logging.getLogger(__name__)
 
@@ -91,7 +91,10 @@ class FilmWork:
         if has_identity(self.output, self.identify(describe_hashes(hashes))):
             return True
         if not overwrite:
-            raise refusal("other_film_exists", output=self.output)
+            raise OutputError(
+                f"{self.output} exists already, made from other inputs or settings or by another "
+                "version; use --overwrite to make it again, or name another output."
+            )
 
         # even then nothing is replaced that is not a product of erlif
         refuse_existing(self.output, overwrite=overwrite, holds="thickness")

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from erlif.core.arrays import Array
+from erlif.core.errors import ModelError
 from erlif.planning.design import Design
 from erlif.planning.precision import Film, dimmed_to_full_scale, thickness_std
-from erlif.planning.refusals import refusal
 from erlif.planning.spectra import Dye
 
 # Films of the range whose largest error is minimised.
@@ -127,7 +127,10 @@ def find_optimum(
     best_design = prepared(np.asarray(best))
     reached = largest_error(best_design, film)
     if not np.isfinite(reached):
-        raise refusal("no_rising_ratio")
+        raise ModelError(
+            "Expected two bands whose ratio rises with thickness for some concentrations; none was "
+            "found. Exchange the cameras, or choose filters of which dye 2 absorbs only one."
+        )
     limited = best_design.concentrations > 0.999 * largest
     return Optimum(best_design, reached, (bool(limited[0]), bool(limited[1])))
 

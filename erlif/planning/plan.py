@@ -13,6 +13,7 @@ import xarray as xr
 
 from erlif.core.arrays import Array
 from erlif.core.described import Columns, describe
+from erlif.core.errors import ConfigError
 from erlif.core.tables import read_table
 from erlif.core.units import Quantity
 from erlif.io.settings import (
@@ -55,7 +56,6 @@ from erlif.planning import (
 )
 from erlif.planning.limit import FILMS as FILMS_OF_LIMIT
 from erlif.planning.limit import Joint, attainable_errors
-from erlif.planning.refusals import refusal
 from erlif.rig import DyeSpectra, RigSettings
 from erlif.rig.settings import LIMITS
 
@@ -239,10 +239,18 @@ def _refuse_useless(design: Design) -> None:
     """Refuse dyes without light or reabsorption, and exchanged cameras."""
     for number in (1, 2):
         if band_of(design, number).weight.sum() <= 0:
-            raise refusal("no_light_in_band", number=number, band=design.cameras[number - 1].band)
+            raise ConfigError(
+                f"Expected light of the dyes in the band of camera {number}, "
+                f"{design.cameras[number - 1].band:g} nm; there is none. Choose another filter, or "
+                "correct the emission of the dyes."
+            )
     p, q = (mean_attenuation(design, number) for number in (1, 2))
     if p <= q:
-        raise refusal("exchanged_bands", p=p, q=q)
+        raise ConfigError(
+            "Expected the light of camera 1 to be reabsorbed more than that of camera 2; their "
+            f"attenuations are {p:.4g} and {q:.4g} 1/um, so that the ratio would not rise with "
+            "thickness. Exchange the filters, or choose others."
+        )
 
 
 def _with_light(design: Design, settings: PlanSettings) -> Design:
@@ -466,10 +474,12 @@ def rig_of(source: Path | str | PlanSettings, *, folder: Path | None = None) -> 
     one, two = settings.camera1, settings.camera2
     alike = ("gain", "read_noise", "offset", "bit_depth", "full_well")
     other = [key for key in alike if getattr(one, key) != getattr(two, key)]
-    if other:
-        raise refusal("unlike_cameras", names=", ".join(other))
-    if one.bit_depth != 12:
-        raise refusal("not_12_bits", camera=one)
+    if other or one.bit_depth != 12:
+        fault = f"{', '.join(other)} differ" if other else f"bit_depth is {one.bit_depth}"
+        raise ConfigError(
+            "Expected two cameras of one kind with 12 bits, as the virtual rig has; in the plan "
+            f"{fault}. Make [camera1] and [camera2] alike for the rehearsal."
+        )
 
     standard = RigSettings()
     height = standard.height * standard.pitch
@@ -477,7 +487,10 @@ def rig_of(source: Path | str | PlanSettings, *, folder: Path | None = None) -> 
     span = film.thickest - film.thinnest
     largest = LIMITS["tilt"][1] * (bottom - top) / height
     if span > largest:
-        raise refusal("wide_film_range", largest=largest, span=span)
+        raise ConfigError(
+            f"Expected films that differ by at most {largest:.0f} um, as far as the virtual rig "
+            f"can tilt; those of the plan differ by {span:.4g} um. Choose a part of the range."
+        )
     # a pin that leaves the film nearly even along x: 0.2 of the range at the edges
     radius = (1e3 * (standard.field_width / 2) ** 2) / (2 * 0.2 * span)
     pages = settings.references

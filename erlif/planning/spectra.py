@@ -12,7 +12,6 @@ import numpy.typing as npt
 from erlif.core.arrays import Array
 from erlif.core.bounded import read_rows
 from erlif.core.errors import ConfigError
-from erlif.planning.refusals import refusal
 
 # Names of the invented spectra. They are placed so that the concentrations of Farzaneh (2002)
 # attenuate by about 0.40 and 0.25 per um in the bands of 580 and 610 nm.
@@ -52,8 +51,10 @@ class Spectrum:
 
         low, high = self.wavelength[0], self.wavelength[-1]
         if asked.min() < low or asked.max() > high:
-            raise refusal(
-                "uncovered", name=self.name, first=asked.min(), last=asked.max(), low=low, high=high
+            raise ConfigError(
+                f"Expected the {self.name} to cover {asked.min():g} to {asked.max():g} nm, which "
+                f"laser and filters need; it covers {low:g} to {high:g} nm. Correct band and "
+                "bandwidth of the filter, or give a spectrum that reaches farther."
             )
         return np.asarray(np.interp(asked, self.wavelength, self.value))
 
@@ -120,11 +121,16 @@ def read_spectrum(path: Path, what: str) -> Spectrum:
         reason = getattr(error, "strerror", None) or error
         if isinstance(error, UnicodeError):
             reason = "it is not text"
-        raise refusal("unreadable_spectrum", what=what, path=path, reason=reason) from error
+        raise ConfigError(
+            f"Expected the {what} as a CSV file at {path}; it cannot be read: {reason}. Save the "
+            "spectrum as CSV in UTF-8, or correct its name in plan.toml."
+        ) from error
     name = f"{what} in {path.name}"
     if not rows or rows[0] != ["wavelength_nm", "value"]:
-        raise refusal(
-            "no_header", name=name, found=",".join(rows[0])[:60] if rows else "an empty file"
+        found = ",".join(rows[0])[:60] if rows else "an empty file"
+        raise ConfigError(
+            f"Expected the header wavelength_nm,value for the {name}; got {found!r}. Add the "
+            "header."
         )
     try:
         table = np.array([[float(cell) for cell in row] for row in rows[1:]]).reshape(-1, 2)
@@ -135,11 +141,20 @@ def read_spectrum(path: Path, what: str) -> Spectrum:
 
     wavelength, value = table.T
     if wavelength.size < 2 or not np.isfinite(table).all() or np.diff(wavelength).min() <= 0:
-        raise refusal("wavelengths_not_rising", name=name)
+        raise ConfigError(
+            f"Expected at least two finite, rising wavelengths in the {name}. Correct its lines: "
+            "sort them and remove repeated ones."
+        )
     if value.min() < 0 or value.max() == 0:
-        raise refusal("negative_spectrum", name=name, least=value.min(), most=value.max())
+        raise ConfigError(
+            f"Expected values of 0 or more in the {name}, and one above 0; got {value.min():g} to "
+            f"{value.max():g}. Correct the baseline."
+        )
     if wavelength[0] < _LIGHT[0] or wavelength[-1] > _LIGHT[1]:
-        raise refusal("wavelengths_not_in_nm", name=name, first=wavelength[0], last=wavelength[-1])
+        raise ConfigError(
+            f"Expected wavelengths in nm in the {name}; got {wavelength[0]:g} to "
+            f"{wavelength[-1]:g}. Convert them to nm."
+        )
     return Spectrum(wavelength, value, name)
 
 

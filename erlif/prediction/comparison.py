@@ -26,7 +26,6 @@ from erlif.prediction.measured import MeasuredMotion
 from erlif.prediction.motion import FrameMotion
 from erlif.prediction.orbits import FreeOrbits
 from erlif.prediction.problem import Frames, Problem
-from erlif.prediction.refusals import refusal
 
 # Steady formulas, by the variables of a film that hold them.
 STEADY = {
@@ -278,7 +277,10 @@ def compare_models(
     if measured.is_position and bounded:
         fitted.append(_bound_guided(problem, load_line_std))
     if not fitted:
-        raise refusal("no_model_fitted", failure=next(iter(failures.values())))
+        raise ModelError(
+            f"No model of the film could be fitted. {next(iter(failures.values()))} Check load, "
+            "viscosity and radii in run.toml."
+        )
     return replace(_rank(fitted, fits), not_fitted=failures)
 
 

@@ -10,8 +10,8 @@ import numpy as np
 import numpy.typing as npt
 
 from erlif.core.arrays import Array
-from erlif.core.errors import ModelError
-from erlif.core.notes import Note, note_writer
+from erlif.core.errors import ConfigError, ModelError
+from erlif.core.notes import Note, remark, warn
 from erlif.models.reynolds import Journal, Motion
 from erlif.prediction.given import FITTED, Change, GivenErrors, follow_changes, share_of_fitted
 from erlif.prediction.least_squares import (
@@ -28,10 +28,7 @@ from erlif.prediction.measured import MeasuredMotion
 from erlif.prediction.motion import FrameMotion
 from erlif.prediction.orbits import ATMOSPHERE, FreeOrbits, HeldOrbits, Orbits, lead_of
 from erlif.prediction.problem import Frames, Problem
-from erlif.prediction.refusals import refusal
 from erlif.trend import VogelLaw
-
-_note = note_writer("erlif.prediction")
 
 # Measured positions below which nothing is fitted.
 FEWEST_TRIGGERS = 4
@@ -386,18 +383,27 @@ def _begin(problem: Problem, unknowns: Unknowns) -> Minimum | None:
 def _check(measured: MeasuredMotion, frames: Frames, sideways: str, fitted: Sequence[str]) -> None:
     """Refuse what cannot be fitted."""
     if sideways not in SIDEWAYS:
-        raise refusal(
-            "no_such_pin", kinds=", ".join(SIDEWAYS[:-1]), last=SIDEWAYS[-1], sideways=sideways
+        raise ConfigError(
+            f"Expected a pin that is {', '.join(SIDEWAYS[:-1])} or {SIDEWAYS[-1]}, got "
+            f"{sideways!r}. Choose one."
         )
     unknown = [name for name in fitted if name not in ("viscosity", "cavitation_pressure")]
     if unknown:
-        raise refusal("no_such_unknown", name=unknown[0])
+        raise ConfigError(
+            f"Expected viscosity or cavitation_pressure to fit, got {unknown[0]!r}; start, rest "
+            "and stiffness are always fitted where the pin has them."
+        )
     if frames.measured.size < FEWEST_TRIGGERS:
-        raise refusal(
-            "few_positions", fewest=FEWEST_TRIGGERS, frames=frames, triggers=len(measured.value)
+        raise ConfigError(
+            f"Expected {FEWEST_TRIGGERS} or more measured positions for a fit of the film, got "
+            f"{frames.measured.size} of {len(measured.value)} triggers. Widen roi in [thickness], "
+            "or record more triggers."
         )
     if sideways == "spring" and not measured.is_position:
-        raise refusal("no_positions_for_spring")
+        raise ConfigError(
+            "Expected positions of the pin for the fit of a spring; minima do not contain the "
+            'sideways displacement. Choose "free" or "guided".'
+        )
 
 
 def _describe(
@@ -563,11 +569,25 @@ def _notes(estimates: Mapping[str, Estimate], minimum: Minimum, *, known: bool) 
     notes = []
     viscosity = estimates.get("viscosity")
     if viscosity is not None and not viscosity.determined:
-        notes.append(_note("viscosity", low=viscosity.low))
+        text = (
+            "The film does not change enough to determine the viscosity: it is at least "
+            f"{viscosity.low:.3g} Pa s (95 %). Record more cycles, or from the moment of loading "
+            "on."
+        )
+        notes.append(warn("fit", text))
     if {"viscosity", "cavitation_pressure"} <= set(estimates) and not known:
-        notes.append(_note("alike"))
+        text = (
+            "Viscosity and cavitation pressure change the film in nearly the same way: 0.1 % of "
+            "the film is up to 3 % of both, which the standard deviations do not contain. State a "
+            "width of the cavitation pressure, or fix one of the two."
+        )
+        notes.append(warn("fit", text))
     if minimum.inflation > MISFIT:
-        notes.append(_note("misfit", factor=minimum.inflation))
+        text = (
+            f"The residuals are {minimum.inflation:.3g} times the stated random errors; the "
+            "standard deviations contain this factor."
+        )
+        notes.append(warn("fit", text))
     return notes
 
 
@@ -580,4 +600,9 @@ def _note_rupture(problem: Problem, least: LeastSquares, minimum: Minimum) -> li
     lowest, rupture = orbits.lowest_pressure(orbit), orbits.journal.cavitation_pressure
     if not lowest < rupture:
         return []
-    return [_note("rupture", lowest=lowest * 1e-3, rupture=rupture * 1e-3)]
+    text = (
+        f"The film of the free pin is taken as full; its pressure falls to {lowest * 1e-3:.3g} "
+        f"kPa, below the cavitation pressure of {rupture * 1e-3:.3g} kPa. Compare with "
+        "solve_journal, which follows the cavities."
+    )
+    return [remark("fit", text)]

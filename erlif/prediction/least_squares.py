@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from erlif.core.arrays import Array
-from erlif.prediction.refusals import refusal
+from erlif.core.errors import ModelError
 
 # Trials until a search ends without a minimum; four to ten are usual.
 MOST_TRIALS = 60
@@ -268,7 +268,10 @@ class LeastSquares:
         value = np.clip(unknowns.start, unknowns.low, unknowns.high)
         (miss,) = self.misses(value[np.newaxis])
         if not np.isfinite(miss).all():
-            raise refusal("no_film_at_start")
+            raise ModelError(
+                "The model has no film at the start of the fit. Check load and viscosity, or give "
+                "another start."
+            )
 
         # a poor model is not bent by shared errors of many standard deviations
         inflation = self._inflation(miss, value)
@@ -285,12 +288,10 @@ class LeastSquares:
                 max_nfev=MOST_TRIALS,
             )
             if not search.success:
-                raise refusal(
-                    "no_minimum",
-                    trials=MOST_TRIALS,
-                    chi_square=2 * search.cost,
-                    count=self.target.size,
-                    names=", ".join(unknowns.names),
+                raise ModelError(
+                    f"The fit found no minimum in {MOST_TRIALS} trials: chi-square "
+                    f"{2 * search.cost:.4g} of {self.target.size} observations. Leave one of them "
+                    f"out of the fit: {', '.join(unknowns.names)}."
                 )
             value, before = search.x, inflation
             (miss,) = self.misses(value[np.newaxis])

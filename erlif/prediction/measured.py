@@ -10,10 +10,10 @@ import xarray as xr
 
 from erlif.calibration import calibration_of
 from erlif.core.arrays import Array, Mask
+from erlif.core.errors import ConfigError
 from erlif.core.products import require
 from erlif.core.statistics import covariance_root, symmetric_root
 from erlif.io.files import settings_of
-from erlif.prediction.refusals import refusal
 from erlif.trend import load_line_covariance
 
 _MICRO, _MILLI = 1e6, 1e-3
@@ -116,8 +116,10 @@ def measured_positions(film: xr.Dataset, calibration_cov: Array | None = None) -
         require(film, "pin_position_gradient")
         gradient = film.pin_position_gradient.values[:, :2] / _MICRO
         if gradient.shape[-1] != len(calibration_cov):
-            raise refusal(
-                "other_calibration", expected=gradient.shape[-1], found=len(calibration_cov)
+            raise ConfigError(
+                f"Expected the covariance of the {gradient.shape[-1]} numbers of the calibration "
+                f"of this film, got one of {len(calibration_cov)}. Give the calibration with which "
+                "it was processed."
             )
         columns = gradient @ covariance_root(calibration_cov)
 

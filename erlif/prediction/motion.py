@@ -10,11 +10,11 @@ import numpy.typing as npt
 import xarray as xr
 
 from erlif.core.arrays import Array
+from erlif.core.errors import EncoderError
 from erlif.core.products import require
 from erlif.kinematics.folding import crank_steps
 from erlif.models.mechanism import CrankRocker
 from erlif.models.reynolds import Motion
-from erlif.prediction.refusals import refusal
 
 # Steps of a turn of the crank, for the film within 0.1 %, beside one for every frame. A run of many
 # turns has fewer; with the fewest, a guided film is within 2 % near a dead point
@@ -133,7 +133,10 @@ def follow_motion(
     time, crank = _clock(frames, linkage, crank_speed)
     nodes, steps = np.unique(time, return_inverse=True)
     if nodes.size < 2:
-        raise refusal("one_crank_angle")
+        raise EncoderError(
+            "Expected two or more frames at different crank angles, between which the film "
+            "changes; all were taken at one. Record frames over the cycle."
+        )
 
     # a frame is a step, and between frames no step is longer than that of an even cycle
     turned = np.interp(nodes, time, crank)
@@ -142,7 +145,10 @@ def follow_motion(
     parts = np.ceil(np.diff(turned) / _TURN * per_turn - 1e-6)
     parts = np.maximum(parts, 1).astype(np.int64)
     if parts.sum() > MOST_STEPS:
-        raise refusal("many_turns", most=MOST_STEPS // FEWEST_STEPS, turns=turns)
+        raise EncoderError(
+            f"Expected a recording of at most {MOST_STEPS // FEWEST_STEPS} turns of the crank for "
+            f"the prediction; it covers {turns:.0f}. Use runs of fewer turns."
+        )
     place = np.concatenate([[0], np.cumsum(parts)])
     at = np.interp(np.arange(place[-1] + 1), place, nodes)
     fine = np.interp(at, nodes, turned)
@@ -179,7 +185,11 @@ def _clock(frames: xr.Dataset, linkage: CrankRocker, crank_speed: float) -> tupl
     # a camera may show every tenth turn; then its times fit that
     added = float(np.median(np.diff(turned) - np.diff(crank) % _TURN)) / _TURN
     if even is None and added > _WHOLE:
-        raise refusal("times_of_no_crank", turns=added)
+        raise EncoderError(
+            "Expected times of a crank at crank_speed; from frame to frame it would turn by "
+            f"{added:.3g} whole turns more than the angles show, and they do not follow it. "
+            "Correct crank_speed, or the unit of the times."
+        )
     return time, np.maximum.accumulate(turned) if even is None else even
 
 

@@ -11,7 +11,6 @@ from erlif.core.arrays import Array
 from erlif.core.errors import ModelError
 from erlif.models.reynolds import Journal, solve_film
 from erlif.prediction.pin_motion import PinMotion
-from erlif.prediction.refusals import refusal
 
 # Cells round the joint and over its length.
 CELLS = (384, 24)
@@ -89,7 +88,11 @@ def solve_pin_motion(
     load, side = tilted(position, axial)
     film = journal.clearance - load * cosine - side * sine
     if film.min() <= 0:
-        raise refusal("overlap", OverlapError, overlap=-1e6 * film.min())
+        raise OverlapError(
+            "Expected a gap all over the joint; pin and bushing overlap by "
+            f"{-1e6 * film.min():.2g} um. Compare clearance, tilts and length in [joint] with the "
+            "maps."
+        )
 
     load_rate, side_rate = tilted(rate, axial)
     change = (turning / 2 * load - side_rate) * sine - (turning / 2 * side + load_rate) * cosine

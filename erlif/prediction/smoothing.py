@@ -15,7 +15,6 @@ from scipy.linalg import cholesky, eigh, solve_triangular
 
 from erlif.core.arrays import Array
 from erlif.core.errors import ModelError
-from erlif.prediction.refusals import refusal
 
 # Positions from which a rate is found: a parabola has three numbers, a scatter needs more.
 FEWEST = 5
@@ -127,7 +126,10 @@ def smooth_path(time: Array, position: Array, covariance: Array) -> SmoothPath:
             "Expected rising times of the positions; they fall or repeat. Take each once, in order."
         )
     if not (np.linalg.eigvalsh(covariance)[:, 0] > 0).all():
-        raise refusal("covariance_not_definite")
+        raise ModelError(
+            "Expected covariances of positions that are positive definite; at least one is not. "
+            "Leave out positions without a standard deviation."
+        )
     middle = position.mean(axis=0)
     basis, slope = _lay_basis(time)
     size = basis.shape[1]

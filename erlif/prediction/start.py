@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from erlif.core.arrays import Array
-from erlif.prediction.refusals import refusal
+from erlif.core.errors import ModelError
 
 # Predictions until the search ends; four are usual.
 MOST_TRIALS = 12
@@ -83,7 +83,10 @@ def find_start_film(
     """
     known = np.isfinite(measured) & (measured > 0) & np.isfinite(measured_std) & (measured_std > 0)
     if not known.any():
-        raise refusal("no_measured_minimum")
+        raise ModelError(
+            "Expected a measured minimum film from which to find the start film; no trigger has "
+            'one. Give start_film = "20 um" in [prediction].'
+        )
     film, weight = np.log(measured[known]), (measured[known] / measured_std[known]) ** 2
     low, high = np.log(_THINNEST), np.log(_THICKEST * clearance)
 

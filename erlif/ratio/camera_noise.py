@@ -18,10 +18,10 @@ import numpy as np
 import scipy
 
 from erlif.core.arrays import Array
+from erlif.core.errors import FrameError
 from erlif.core.products import AlignedFrames, RatioImages, References
 from erlif.correction import CameraNoise
 from erlif.ratio.noise_fit import BLOCKS, NoiseCells, NoiseUnknowns, fit_noise, weigh_gains
-from erlif.ratio.refusals import refusal
 from erlif.ratio.sharpness import BlurDifference
 from erlif.registration import CameraMap, interpolation_variance_factor
 
@@ -224,7 +224,12 @@ def estimate_camera_noise(
         if not unknown.noise.any():
             return None
         camera = 1 + int(np.argmax(unknown.noise))
-        raise refusal("unknown_noise", camera=camera, frames=frames, patches=len(cells.variance))
+        raise FrameError(
+            f"camera{camera} has no gain or read noise, and the frames do not determine them: "
+            f"expected two or more frames with enough light and overlap, got {frames} with "
+            f'{len(cells.variance)} usable patches. Give gain = "4.4 electron/DN" and read_noise = '
+            '"9 electron", or flats and darks with at least two pages each.'
+        )
 
     # the response of camera 2 shows as a pattern that moves with its drift
     pattern = bool(unknown.response[1] and cells.pattern.mean() > _STILL)
@@ -242,7 +247,12 @@ def estimate_camera_noise(
     for n in np.nonzero(unknown.gain)[0]:
         slope, std = fit.slope[n], float(np.sqrt(fit.slope_covariance[n, n]))
         if not std < _WORST * slope:
-            raise refusal("unknown_gain", camera=n + 1, slope=slope, std=std)
+            raise FrameError(
+                f"camera{n + 1} has no gain, and the frames do not determine it: expected noise "
+                f"that rises with the light, got 1/gain = {slope:.3g} ± {std:.2g} DN/electron. "
+                'Give gain = "4.4 electron/DN", or flats with at least two pages of one light '
+                "level to measure it by photon transfer."
+            )
         gain[n], gain_std[n] = 1 / slope, std / slope**2
 
     # the root of a variance near zero is uncertain by the root of that variance's own std

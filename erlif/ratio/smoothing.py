@@ -27,9 +27,9 @@ import numba
 import numpy as np
 
 from erlif.core.arrays import Array, Image, Mask
+from erlif.core.errors import ModelError
 from erlif.core.products import RatioImages, require
 from erlif.ratio.planes import find_steps, fit_one_side, fit_planes, step_distances, weigh_pixels
-from erlif.ratio.refusals import refusal
 
 # Significance of a step through a pixel from which on its window is searched. [std]
 _SUSPECT = 3.5
@@ -101,7 +101,10 @@ def smooth_ratio(ratios: RatioImages, *, resolution: float) -> RatioImages:
     """
     require(ratios, "log_ratio", "log_ratio_var", "log_ratio_var_shared", "flags")
     if not (math.isfinite(resolution) and resolution >= 2):
-        raise refusal("fine_resolution", resolution=resolution)
+        raise ModelError(
+            f"Smoothing needs a resolution of at least 2 px; got {resolution:g}. Leave it out for "
+            "no smoothing."
+        )
     taps, step_noise = _gaussian_window(resolution)
     images = (-1, *ratios.log_ratio.shape[-2:])
     value, variance, shared = (

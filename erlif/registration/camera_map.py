@@ -15,9 +15,9 @@ import numpy as np
 import xarray as xr
 
 from erlif.core.arrays import Array, Image, Mask
+from erlif.core.errors import RegistrationError
 from erlif.core.html import Range, captioned, card, colour_picture, picture_tag, rows_table
 from erlif.core.variables import REGISTRATION
-from erlif.registration.refusals import refusal
 from erlif.registration.settings import RegistrationSettings
 
 
@@ -136,7 +136,10 @@ class CameraMap:
         missing = [name for name in REGISTRATION if name not in dataset]
         missing += [name for name in named if name not in dataset.attrs]
         if missing:
-            raise refusal("incomplete_map", missing=", ".join(missing))
+            raise RegistrationError(
+                f"A stored camera map needs {', '.join(missing)}, which this dataset lacks; "
+                "register the cameras again and store the map with to_dataset."
+            )
 
         # a file returns numpy scalars, and integers for booleans
         attrs = dataset.attrs
@@ -167,7 +170,11 @@ def _read_model(text: str) -> dict[str, Any]:
     """Fields of a camera map from its description in a file."""
     parts = _MODEL.fullmatch(text)
     if parts is None or parts["kind"] not in {kind.value for kind in MapKind}:
-        raise refusal("other_kind", text=text[:80], kinds=", ".join(kind.value for kind in MapKind))
+        raise RegistrationError(
+            f"The stored camera map is described as {text[:80]!r}, which is not a kind of map that "
+            f"this version knows ({', '.join(kind.value for kind in MapKind)}); register the "
+            "cameras again."
+        )
     return {
         "kind": MapKind(parts["kind"]),
         "resolution": parts["resolution"] or "",

@@ -17,12 +17,12 @@ import numpy as np
 from scipy import fft
 
 from erlif.core.arrays import AnyArray, Array, Image, Mask
+from erlif.core.errors import RegistrationError
 from erlif.core.statistics import robust_rms
 from erlif.registration.blocks import FEWEST, Agreement, agree, match_blocks
 from erlif.registration.interpolation import laid_over
 from erlif.registration.normalise import binned, normalise
 from erlif.registration.pairs import Pair, Textures
-from erlif.registration.refusals import refusal
 from erlif.registration.settings import ORIENTATIONS, RegistrationSettings, orient
 
 # The frames are binned by powers of two until their longer side is at most this. [px]
@@ -384,7 +384,13 @@ def find_start(pair: Pair, settings: RegistrationSettings) -> Agreement:
     # why the frames do not fit: turned, too far off, or nothing in common
     _refuse_turned(pair, settings, coarse)
     _refuse_distant(settings, coarse, correlator)
-    raise refusal("no_texture", best=best, least=SIGNIFICANT, settings=settings)
+    raise RegistrationError(
+        "No common texture found in the images of the two cameras: the highest peak of their "
+        f"cross-correlation stands {best.significance:.1f} times above chance, {SIGNIFICANT:.0f} "
+        f"are needed, within an offset of {settings.search:.0%} of the frame, 5 degrees and 5 % of "
+        "scale. Check that both cameras see the same field in focus and in the same pulse, and "
+        "that more light than noise reaches them."
+    )
 
 
 def _check_light(coarse: CoarsePair) -> None:
@@ -392,7 +398,11 @@ def _check_light(coarse: CoarsePair) -> None:
     both = coarse.textures
     for camera, weight in ((1, both.weight), (2, both.weight_b)):
         if not (weight > 0).mean() > LIT:
-            raise refusal("no_light", camera=camera)
+            raise RegistrationError(
+                "Registration needs light on both cameras, but hardly any pixel of camera "
+                f"{camera} is both lit and sound. Check the exposure, the dark frames and the "
+                "masks."
+            )
 
 
 def _refuse_turned(pair: Pair, settings: RegistrationSettings, coarse: CoarsePair) -> None:
@@ -406,7 +416,11 @@ def _refuse_turned(pair: Pair, settings: RegistrationSettings, coarse: CoarsePai
                 continue
 
             total = combined_orientation(settings.orientation, other)
-            raise refusal("turned", settings=settings, total=total)
+            raise RegistrationError(
+                f"Camera 2 is expected in orientation {settings.orientation!r} but its image fits "
+                f'that of camera 1 when it is taken as {total!r}. Set orientation = "{total}" in '
+                "the settings of the registration, or mount the camera the other way."
+            )
 
 
 def _refuse_distant(
@@ -418,4 +432,8 @@ def _refuse_distant(
     beyond = bool((np.abs(best.shift) > AT_THE_LIMIT * reach).any())
     if best.significance > SIGNIFICANT and beyond:
         dx, dy = (float(v) * coarse.factor for v in best.shift)
-        raise refusal("distant", settings=settings, dx=dx, dy=dy)
+        raise RegistrationError(
+            f"Camera 2 is searched within {settings.search:.0%} of the frame, but its image fits "
+            f"at an offset of ({dx:.0f}, {dy:.0f}) px. Move its region of interest by that much, "
+            "or raise search (at most 0.4)."
+        )

@@ -14,6 +14,7 @@ import numpy as np
 from scipy import fft
 
 from erlif.core.arrays import AnyArray, Array, Image, Mask
+from erlif.core.errors import RegistrationError
 from erlif.core.statistics import robust_rms
 from erlif.registration import local
 from erlif.registration.camera_map import CameraMap
@@ -33,7 +34,6 @@ from erlif.registration.matching import (
 )
 from erlif.registration.normalise import MOST, binned
 from erlif.registration.pairs import Pair, Pairs, Textures, make_pair, open_frames, textures
-from erlif.registration.refusals import refusal
 from erlif.registration.surface import cell_weights
 
 # Side of the cells whose sums determine the drift. [px]
@@ -215,12 +215,20 @@ def estimate_drift(
 def _find_drift(camera_map: CameraMap, pair: Pair, threads: int) -> Drift:
     """The drift of a pair that is turned already; refused without one."""
     if pair.reference.shape != camera_map.shape:
-        raise refusal("other_shape", camera_map=camera_map, pair=pair)
+        raise RegistrationError(
+            f"The camera map was made for frames of {camera_map.shape}, this frame has "
+            f"{pair.reference.shape}; register the cameras again for this region of interest."
+        )
 
     search = DriftSearch.of(camera_map.displacement_x, camera_map.displacement_y)
     drift = search.find(textures(pair, search.binning, threads), threads=threads)
     if np.isnan(drift.dx):
-        raise refusal("misfit", drift=drift)
+        raise RegistrationError(
+            "This frame does not fit the camera map: after alignment, the images of the two "
+            f"cameras have a correlation coefficient of {drift.quality:.3f}, no more than chance "
+            "gives. Leave the frame out if the pulse misfired, or register the cameras again if "
+            "they have been moved."
+        )
     return drift
 
 
@@ -280,7 +288,11 @@ def check_map(camera_map: CameraMap, pairs: Pairs) -> Array:
     lit = total[..., WEIGHT] > 0
     share = off[lit].mean()
     if share > OFF_SHARE:
-        raise refusal("outdated_map", share=share, tolerance=TOLERANCE)
+        raise RegistrationError(
+            f"The stored camera map fits no longer: {share:.0%} of the common field needs a "
+            f"displacement that differs by more than {TOLERANCE} px even after the drift. Register "
+            "the cameras again with this run."
+        )
     return np.array(drift)
 
 

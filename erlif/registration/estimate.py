@@ -18,7 +18,6 @@ from erlif.registration.drift import FEWEST_CELLS, DriftSearch
 from erlif.registration.interpolation import laid_over
 from erlif.registration.matching import cell_sums, correlation, products_of
 from erlif.registration.pairs import Frames, Pair, Pairs, open_frames, textures
-from erlif.registration.refusals import refusal
 from erlif.registration.selection import (
     FINE_LADDER,
     Model,
@@ -324,7 +323,11 @@ def check_correlation(sums: Array) -> float:
     quality = correlation(sums)
     error = products.std() / np.sqrt(products.size) if products.size else np.inf
     if products.size < FEWEST_CELLS or not products.mean() > BEYOND_CHANCE * error:
-        raise refusal("no_agreement", quality=quality)
+        raise RegistrationError(
+            "No common texture found: laid over each other as well as possible, the images of the "
+            f"two cameras have a correlation coefficient of {quality:.3f}, no more than chance "
+            "gives. Check that both cameras see the same field in focus and in the same pulse."
+        )
     return quality
 
 

@@ -13,10 +13,10 @@ import numpy as np
 from numba import njit
 
 from erlif.core.arrays import FAST, AnyArray, Image, Mask
+from erlif.core.errors import RegistrationError
 from erlif.core.flags import Flag
 from erlif.correction.light import fill_gaps
 from erlif.registration.bands import in_bands
-from erlif.registration.refusals import refusal
 
 # Pole of the filter that turns samples into cubic B-spline coefficients.
 _POLE: Final = np.float32(np.sqrt(3.0) - 2.0)
@@ -585,9 +585,15 @@ def warp(
     [[4, 3]]
     """
     if displacement_x.shape != displacement_y.shape or displacement_x.ndim != 2:
-        raise refusal("displacement_shapes", x=displacement_x, y=displacement_y)
+        raise RegistrationError(
+            f"Warping needs two displacement maps (y, x) of one shape, got {displacement_x.shape} "
+            f"and {displacement_y.shape}; take both from one CameraMap."
+        )
     if image.ndim != 2 or min(image.shape) < 3:
-        raise refusal("small_image", image=image)
+        raise RegistrationError(
+            f"Warping needs an image of at least 3 by 3 pixels, got {image.shape}. Pass a whole "
+            "frame."
+        )
 
     bad = NOTHING_BAD
     if image.dtype.kind == "f" and not np.isfinite(image).all():

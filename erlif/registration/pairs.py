@@ -10,7 +10,6 @@ from erlif.core.arrays import AnyArray, Image, Mask
 from erlif.core.errors import RegistrationError
 from erlif.registration.interpolation import NOTHING_BAD, spline_coefficients
 from erlif.registration.normalise import REACH, binned, normalise
-from erlif.registration.refusals import refusal
 from erlif.registration.settings import RegistrationSettings, orient
 
 # Frames below this side hold too few blocks for the coarse alignment. [px]
@@ -99,9 +98,16 @@ def _checked(
     """The image and its weight as the kernels take them; anything but a grey image is refused."""
     image = np.asarray(image)
     if image.ndim != 2 or min(image.shape) < SMALLEST_SIDE or image.dtype.kind not in "uif":
-        raise refusal("no_grey_image", least=SMALLEST_SIDE, camera=camera, image=image)
+        raise RegistrationError(
+            f"Registration needs grey images (y, x) of at least {SMALLEST_SIDE} by {SMALLEST_SIDE} "
+            f"pixels; camera {camera} has {image.dtype} of shape {image.shape}. Pass one frame of "
+            "each camera."
+        )
     if weight is not None and np.shape(weight) != image.shape:
-        raise refusal("weight_shape", camera=camera, weight=np.shape(weight), image=image.shape)
+        raise RegistrationError(
+            f"The weight of camera {camera} has shape {np.shape(weight)}, its image {image.shape}; "
+            "pass one weight for each pixel."
+        )
     if weight is None and image.dtype.kind == "f" and not np.isfinite(image).all():
         weight = np.isfinite(image)
 

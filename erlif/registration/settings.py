@@ -7,7 +7,7 @@ from typing import Final, Literal
 import numpy as np
 
 from erlif.core.arrays import AnyArray
-from erlif.registration.refusals import refusal
+from erlif.core.errors import RegistrationError
 
 _TURNS: Final[dict[str, Callable[[AnyArray], AnyArray]]] = {
     "normal": lambda image: image,
@@ -119,16 +119,27 @@ class RegistrationSettings:
     def __post_init__(self) -> None:
         for name, words in (("orientation", ORIENTATIONS), ("model", MODELS)):
             if getattr(self, name) not in words:
-                raise refusal(
-                    "unknown_word", name=name, words=", ".join(words), value=getattr(self, name)
+                raise RegistrationError(
+                    f"{name} must be one of {', '.join(words)}; got {getattr(self, name)!r}. "
+                    "Correct it in the settings of the registration."
                 )
 
         # a window spans at least two cells
         narrow = not SMALLEST_STEP <= self.step <= self.window / 2
         if narrow or self.window > LARGEST_WINDOW or self.step % 2:
-            raise refusal("window_step", widest=LARGEST_WINDOW, least=SMALLEST_STEP, settings=self)
+            raise RegistrationError(
+                f"window must lie between twice the step and {LARGEST_WINDOW} px, and step must be "
+                f"even and at least {SMALLEST_STEP} px; got window {self.window} and step "
+                f"{self.step}. Keep 32 and 8 if in doubt."
+            )
 
         if not 0 < self.search <= LARGEST_SEARCH:
-            raise refusal("search_range", most=LARGEST_SEARCH, search=self.search)
+            raise RegistrationError(
+                f"search must lie above 0 and at most at {LARGEST_SEARCH} of the frame; got "
+                f"{self.search}. Keep the default if in doubt."
+            )
         if self.passes < 1 or self.frames_for_map < 1 or self.threads < 1:
-            raise refusal("below_one", settings=self)
+            raise RegistrationError(
+                f"passes, frames_for_map and threads must be at least 1; got {self.passes}, "
+                f"{self.frames_for_map} and {self.threads}. Correct the settings."
+            )

@@ -8,10 +8,10 @@ from typing import Final
 import numpy as np
 
 from erlif.core.arrays import Array, Image, Mask
+from erlif.core.errors import RegistrationError
 from erlif.registration import local
 from erlif.registration.camera_map import CameraMap, MapKind
 from erlif.registration.matching import EE, WEIGHT, cell_centres, without_noise
-from erlif.registration.refusals import refusal
 from erlif.registration.selection import Model
 from erlif.registration.surface import ROWS, Cells, Surface, bilinear
 from erlif.registration.uncertainty import surface_covariance, surface_std
@@ -233,6 +233,10 @@ def finish_map(solution: Solution, views: Views, cells: Cells, quality: float) -
 
     part = float(poor[overlap].mean()) if overlap.any() else 1.0
     if part > MOST_POOR:
-        raise refusal("uncertain_map", part=part, std=POOR_STD)
+        raise RegistrationError(
+            f"The cameras could not be laid over each other: {part:.0%} of their common field is "
+            f"uncertain by more than {POOR_STD} px or does not agree with its neighbourhood. Give "
+            "more frames, more light or a wall with more texture, and check the focus."
+        )
     kind, resolution = solution.kind, solution.resolution
     return CameraMap(dx, dy, std, overlap, poor, quality, kind, resolution, views.settings)

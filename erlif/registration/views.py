@@ -11,6 +11,7 @@ import numpy as np
 from scipy import ndimage
 
 from erlif.core.arrays import Array, Image, Mask
+from erlif.core.errors import RegistrationError
 from erlif.registration.drift import LARGE, rough_drift
 from erlif.registration.interpolation import laid_over
 from erlif.registration.matching import (
@@ -26,7 +27,6 @@ from erlif.registration.matching import (
     without_noise,
 )
 from erlif.registration.pairs import Frames, Pair, Textures, textures
-from erlif.registration.refusals import refusal
 from erlif.registration.surface import Cells, Surface, cell_weights
 from erlif.registration.whitening import Filter, Spectra, measure_spectra, padded_size, whiten
 
@@ -81,7 +81,11 @@ def make_cells(sums: Array, step: int, surface: Surface, *, binning: int = 1) ->
     weight = cell_weights(scaled)
     count = (weight > 0).sum()
     if not count >= FEWEST_CELLS:
-        raise refusal("few_cells", least=FEWEST_CELLS, step=step, count=count)
+        raise RegistrationError(
+            "Too little is left where both cameras have light and sound pixels: registration needs "
+            f"{FEWEST_CELLS} cells of {step} px, got {count}. Check the masks, the exposure and "
+            "the regions of interest."
+        )
     return Cells(scaled, x, y, here_x, here_y, weight)
 
 

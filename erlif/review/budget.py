@@ -13,6 +13,7 @@ import xarray as xr
 from erlif.calibration import TERMS, Calibration, check_bands
 from erlif.core.arrays import Array, Mask
 from erlif.core.detector import QUANTISATION_VAR
+from erlif.core.errors import ConfigError
 from erlif.core.products import AlignedFrames, CorrectedFrames, RatioImages
 from erlif.core.progress import ShowProgress, choose_progress
 from erlif.io.files import takes
@@ -38,7 +39,6 @@ from erlif.pipeline.recording.pulses import complete_energies, read_energies
 from erlif.pipeline.recording.register import FixtureMap
 from erlif.pipeline.recording.swap import judge_ratios
 from erlif.ratio import PairRatio, RatioSum
-from erlif.review.refusals import refusal
 from erlif.thickness import flag_beyond_maximum, measure_thickness
 from erlif.trend import FilmStatistics, summarise_film
 
@@ -183,7 +183,10 @@ def budget(
     maps = measure_thickness(images, measuring)
     valid = maps.flags.values == 0
     if not valid.any():
-        raise refusal("no_valid_pixels", trigger=trigger)
+        raise ConfigError(
+            f"Expected a trigger with valid pixels; trigger {trigger} has none, every pixel is "
+            "flagged. Name another trigger."
+        )
 
     region = plane.region
     statistics = summarise_film(
@@ -247,7 +250,10 @@ def _choose_trigger(
         fastest = int(np.argmax(np.abs(cycle[name].values))) if name in cycle else 0
         trigger = int(cycle.trigger[fastest])
     if not 0 <= trigger < len(frames_of) or not frames_of[trigger]:
-        raise refusal("no_such_trigger", last=len(frames_of) - 1, trigger=trigger)
+        raise ConfigError(
+            f"Expected a trigger from 0 to {len(frames_of) - 1} that has frames; got {trigger}. "
+            "Choose another with --trigger."
+        )
     return trigger, frames_of[trigger]
 
 
@@ -337,14 +343,11 @@ def _pixel_columns(
         # a film thickness is represented by the median of the pixels near it
         near = valid & (np.abs(film / wanted - 1) < _NEAR)
         if near.sum() < _LEAST_PIXELS:
-            raise refusal(
-                "few_pixels",
-                least=_LEAST_PIXELS,
-                wanted=wanted,
-                trigger=trigger,
-                low=film[valid].min(),
-                high=film[valid].max(),
-                found=int(near.sum()),
+            raise ConfigError(
+                f"Expected at least {_LEAST_PIXELS} valid pixels of {wanted:g} um in the map of "
+                f"trigger {trigger}, which runs from {film[valid].min():.2f} to "
+                f"{film[valid].max():.2f} um; got {int(near.sum())}. Name other films or another "
+                "trigger."
             )
 
         terms = {

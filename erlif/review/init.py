@@ -15,8 +15,8 @@ import xarray as xr
 
 from erlif.calibration import open_calibration, read_profile
 from erlif.core.arrays import Array
-from erlif.core.errors import ConfigError, ErlifError, OutputError
-from erlif.core.notes import Note, list_some, note_writer
+from erlif.core.errors import ConfigError, ErlifError, FrameError, OutputError
+from erlif.core.notes import Note, list_some, remark, warn
 from erlif.core.products import EncoderLog
 from erlif.core.units import count_of
 from erlif.io.files import takes, write_file
@@ -45,9 +45,6 @@ from erlif.io.settings import (
 from erlif.pipeline.audit.log import signed_steps
 from erlif.pipeline.recording.log_cycle import WHOLE_TURN, Cycle, find_cycle
 from erlif.pipeline.recording.pulses import ENERGY_COLUMNS
-from erlif.review.refusals import refusal
-
-_write_note = note_writer("erlif.review", "init.toml")
 
 # Calibrations beside a run that are listed.
 MOST_CALIBRATIONS = 5
@@ -78,9 +75,13 @@ class _Draft:
         if remark:
             self.remarks[key] = remark
 
-    def note(self, key: str, subject: str = "", **values: Any) -> None:
-        """Add a finding of ``init.toml``."""
-        self.notes.append(_write_note(key, subject=subject, **values))
+    def note(self, subject: str, text: str) -> None:
+        """Add what was found."""
+        self.notes.append(remark(subject, text))
+
+    def warn(self, subject: str, text: str) -> None:
+        """Add what the user has to look at."""
+        self.notes.append(warn(subject, text))
 
 
 @takes(directory="directory")
@@ -147,18 +148,29 @@ def init(
 
     survey = survey_directory(directory, fixture=fixture)
     if not survey.cameras:
-        key = "only_jpeg" if survey.lossy else "no_images"
-        raise refusal(key, directory=directory, count=len(survey.lossy))
+        raise FrameError(
+            f"Expected frames of two cameras in {directory}; the {len(survey.lossy)} images in it "
+            "are JPEG files, which are lossy and hold 8 bits: the counts of the camera are gone. "
+            "Export the frames again as TIFF or PNG of 16 bits, or take the file of the camera."
+            if survey.lossy
+            else f"Expected frames of two cameras in {directory}; there is no image file in it. "
+            "Put the frames there, for example as camera1/*.tif and camera2/*.tif."
+        )
 
     draft = _Draft()
     _draft_cameras(draft, survey)
     recordings = [one for camera in survey.cameras[:2] for one in camera.recordings]
     of_fixture = [one.pattern for one in recordings if names_fixture(one)]
-    if of_fixture and not fixture:
-        draft.note("of_fixture", names=", ".join(map(str, of_fixture)), folder=directory)
-    for folder in survey.left_out:
-        key = "fixture_folder" if (folder / "fixture.toml").is_file() else "of_fixture"
-        draft.note(key, names=folder.relative_to(directory).as_posix(), folder=folder)
+    found = [(", ".join(map(str, of_fixture)), directory)] if of_fixture and not fixture else []
+    found += [(folder.relative_to(directory).as_posix(), folder) for folder in survey.left_out]
+    for names, folder in found:
+        draft.note(
+            "fixture",
+            f"{names} holds a fixture and has no camera of the run"
+            if folder != directory and (folder / "fixture.toml").is_file()
+            else f"{names} is of a fixture: erlif init --fixture {folder} writes fixture.toml, "
+            "erlif calibrate its calibration",
+        )
     draft.set("optics.x_axis", "sliding", "Check the direction: the files do not show it.")
     if fixture:
         _draft_profile(draft, survey)
@@ -191,16 +203,27 @@ def _draft_cameras(draft: _Draft, survey: Survey) -> None:
 
     if len(cameras) == 1:
         draft.set("camera2.offset", GAP)
-        draft.note("one_camera", label=cameras[0].label)
+        draft.warn(
+            "camera2",
+            f"frames of one camera only were found ({cameras[0].label}); camera 2 is a gap. Where "
+            "the files hold both cameras, give both tables the same files and their part",
+        )
     elif len(cameras) > 2:
         labels = ", ".join(camera.label for camera in cameras)
-        draft.note("many_cameras", count=len(cameras), labels=labels)
+        draft.warn(
+            "cameras",
+            f"{len(cameras)} groups of frames were found ({labels}); the first two were taken as "
+            "camera 1 and camera 2: correct files in both tables",
+        )
     else:
         _compare_cameras(draft, *cameras)
 
     if survey.unassigned:
         names = [os.path.relpath(path, survey.directory) for path in survey.unassigned]
-        draft.note("unassigned", names=list_some(names, most=_LISTED))
+        draft.warn(
+            "files",
+            f"these images belong to no camera by their names: {list_some(names, most=_LISTED)}",
+        )
 
 
 def _draft_camera(draft: _Draft, survey: Survey, number: int, camera: CameraSurvey) -> None:
@@ -210,16 +233,19 @@ def _draft_camera(draft: _Draft, survey: Survey, number: int, camera: CameraSurv
     pattern = frames.pattern or camera.label
     if camera.chosen:
         draft.set(f"{table}.files", frames.pattern, f"{frames.pages} frames of {kind}.")
-        draft.note("frames", table, pages=frames.pages, kind=kind, pattern=pattern)
+        draft.note(table, f"{frames.pages} frames of {kind}, {pattern}")
     if camera.recordings:
         _draft_recordings(draft, table, camera)
     if frames.pattern is None:
-        draft.note("no_pattern", table)
+        draft.warn(
+            table,
+            "no single pattern matches these frames and no other file; put them into one folder",
+        )
     if len(frames.kinds) > 1:
-        draft.note("unlike_frames", table, kinds=", ".join(frames.kinds))
+        draft.warn(table, f"the frames differ in size or type: {', '.join(frames.kinds)}")
     for fault in frames.faults[:1]:
         more = f" ({len(frames.faults) - 1} more)" if len(frames.faults) > 1 else ""
-        draft.note("faults", table, fault=fault, more=more)
+        draft.warn(table, f"{fault}{more}; --skip-bad-frames leaves out unreadable frame pairs")
 
     _draft_share(draft, table, number, camera)
     if camera.wavelength is not None:
@@ -232,11 +258,15 @@ def _draft_camera(draft: _Draft, survey: Survey, number: int, camera: CameraSurv
             continue
         count = count_of(images.pages, f"{key} image")
         draft.set(f"{table}.{key}", images.pattern, f"{count}.")
-        draft.note("images", table, count=count, pattern=images.pattern)
+        draft.note(table, f"{count}, {images.pattern}")
         if f"{key}s" in survey.in_order:
-            draft.note("in_order", table, which=key)
+            draft.warn(
+                table,
+                f"the {key} files name no camera and are taken in the order of their names: check "
+                "them",
+            )
         if images.pattern is None:
-            draft.note("no_pattern_of_images", table, which=key)
+            draft.warn(table, f"no single pattern matches the {key} files; put them into one file")
     if camera.darks is None:
         _ask_for_darks(draft, survey, table)
 
@@ -246,8 +276,11 @@ def _draft_recordings(draft: _Draft, table: str, camera: CameraSurvey) -> None:
     names = list_some(f"{one.pattern} ({one.pages})" for one in camera.recordings)
     if not camera.chosen:
         draft.set(f"{table}.files", GAP, f"One of {names}.")
-    key, count = "recording_taken" if camera.chosen else "recordings", len(camera.recordings)
-    draft.note(key, table, count=count, names=names, taken=camera.frames.pattern)
+    count = f"{len(camera.recordings)} recordings"
+    if camera.chosen:
+        draft.note(table, f"{camera.frames.pattern} of {count} was taken by its name: {names}")
+    else:
+        draft.warn(table, f"{count} look like frames: {names}; choose one as files")
 
 
 def _ask_for_darks(draft: _Draft, survey: Survey, table: str) -> None:
@@ -257,10 +290,14 @@ def _ask_for_darks(draft: _Draft, survey: Survey, table: str) -> None:
     )
     if lone:
         draft.set(f"{table}.offset", GAP, f'Write dark = "..." in place of this line: {lone}.')
-        draft.note("lone_darks", table, names=lone, table=table)
+        draft.warn(
+            table,
+            f"no dark frames were found by the name of the camera; there are {lone}: in "
+            f'[{table}], write dark = "..." in place of offset',
+        )
         return
     draft.set(f"{table}.offset", GAP, 'No dark frames were found; dark = "file.tif" is better.')
-    draft.note("no_darks", table)
+    draft.warn(table, "no dark frames were found: give offset, or photograph darks")
 
 
 def _draft_share(draft: _Draft, table: str, number: int, camera: CameraSurvey) -> None:
@@ -270,7 +307,7 @@ def _draft_share(draft: _Draft, table: str, number: int, camera: CameraSurvey) -
         return
     value = shared.values[number - 1]
     draft.set(f"{table}.{shared.key}", value, f"Check it: {shared.reason}.")
-    draft.note("shared", table, name=shared.key, value=value, reason=shared.reason)
+    draft.note(table, f'{shared.key} = "{value}": {shared.reason}')
     for key, names in (("dark_dataset", shared.darks), ("flat_dataset", shared.flats)):
         if names is not None:
             draft.set(f"{table}.{key}", names[number - 1])
@@ -288,7 +325,11 @@ def _draft_depth(draft: _Draft, table: str, counts: CountsSample) -> None:
         draft.set(f"{table}.alignment", "left", f"{remark[0].upper()}{remark[1:]}.")
         remark = f"{remark}: left-aligned."
     elif counts.unused_bits:
-        draft.note("left_aligned", table, seen=seen, factor=factor, depth=depth)
+        draft.warn(
+            table,
+            f"{seen}, all multiples of {factor}: {depth}-bit counts, left-aligned. Divide the "
+            f"counts by {factor} and save the images again",
+        )
         remark = f"{seen}, left-aligned by {factor}."
     elif counts.stated:
         remark = f"After the headers; {seen}."
@@ -302,11 +343,23 @@ def _draft_depth(draft: _Draft, table: str, counts: CountsSample) -> None:
 def _compare_cameras(draft: _Draft, one: CameraSurvey, two: CameraSurvey) -> None:
     """Report what keeps the frames of the two cameras from being paired."""
     if one.frames.pages != two.frames.pages:
-        draft.note("unlike_counts", one=one.frames.pages, two=two.frames.pages)
+        draft.warn(
+            "cameras",
+            f"camera1 has {one.frames.pages} frames, camera2 has {two.frames.pages}: frame k of "
+            "both must show the same laser pulse",
+        )
     if one.frames.kinds[:1] != two.frames.kinds[:1]:
-        draft.note("unlike_kinds", one=_first(one.frames.kinds), two=_first(two.frames.kinds))
+        draft.warn(
+            "cameras",
+            f"camera1 has frames of {_first(one.frames.kinds)}, camera2 of "
+            f"{_first(two.frames.kinds)}: set the same region of interest for both",
+        )
     if one.wavelength is None:
-        draft.note("which_camera", one=_describe(one), two=_describe(two))
+        draft.warn(
+            "cameras",
+            f"taken as camera1: {_describe(one)}, as camera2: {_describe(two)}. Camera 1 must be "
+            "the one with the shorter wavelength",
+        )
 
 
 def _describe(camera: CameraSurvey) -> str:
@@ -372,11 +425,11 @@ def _read_own_log(
 ) -> EncoderLog | None:
     """The log whose columns have the names of erlif, and whether its rows fit the frames."""
     draft.set("encoder.file", os.path.relpath(table.path, survey.directory))
-    draft.note("log", name=table.path.name, rows=table.rows, columns=", ".join(table.header))
+    draft.note("encoder log", f"{table.path.name}, {table.rows} rows: {', '.join(table.header)}")
     pages = {camera.frames.pages for camera in survey.cameras[:2]}
     if pages != {table.rows}:
         counts = " and ".join(str(count) for count in sorted(pages))
-        draft.note("rows", rows=table.rows, frames=counts)
+        draft.warn("encoder log", f"{table.rows} rows for {counts} frames: one row per frame pair")
     try:
         log = read_encoder_log(table.path, needs_angle=needs_angle)
         read = read_log_table(table.path, ())
@@ -385,7 +438,7 @@ def _read_own_log(
         )
         return log
     except ErlifError as error:
-        draft.note("unreadable", "encoder log", reason=error)
+        draft.warn("encoder log", f"{error}")
         return None
 
 
@@ -432,15 +485,23 @@ def _draft_proposal(draft: _Draft, survey: Survey, proposal: LogProposal) -> Non
     rows, names = len(proposal.table.rows), [name for name in proposal.table.names if name]
     listed = "; ".join(proposal.table.remarks)
     draft.set("encoder.file", os.path.relpath(proposal.path, survey.directory), listed)
-    draft.note("log", name=proposal.path.name, rows=rows, columns=", ".join(names))
+    draft.note("encoder log", f"{proposal.path.name}, {rows} rows: {', '.join(names)}")
     for quantity, name in proposal.columns.items():
         mark = "unit" if quantity in proposal.by_unit else "name"
         draft.set(f"encoder.{quantity}", name, f"By its {mark}; check that it is this quantity.")
     if proposal.by_unit:
         chosen = (f"{one} from {proposal.columns[one]!r}" for one in proposal.by_unit)
-        draft.note("by_unit", columns=", ".join(chosen))
+        draft.warn(
+            "encoder log",
+            f"chosen by the unit alone: {', '.join(chosen)}. Check that these columns hold these "
+            "quantities",
+        )
     for quantity in proposal.without_unit:
-        draft.note("no_unit", column=proposal.columns[quantity], quantity=quantity)
+        draft.warn(
+            "encoder log",
+            f"column {proposal.columns[quantity]!r} has no unit that is known: add it under units "
+            f'in [encoder], units = {{ {quantity} = "..." }}',
+        )
     used = [*proposal.columns.values(), *CONTRACT, *([proposal.pulse] if proposal.pulse else [])]
     if "angle" in proposal.known:  # else the columns are listed to choose from
         _note_unused(draft, names, used)
@@ -449,9 +510,13 @@ def _draft_proposal(draft: _Draft, survey: Survey, proposal: LogProposal) -> Non
     if proposal.pulse is not None:
         draft.set("encoder.pulse", proposal.pulse, "By its name: it must rise at each frame.")
     elif is_nearly_by_frame(rows, frames):
-        draft.note("rows", rows=rows, frames=frames)
+        draft.warn("encoder log", f"{rows} rows for {frames} frames: one row per frame pair")
     else:
-        draft.note("log_in_time", rows=rows, frames=frames)
+        draft.warn(
+            "encoder log",
+            f"{rows} rows for {frames} frames, a log in time: give the times of the frames as "
+            'pulse, or as frame_rate and start ("fit" finds it) in [encoder]',
+        )
 
 
 def _note_unused(draft: _Draft, names: Iterable[str], used: Iterable[str]) -> None:
@@ -459,7 +524,7 @@ def _note_unused(draft: _Draft, names: Iterable[str], used: Iterable[str]) -> No
     known = {"", *used, *ENERGY_COLUMNS}
     unused = [name for name in names if name not in known]
     if unused:
-        draft.note("unused", names=", ".join(repr(name) for name in unused))
+        draft.note("encoder log", f"not used: {', '.join(repr(name) for name in unused)}")
 
 
 def _ask_for_columns(draft: _Draft, proposal: LogProposal) -> None:
@@ -472,14 +537,17 @@ def _ask_for_columns(draft: _Draft, proposal: LogProposal) -> None:
     for quantity in missing:
         draft.set(f"encoder.{quantity}", GAP, f"One of the columns {names}.")
     unknown = " or ".join(missing)
-    draft.note("unknown_columns", name=proposal.path.name, missing=unknown, columns=names)
+    draft.warn(
+        "encoder log",
+        f"no column of {proposal.path.name} is known by its name as {unknown}: choose from {names}",
+    )
 
 
 def _draft_cycle(draft: _Draft, cycle: Cycle, time: Array | None) -> None:
     """Where the encoder sits, triggers per cycle, and the speed of the crank from the times."""
     _draft_mount(draft, cycle.on_crank)
     if cycle.triggers is None:
-        draft.note("no_cycle")
+        draft.warn("encoder log", "the angles do not show a complete cycle")
         return
     _draft_triggers(draft, cycle.triggers, cycle.count)
 
@@ -508,9 +576,8 @@ def _draft_repeats(draft: _Draft, log: xr.Dataset) -> None:
 
 def _draft_triggers(draft: _Draft, triggers: int, count: float) -> None:
     """Triggers per cycle, as the angles of the log show them."""
-    draft.note(
-        "cycle", triggers=triggers, cycles="1 cycle" if count == 1 else f"{count:.4g} cycles"
-    )
+    cycles = "1 cycle" if count == 1 else f"{count:.4g} cycles"
+    draft.note("encoder log", f"{triggers} triggers per cycle, {cycles}")
     remark = f"From the angles of the log: {draft.notes[-1].text}."
     draft.set("encoder.triggers_per_cycle", triggers, remark)
 
@@ -536,10 +603,10 @@ def _draft_profile(draft: _Draft, survey: Survey) -> None:
     try:
         profile = read_profile(table.path)
     except ErlifError as error:
-        draft.note("unreadable", "profile", reason=error)
+        draft.warn("profile", f"{error}")
         return
     low, high = float(profile.thickness.min()), float(profile.thickness.max())
-    draft.note("profile", name=table.path.name, rows=table.rows, low=low, high=high)
+    draft.note("profile", f"{table.path.name}, {table.rows} points from {low:.2f} to {high:.2f} um")
 
 
 def _find_table(survey: Survey, columns: tuple[str, ...]) -> TextTable | None:
@@ -553,11 +620,13 @@ def _report_missing_table(
 ) -> None:
     others = [f"{table.path.name} ({', '.join(table.header)})" for table in survey.tables]
     if not needed and not others:
-        draft.note("no_log", what)
+        draft.note(what, "none was found; each frame is a trigger")
     elif others:
-        draft.note("no_columns", what, columns=columns, names=list_some(others, most=_LISTED))
+        draft.warn(
+            what, f"no CSV file has the columns {columns}; found {list_some(others, most=_LISTED)}"
+        )
     else:
-        draft.note("no_table", what, what=what, columns=columns)
+        draft.warn(what, f"no CSV file was found; {what} needs the columns {columns}")
 
 
 # calibration
@@ -567,7 +636,7 @@ def _draft_calibration(draft: _Draft, survey: Survey) -> None:
     """The calibration or the fixture that lies nearest, and what it states about the cameras."""
     calibrations = list(_calibrations_near(survey.directory.resolve()))[:MOST_CALIBRATIONS]
     if not calibrations:
-        draft.note("no_calibration")
+        draft.warn("calibration", "no calibration.nc or fixture.toml lies near; name it later")
         return
     names = [os.path.relpath(path, survey.directory.resolve()) for path in calibrations]
     name = Path(names[0]).as_posix()
@@ -579,9 +648,13 @@ def _draft_calibration(draft: _Draft, survey: Survey) -> None:
             for name, path in zip(names, calibrations, strict=True)
         ]
         remark += f" Others near: {', '.join(listed[1:])}."
-        draft.note("many_calibrations", count=len(names), names=", ".join(listed))
+        draft.warn(
+            "calibration",
+            f"{len(names)} calibrations or fixtures lie near, the first was taken: "
+            f"{', '.join(listed)}",
+        )
     draft.set("calibration", name, remark)
-    draft.note("calibration", name=name, made=made)
+    draft.note("calibration", f"{name} {made}")
 
     # the same optics as a rule, but not for certain: a hint, not a value
     for key, text in _fixture_hints(calibrations[0]).items():

@@ -20,7 +20,6 @@ from scipy.interpolate import CubicSpline
 from erlif.core.arrays import Array
 from erlif.core.errors import ModelError
 from erlif.rig.orbit import THINNEST, Bearing
-from erlif.rig.refusals import refusal
 
 # Nodes round the circumference, five times denser at the load line than opposite.
 AROUND = 96
@@ -181,7 +180,10 @@ class _Film:
         grid = self.grid
         self.film, face = self.measure(place, turn)
         if self.film.min() < THINNEST:
-            raise refusal("film_closed")
+            raise ModelError(
+                "Expected a film that carries the load; the pin touches the bushing. Choose fewer "
+                "cycles since loading or a higher viscosity."
+            )
         breadth = grid.area[:, :1] / grid.width[0]
         self.around = face**3 / grid.reach * grid.width
         self.along = np.zeros_like(grid.area)
@@ -198,7 +200,10 @@ class _Film:
             )
             < 0
         ):
-            raise refusal("pressure_not_settled", sweeps=_SWEEPS)
+            raise ModelError(
+                f"The pressure of the film did not settle within {_SWEEPS} sweeps. Choose a higher "
+                "viscosity or fewer cycles since loading."
+            )
         sides = np.stack([np.cos(grid.angle + turn), np.sin(grid.angle + turn)])
         return np.asarray(self.unit * self.area * (sides @ (self.pressure * grid.area).sum(axis=1)))
 

@@ -8,9 +8,8 @@ import tempfile
 from os import PathLike
 from pathlib import Path
 
-from erlif.core.errors import OutputError
+from erlif.core.errors import ModelError, OutputError
 from erlif.core.progress import ShowProgress, choose_progress
-from erlif.rig.refusals import refusal
 from erlif.rig.run import write_rig
 from erlif.rig.settings import RigSettings
 
@@ -85,11 +84,17 @@ def simulate(
             f"Expected the path of a directory as out=, got {type(out).__name__}. Name a directory."
         )
     if rig is not None and not isinstance(rig, RigSettings):
-        raise refusal("no_settings", got=type(rig).__name__)
+        raise ModelError(
+            f"Expected erlif.rig.RigSettings as rig=, got {type(rig).__name__}. Write "
+            "rig=erlif.rig.RigSettings(width=256, height=192)."
+        )
     out = Path(out)
     existing = [name for name in WRITTEN if (out / name).exists()]
     if existing and not overwrite:
-        raise refusal("directory_exists", out=out, existing=", ".join(existing))
+        raise OutputError(
+            f"{out} holds {', '.join(existing)} already; choose another directory or pass "
+            "--overwrite."
+        )
     _refuse_foreign(out, existing)
 
     # the old directories stay until the new ones are complete
@@ -107,7 +112,10 @@ def simulate(
             for path in Path(scratch).iterdir():
                 path.rename(out / path.name)
     except OSError as error:
-        raise refusal("unwritable", out=out, reason=error.strerror or error) from error
+        raise OutputError(
+            f"{out} could not be written: {error.strerror or error}. Choose another directory, or "
+            "make room."
+        ) from error
     return out
 
 
@@ -122,4 +130,8 @@ def _refuse_foreign(out: Path, existing: list[str]) -> None:
         with truth.open("rb") as file:
             foreign += [truth] if file.read(len(_HDF5)) != _HDF5 else []
     if foreign:
-        raise refusal("foreign_directory", out=out, other=foreign[0].relative_to(out).as_posix())
+        raise OutputError(
+            f"Expected nothing but an earlier simulation in {out}; "
+            f"{foreign[0].relative_to(out).as_posix()} is something else, which --overwrite does "
+            "not remove. Move it away, or choose another directory."
+        )

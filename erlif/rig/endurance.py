@@ -17,7 +17,7 @@ from scipy.constants import pound_force
 from scipy.signal import lfilter
 
 from erlif.core.arrays import Array
-from erlif.rig.refusals import refusal
+from erlif.core.errors import ModelError
 
 if TYPE_CHECKING:
     import xarray as xr  # loaded when a test is simulated: the commands import this stage
@@ -203,9 +203,15 @@ def simulate_endurance(
 
     rig = rig or EnduranceRig()
     if not rig.loads or min(rig.stage_duration, rig.interval) <= 0:
-        raise refusal("no_schedule")
+        raise ModelError(
+            "Expected a schedule with a stage, a duration and an interval above 0. Give other "
+            "loads or times."
+        )
     if rig.galling_stage is not None and not 1 <= rig.galling_stage <= len(rig.loads):
-        raise refusal("no_such_stage", stages=len(rig.loads), got=rig.galling_stage)
+        raise ModelError(
+            f"Expected galling_stage from 1 to {len(rig.loads)}; got {rig.galling_stage}. Give one "
+            "of them, or None for a test that survives."
+        )
 
     stages, idles, onset, end = _schedule(rig)
     time = np.arange(0.0, end, rig.interval) + rig.interval

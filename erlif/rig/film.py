@@ -12,7 +12,7 @@ import numpy as np
 from numba import njit
 
 from erlif.core.arrays import Array
-from erlif.rig.refusals import refusal
+from erlif.core.errors import ModelError
 from erlif.rig.settings import RigSettings
 
 # Thickness [um] at object points (x, y) [pixel of camera 1].
@@ -193,7 +193,10 @@ def follow_film_law(rig: RigSettings, speed: Array, load: Array) -> Array:
         law = rig.film_reference * (speed * rig.load / load) ** rig.exponent
         return np.maximum(law, rig.film_floor)
     if len(rig.film_table) != speed.size:
-        raise refusal("uneven_film_table", triggers=speed.size, films=len(rig.film_table))
+        raise ModelError(
+            f"film_table needs one film for each of {speed.size} triggers, got "
+            f"{len(rig.film_table)}. Give one number for each."
+        )
     return np.array(rig.film_table, dtype=np.float64)
 
 

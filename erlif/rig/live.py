@@ -14,8 +14,8 @@ from typing import Literal, get_args
 import numpy as np
 import tifffile
 
+from erlif.core.errors import ModelError
 from erlif.core.progress import Progress, silent
-from erlif.rig.refusals import refusal
 
 Kind = Literal["camera1-stops", "camera2-stops", "camera1-loses", "camera2-loses", "laser-fades"]
 
@@ -64,7 +64,10 @@ class Fault:
         """
         found = _FORM.fullmatch(text)
         if not found:
-            raise refusal("no_fault", text=text, kinds=", ".join(get_args(Kind)))
+            raise ModelError(
+                "Expected a fault and its frame, such as camera2-stops@40, of the kinds "
+                f"{', '.join(get_args(Kind))}; got {text!r}. Write it in this form."
+            )
         return cls(found[1], int(found[2]))  # type: ignore[arg-type]
 
     def silences(self, camera: str, frame: int) -> bool:

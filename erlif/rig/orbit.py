@@ -18,7 +18,7 @@ from scipy.integrate import solve_ivp
 from scipy.interpolate import CubicSpline
 
 from erlif.core.arrays import Array
-from erlif.rig.refusals import refusal
+from erlif.core.errors import ModelError
 
 # Collocation points over half the circumference.
 POINTS = 32
@@ -299,5 +299,9 @@ def follow_orbit(
     )
     if not orbit.success or orbit.t.size < time.size:
         thinnest = 1e6 * THINNEST * clearance
-        raise refusal("film_closed_in_time", thinnest=thinnest, duration=orbit.t[-1] - time[0])
+        raise ModelError(
+            f"Expected a film above {thinnest:.2g} um; the load closes it "
+            f"{orbit.t[-1] - time[0]:.3g} s after loading. Choose fewer cycles since loading or a "
+            "higher viscosity."
+        )
     return np.asarray(orbit.y.T * clearance)

@@ -9,7 +9,6 @@ from typing import Any
 
 from erlif.core.errors import ModelError
 from erlif.core.tables import read_table
-from erlif.rig.refusals import refusal
 
 _TABLE = read_table("erlif.rig", "settings.toml")
 
@@ -429,22 +428,35 @@ class RigSettings:
             text = isinstance(value, str) and not isinstance(getattr(RigSettings, name), str)
             if text or not all(math.isfinite(one) and low <= one <= high for one in numbers):
                 among = f" from {low:g} to {high:g}" if name in LIMITS else ""
-                raise refusal("no_number", name=name, among=among, value=value)
+                raise ModelError(
+                    f"Expected {name} of the virtual rig as a number{among}; got {value}. Choose "
+                    "another value."
+                )
         for name, words in CHOICES.items():
             if (got := getattr(self, name)) not in words:
-                raise refusal("unknown_choice", name=name, known=", ".join(words), got=got)
+                raise ModelError(
+                    f"Expected {name} of the virtual rig as one of {', '.join(words)}; got "
+                    f"{got!r}. Choose one of them."
+                )
 
     def _check_run(self) -> None:
         """Refuse a run that is too long, references without a level, and a log without linkage."""
         linked = self.mechanism == "crank-rocker"
         logger = (self.log, self.reading, self.encoder, self.pulses_per_cycle)
         if not linked and logger != ("frames", "degrees", "rocker", 0.0):
-            raise refusal("no_linkage", mechanism=self.mechanism)
+            raise ModelError(
+                "Expected log, reading, encoder and pulses_per_cycle of the virtual rig with a "
+                f"linkage alone; the mechanism is {self.mechanism!r}. Leave them out."
+            )
         in_turn = self.pulses_per_cycle or 2 * SWING / self.spacing
         in_turn = in_turn if linked else self.pictures
         most = LIMITS["pictures"][1]
         if in_turn * self.cycles > most:
-            raise refusal("many_pairs", most=most, spacing=self.spacing, cycles=self.cycles)
+            raise ModelError(
+                f"Expected a run of at most {most} frame pairs; a spacing of {self.spacing:g} "
+                f"degrees and {self.cycles} cycles have more. Choose a larger spacing or fewer "
+                "cycles."
+            )
         if not self.flat_levels:
             raise ModelError("The virtual rig needs at least one flat level. Choose 1 or more.")
 
@@ -454,16 +466,25 @@ class RigSettings:
         if self.crank + self.ground >= self.coupler + self.rocker or self.crank >= min(
             self.coupler, self.rocker
         ):
-            raise refusal("crank_cannot_turn")
+            raise ModelError(
+                "The crank of the virtual rig cannot turn (Grashof): make it the shortest of four "
+                "links."
+            )
         if not 0 < self.pin_radius < self.bushing_radius:
             raise ModelError(
                 "The pin radius must be smaller than the bushing radius. Correct one of them."
             )
         if not 0 <= self.wedge[0] < self.wedge[1]:
-            raise refusal("wedge_not_rising", wedge=self.wedge)
+            raise ModelError(
+                f"The wedge must rise from a film of 0 um or more, got {self.wedge}. Choose other "
+                "ends."
+            )
         held = self.sideways
         if held not in SIDEWAYS and (isinstance(held, str) or held <= 0):
-            raise refusal("unknown_mount", known=", ".join(SIDEWAYS), held=held)
+            raise ModelError(
+                f"Expected sideways of the virtual rig as {', '.join(SIDEWAYS)} or a stiffness "
+                f"above 0 in N/m; got {held!r}. Choose one of them."
+            )
 
         # the film of theory is that of a journal bearing whose pin and bushing are parallel
         if self.film == "reynolds" and (
@@ -472,7 +493,12 @@ class RigSettings:
             or self.tilt != 0
             or self.contact != "pin"
         ):
-            raise refusal("no_reynolds_film", mechanism=self.mechanism, tilt=self.tilt)
+            raise ModelError(
+                "Expected the film reynolds, that of a journal bearing, with the mechanism "
+                "crank-rocker, without film_table, with the contact pin and a tilt of 0; got "
+                f"{self.mechanism!r} and a tilt of {self.tilt:g} um. Choose another film, or leave "
+                "them out."
+            )
 
     @property
     def pitch(self) -> float:
@@ -537,7 +563,9 @@ def read_rig_settings(path: Path) -> dict[str, Any]:
     try:
         table = tomllib.loads(path.read_text(encoding="utf-8"))
     except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-        raise refusal("unreadable_settings", path=path, error=error) from error
+        raise ModelError(
+            f"Expected settings of the virtual rig as TOML in {path}; {error}. Correct the file."
+        ) from error
 
     known = {field.name: getattr(RigSettings, field.name) for field in fields(RigSettings)}
     settings: dict[str, Any] = {}
@@ -546,6 +574,9 @@ def read_rig_settings(path: Path) -> dict[str, Any]:
         size = len(default) if isinstance(default, tuple) else 0
         stated = len(value) if isinstance(value, list) else 0
         if name not in known or (stated != size and name not in _LISTS):
-            raise refusal("unknown_setting", path=path, name=name, value=value)
+            raise ModelError(
+                "Expected settings of the virtual rig, with as many numbers as docs/simulator.md "
+                f"shows; {path} has {name} = {value}. Correct it."
+            )
         settings[name] = tuple(value) if stated else value
     return settings

@@ -17,13 +17,13 @@ import xarray as xr
 
 from erlif.calibration import Calibration, calibration_of
 from erlif.core.arrays import Array
+from erlif.core.errors import ConfigError
 from erlif.core.products import RatioImages, require
 from erlif.core.statistics import symmetric_root
 from erlif.models.contact import conformal_radius
 from erlif.trend.block_fit import average_blocks, fit_blocks, sum_by_strips
 from erlif.trend.blocks import BlockSums, sum_blocks
 from erlif.trend.curve import FilmCurve
-from erlif.trend.refusals import refusal
 from erlif.trend.region import Region
 
 # Order of the numbers of a position: displacements [um], then tilts [um/mm].
@@ -234,7 +234,12 @@ def find_pin_in_blocks(
     offset = centre - view.load_line
     ends = centre - half, centre + half
     if not view.sees(*ends):
-        raise refusal("distant_load_line", reach=0.5 * np.pi * view.radius, view=view, ends=ends)
+        raise ConfigError(
+            f"Expected a load line within {0.5 * np.pi * view.radius:.0f} mm of all of the region, "
+            f"a quarter of a turn; it is at {view.load_line:.2f} mm, the region lies at "
+            f"{ends[0]:.2f} to {ends[1]:.2f} mm. Correct load_line in [prediction], pixel_pitch in "
+            "[optics] or the radii in [joint]."
+        )
     x = offset + half * blocks.along
     x_squared = offset**2 + 2 * offset * half * blocks.along + half**2 * blocks.along_squared
     axial_centre, axial_half = _span(axial, view.pitch)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from erlif.core.arrays import Array
-from erlif.trend.refusals import refusal
+from erlif.core.errors import ConfigError
 
 _SMALLEST = 32  # least width and height: four blocks of eight pixels for the fit of the gap [px]
 
@@ -64,7 +64,12 @@ def find_region(x: Array, y: Array, *, roi: tuple[Interval, Interval] | None = N
     columns = _slice_between(x, across)
     rows = _slice_between(y, down)
     if columns.stop - columns.start < _SMALLEST or rows.stop - rows.start < _SMALLEST:
-        raise refusal("small_region", least=_SMALLEST, x=x[-1], y=y[-1], across=across, down=down)
+        raise ConfigError(
+            f"Expected a region of interest of at least {_SMALLEST} x {_SMALLEST} pixels within "
+            f"the image, x 0 to {x[-1]:.2f} mm and y 0 to {y[-1]:.2f} mm; [thickness] roi is x = "
+            f"[{across[0]:g}, {across[1]:g}], y = [{down[0]:g}, {down[1]:g}]. Correct roi, or "
+            "pixel_pitch in [optics]."
+        )
     return Region(rows, columns)
 
 

@@ -9,12 +9,12 @@ import numpy as np
 import xarray as xr
 
 from erlif.core.arrays import Array
+from erlif.core.errors import ConfigError
 from erlif.core.products import require
 from erlif.core.variables import FILM
 from erlif.models.contact import conformal_radius, contact_modulus
 from erlif.models.film import dowson_higginson_film, film_parameter, line_contact_film
 from erlif.models.oil import vogel_viscosity
-from erlif.trend.refusals import refusal
 
 _ZERO_CELSIUS = 273.15
 
@@ -237,7 +237,10 @@ def viscosity_at(conditions: xr.Dataset, viscosity: float | VogelLaw) -> Array:
     if not isinstance(viscosity, VogelLaw):
         return np.full(next(iter(conditions.sizes.values())), viscosity)
     if "temperature" not in conditions:
-        raise refusal("no_temperature")
+        raise ConfigError(
+            "Expected a column temperature_C in the encoder log, because [oil] gives the viscosity "
+            'by Vogel\'s law; there is none. Log the temperature, or give viscosity = "0.12 Pa s".'
+        )
     kelvin = conditions.temperature.values + _ZERO_CELSIUS
     return np.asarray(
         vogel_viscosity(kelvin, a=viscosity.a, b=viscosity.b, c=viscosity.c + _ZERO_CELSIUS)

@@ -1,20 +1,6 @@
 """Notes for the user."""
 
-import re
-from importlib.resources import files
-
-import pytest
-
-from erlif.core.notes import Level, Note, join_notes, note_writer
-from erlif.core.tables import read_table
-
-TABLES = (
-    ("erlif.calibration", "notes.toml"),
-    ("erlif.pipeline.audit", "notes.toml"),
-    ("erlif.prediction", "notes.toml"),
-    ("erlif.review", "init.toml"),
-    ("erlif.review.audit", "notes.toml"),
-)
+from erlif.core.notes import Level, Note, join_notes, remark, warn
 
 
 def test_notes_are_joined_as_lines_with_warnings_first():
@@ -30,17 +16,7 @@ def test_notes_are_joined_as_lines_with_warnings_first():
     assert join_notes([]) == ""
 
 
-@pytest.mark.parametrize(("package", "name"), TABLES)
-def test_every_note_of_a_table_is_made_somewhere(package, name):
-    source = "".join(path.read_text("utf-8") for path in files(package).glob("*.py"))
-    unused = [key for key in read_table(package, name) if not re.search(rf'[("]{key}"', source)]
-    assert not unused
-
-
-def test_a_note_with_a_cure_is_a_warning_where_the_cure_is_needed():
-    write = note_writer("erlif.review.audit")
-    assert write("overlap", overlap=0.4).level is Level.WARNING
-    assert write("overlap", overlap=0.4).text.endswith(
-        ". Turn the cameras until both show the same part of the joint"
-    )
-    assert write("overlap", wrong=False, overlap=0.9).level is Level.NOTE
+def test_a_note_with_a_cure_is_a_warning():
+    cured = remark("load", "load 2 N", "Correct it")
+    assert cured == warn("load", "load 2 N. Correct it")
+    assert remark("load", "load 2 N").level is Level.NOTE

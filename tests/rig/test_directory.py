@@ -58,9 +58,8 @@ def test_rig_shares_no_code_with_the_measurement():
                         "erlif.core.arrays",
                         "erlif.core.errors",
                         "erlif.core.progress",
-                        "erlif.core.refusals",
                         "erlif.core.tables",
-                    )  # types, exceptions, progress bars, texts, the reader of TOML tables
+                    )  # types, exceptions, progress bars, the reader of TOML tables
                     assert allowed or name.startswith("erlif.rig"), f"{path.name} imports {name}"
 
 

@@ -1,27 +1,18 @@
-"""Refusals have an error of the package, and name what they are given."""
+"""Figures that cannot be drawn are refused, and the message names what is missing."""
 
 import pytest
 from scenes import film as scene
 from scenes.motion import static_film
 
 from erlif import compare
-from erlif.core.errors import ErlifError, FrameError
+from erlif.core.errors import ErlifError
 from erlif.show import plots
-from erlif.show.refusals import refusal
 
 FILM = plots.example_film()
 BARE = FILM.drop_vars([name for name in FILM if str(name).startswith("film_predicted")])
 PLACELESS = FILM.drop_vars("pin_displacement")
 PRESSURE = plots.example_pressure()
 UNKNOWN = PRESSURE.assign(peak_pressure=float("nan") * PRESSURE.peak_pressure)
-
-
-def test_a_refusal_names_what_was_found():
-    error = refusal("no_run", name="film.nc")
-    assert type(error) is FrameError
-    assert "the run of film.nc" in str(error)
-    with pytest.raises(KeyError, match="name"):
-        refusal("no_run")
 
 
 @pytest.mark.parametrize(

@@ -11,10 +11,10 @@ import numpy as np
 import xarray as xr
 
 from erlif.core.arrays import AnyArray
+from erlif.core.errors import ErlifError
 from erlif.core.progress import Progress
 from erlif.core.variables import FILM
 from erlif.io.files import check_trigger, takes
-from erlif.io.refusals import refusal
 
 # Maps of a film, in the order in which they are written.
 MAPS = ("thickness", "thickness_std", "thickness_std_shared", "flags")
@@ -224,7 +224,9 @@ def choose_trigger(
         listed = " and ".join(
             f"{name.replace('_', ' ')} {value:g}" for name, value in given.items()
         )
-        raise refusal("trigger_twice", listed=listed)
+        raise ErlifError(
+            f"Expected a trigger by its number or by one angle; got {listed}. Give one of them."
+        )
     if trigger is not None:
         check_trigger(film, trigger)
         return trigger
@@ -235,9 +237,14 @@ def _nearest(film: xr.Dataset, name: str, angle: float) -> int:
     """Trigger nearest to an angle. [degree]"""
     title = name.replace("_", " ")
     if name not in film:
-        raise refusal("no_angles", name=title, angle=angle)
+        raise ErlifError(
+            f"Expected a film with the {title} of its triggers to find that at {angle:g} degree; "
+            "this one has none. Choose the trigger by its number."
+        )
     if not np.isfinite(angle):
-        raise refusal("angle_without_end", name=title, angle=angle)
+        raise ErlifError(
+            f"Expected the {title} of a trigger in degree; got {angle}. Give a number."
+        )
     angles = film[name].values.astype(float)
     distance = np.abs(angles - angle)
     if name == "crank_angle":  # it starts again after a turn
@@ -246,7 +253,10 @@ def _nearest(film: xr.Dataset, name: str, angle: float) -> int:
     nearest = int(np.nanargmin(distance))
     steps = np.diff(np.unique(angles[np.isfinite(angles)]))
     if distance[nearest] > (np.median(steps) if steps.size else _NEAR):
-        raise refusal("angle_of_no_trigger", name=title, angle=angle, nearest=angles[nearest])
+        raise ErlifError(
+            f"Expected the {title} of a trigger; got {angle:g} degree. Choose an angle near it; of "
+            f"all triggers, that at {angles[nearest]:.2f} degree is the nearest."
+        )
     return nearest
 
 

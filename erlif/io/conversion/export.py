@@ -9,6 +9,7 @@ from pathlib import Path
 
 import xarray as xr
 
+from erlif.core.errors import OutputError
 from erlif.core.progress import Progress, silent
 from erlif.io.conversion.archive import write_archive
 from erlif.io.conversion.contents import choose_trigger
@@ -17,7 +18,6 @@ from erlif.io.conversion.stack import write_stack
 from erlif.io.conversion.table import write_map_table, write_trigger_table
 from erlif.io.conversion.vtk_xml import write_series
 from erlif.io.files import open_film, reading_film, refuse_existing, replacing, take
-from erlif.io.refusals import refusal
 
 
 @dataclass(frozen=True)
@@ -153,13 +153,21 @@ def format_of(output: Path, to: str | None) -> str:
         kinds = [kind for kind, form in FORMATS.items() if output.suffix in form.suffixes]
         if kinds and output.suffix:
             return kinds[0]
-        raise refusal("no_suffix", output=output, formats=", ".join(FORMATS))
+        raise OutputError(
+            f"Expected an output whose suffix names its format; got {output.name}. Give to, one of "
+            f"{', '.join(FORMATS)}."
+        )
     if to not in FORMATS:
-        raise refusal("no_format", to=to, formats=", ".join(FORMATS))
+        raise OutputError(
+            f"Expected a format to export to, one of {', '.join(FORMATS)}; got {to}. Choose one of "
+            "them."
+        )
     suffixes = FORMATS[to].suffixes
     if output.suffix not in suffixes:
         expected = f"a name in {' or '.join(suffixes)}" if suffixes[0] else "a folder's name"
-        raise refusal("wrong_suffix", expected=expected, to=to, output=output)
+        raise OutputError(
+            f"Expected {expected} for the format {to}; got {output.name}. Give another name."
+        )
     return to
 
 

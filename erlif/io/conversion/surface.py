@@ -6,8 +6,8 @@ import numpy as np
 import xarray as xr
 
 from erlif.core.arrays import Array
+from erlif.core.errors import ConfigError
 from erlif.io.files import settings_of
-from erlif.io.refusals import refusal
 
 # Kinds of motion whose surfaces are flat, whatever [joint] states.
 _FLAT = ("sinusoidal",)
@@ -56,7 +56,11 @@ def find_surface(film: xr.Dataset) -> Array:
     sliding = (x if along_x else -y).astype(float)
     length = float(sliding.max() - sliding.min())
     if length > 2 * np.pi * radius:
-        raise refusal("too_long", length=length, around=2 * np.pi * radius)
+        raise ConfigError(
+            "Expected an image no longer than the circumference of the pin, "
+            f"{2 * np.pi * radius:.1f} mm; it is {length:.1f} mm along sliding. Correct "
+            "pixel_pitch in [optics] or pin_radius in [joint], and process the run again."
+        )
     # the load line is measured from the first pixel of the camera, also where the film is cropped
     line = 0.5 * float(sliding.max() + sliding.min())
     if settings.prediction.load_line is not None:

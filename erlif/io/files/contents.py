@@ -8,12 +8,11 @@ import numpy as np
 import xarray as xr
 
 from erlif.core.arrays import Array
-from erlif.core.errors import OutputError
+from erlif.core.errors import ErlifError, OutputError
 from erlif.core.flags import count_flags
 from erlif.io.files.film import open_film
 from erlif.io.files.soundness import read_settings
 from erlif.io.files.wanted import takes
-from erlif.io.refusals import refusal
 from erlif.io.settings import RegionOfInterest, RunSettings
 
 
@@ -46,7 +45,10 @@ def settings_of(film: xr.Dataset) -> RunSettings:
         return read_settings(str(film.attrs["settings"]))
     except (KeyError, ValueError) as error:
         reason = "there are none" if isinstance(error, KeyError) else error
-        raise refusal("film_settings", reason=reason) from error
+        raise OutputError(
+            "Expected the settings among the attributes of the film, as erlif process writes them; "
+            f"{reason}. Make the film again with: erlif process RUN_DIR"
+        ) from error
 
 
 @takes(film="part of a film")
@@ -170,9 +172,16 @@ Choose one of them.
     count = film.sizes["trigger"]
     number = np.asarray(trigger)  # that of a coordinate, too
     if number.ndim or not np.issubdtype(number.dtype, np.integer):
-        raise refusal("trigger_without_number", most=count - 1, trigger=trigger)
+        raise ErlifError(
+            f"Expected the number of a trigger, from 0 to {count - 1}; got {trigger!r}. Give a "
+            "number; erlif.io.conversion.choose_trigger(film, crank_angle=90) finds that of an "
+            "angle."
+        )
     if not 0 <= trigger < count:
-        raise refusal("no_such_trigger", most=count - 1, trigger=trigger)
+        raise ErlifError(
+            f"Expected a trigger from 0 to {count - 1}, as many as the film has; got {trigger}. "
+            "Choose one of them."
+        )
 
 
 @takes(film="part of a film")

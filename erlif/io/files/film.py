@@ -20,7 +20,6 @@ from erlif.io.files.netcdf import fix_text, open_netcdf, write_netcdf
 from erlif.io.files.replacement import take_name, write_error, write_file
 from erlif.io.files.soundness import check_film, check_frames, check_registration
 from erlif.io.files.unfinished import PartialFilm
-from erlif.io.refusals import refusal
 
 _MAKE_ONE = "Make one with: erlif process RUN_DIR"
 
@@ -139,7 +138,10 @@ def open_film(path: str | Path, *, group: str | None = None) -> xr.Dataset:
     if not isinstance(path, str | PathLike):
         kind = kind_of(path)
         given = KINDS[kind].words if kind in KINDS else type(path).__name__
-        raise refusal("no_path", given=given)
+        raise OutputError(
+            f"Expected the path of a film, got {given}. Name its file; a film in memory is open "
+            "already."
+        )
     path = Path(path)
     if not path.exists():
         raise OutputError(f"Expected a film file; {path} does not exist. {_MAKE_ONE}")
@@ -177,8 +179,9 @@ def _open_checked(path: Path, group: str | None) -> xr.Dataset:
     if group is None and kind in KINDS and KINDS[kind].opener:
         dataset.close()
         held = KINDS["calibration" if kind == "calibration file" else kind].words
-        raise refusal(
-            "another_product", path=path, held=held, opener=KINDS[kind].opener, cure=_MAKE_ONE
+        raise OutputError(
+            f"Expected a film as erlif process writes it; {path} holds {held}, which "
+            f"{KINDS[kind].opener} opens. Name the film in its place. {_MAKE_ONE}"
         )
 
     check = {None: check_film, "frames": check_frames, "registration": check_registration}

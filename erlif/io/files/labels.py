@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from os.path import commonpath
 from pathlib import Path
 
-from erlif.io.refusals import refusal
+from erlif.core.errors import ErlifError
 
 
 def label_films(names: Sequence[str], paths: Sequence[Path | None]) -> list[str]:
@@ -68,7 +68,10 @@ def refuse_repeated(paths: Sequence[str | Path]) -> None:
     files = [Path(path).resolve() for path in paths]
     for path, file in zip(paths, files, strict=True):
         if files.count(file) > 1:
-            raise refusal("film_twice", path=path, count=files.count(file))
+            raise ErlifError(
+                f"Expected different films; {path} is named {files.count(file)} times. Name each "
+                "film once."
+            )
 
 
 def _distinguish(paths: Sequence[Path | None]) -> list[str]:

@@ -13,7 +13,6 @@ from pathlib import Path
 from erlif.core.errors import OutputError
 from erlif.core.hdf5 import open_hdf5
 from erlif.core.tables import read_table
-from erlif.io.refusals import refusal
 
 # Name of the program, which figures and pages hold among their first or last bytes.
 MARK = b"erlif"
@@ -57,9 +56,14 @@ def refuse_existing(output: Path, *, overwrite: bool, holds: str = "") -> None:
     if not output.exists():
         return
     if not overwrite:
-        raise refusal("output_exists", output=output)
+        raise OutputError(
+            f"{output} exists already; use --overwrite to replace it, or give another name."
+        )
     if not _is_own(output, holds):
-        raise refusal("foreign_output", output=output)
+        raise OutputError(
+            f"Expected {output} to be an earlier output of the same command; it is something else, "
+            "which --overwrite does not replace. Give another name, or move it away."
+        )
 
 
 def _is_own(output: Path, holds: str) -> bool:

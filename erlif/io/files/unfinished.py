@@ -12,11 +12,11 @@ from typing import IO, Self, TypeAlias
 import numpy.typing as npt
 import xarray as xr
 
+from erlif.core.errors import OutputError
 from erlif.io.files.compression import MapVariable
 from erlif.io.files.netcdf_maps import NetcdfMaps
 from erlif.io.files.replacement import drop_empty, make_folders, remove, write_error
 from erlif.io.files.zarr_maps import ZarrMaps
-from erlif.io.refusals import refusal
 
 _logger = logging.getLogger(__name__)
 
@@ -55,7 +55,10 @@ class _Lock:
             fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except OSError as error:
             file.close()
-            raise refusal("locked", output=output) from error
+            raise OutputError(
+                f"Expected {output} to be free; another erlif process is writing it. Wait for it, "
+                "or use -o for another name."
+            ) from error
         self.file = file
 
     @staticmethod
@@ -144,7 +147,10 @@ class PartialFilm:
         """Resume the work of this key, or begin it in an empty directory."""
         marker = self.directory / "key"
         if not marker.is_file() and self._is_occupied():
-            raise refusal("foreign_partial", directory=self.directory)
+            raise OutputError(
+                f"Expected {self.directory} to be free for the work in progress; something else is "
+                "there. Move it away, or use -o for another name."
+            )
         if marker.is_file() and marker.read_bytes() != key.encode():
             _logger.info("unfinished work of other inputs or settings is removed")
             _clear(self.directory)

@@ -11,8 +11,8 @@ import os
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
+from erlif.core.errors import FrameError
 from erlif.io.ingest.images import match_files
-from erlif.io.refusals import refusal
 from erlif.io.settings import FixtureSettings, RunSettings
 
 # Endings of files that are read together with others of their name.
@@ -73,7 +73,7 @@ def refuse_outside(directory: Path, names: Iterable[str]) -> None:
     inside: dict[Path, bool] = {}
     for name in names:
         if not Path(os.path.normpath(home / name)).is_relative_to(home):
-            raise refusal("outside", directory=directory, what=f"{name} leaves the directory")
+            raise _outside(directory, f"{name} leaves the directory")
 
         matched = match_files(directory, name)
         for path in (file for found in matched for file in _with_companions(found)):
@@ -84,7 +84,14 @@ def refuse_outside(directory: Path, names: Iterable[str]) -> None:
                 path.is_symlink() and not _real(path).is_relative_to(home)
             ):
                 what = f"{os.path.relpath(path, directory)} is a link to {_real(path)}"
-                raise refusal("outside", directory=directory, what=what)
+                raise _outside(directory, what)
+
+
+def _outside(directory: Path, what: str) -> FrameError:
+    return FrameError(
+        f"Expected the files of {directory} within it; {what}. Copy them there, or use "
+        "--allow-outside."
+    )
 
 
 def _real(path: Path) -> Path:

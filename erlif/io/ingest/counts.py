@@ -7,7 +7,7 @@ from datetime import datetime
 import numpy as np
 
 from erlif.core.arrays import AnyArray, Counts
-from erlif.io.refusals import refusal
+from erlif.core.errors import FrameError
 
 # Highest count: a camera has at most 16 bits.
 _MOST = 65535
@@ -90,8 +90,11 @@ def convert_counts(image: AnyArray) -> Counts:
         valid &= image == np.rint(image)
     if not valid.all():
         row, column = np.unravel_index(int(np.argmin(valid)), image.shape)
-        place = {"value": image[row, column], "row": row, "column": column}
-        raise refusal("no_counts", image=image, most=_MOST, **place)
+        raise FrameError(
+            f"its {image.dtype.name} values are no counts: {image[row, column]:g} in row {row}, "
+            f"column {column}. Save the raw counts of the camera, whole numbers from 0 to {_MOST} "
+            "without scaling, correction or averaging."
+        )
     return image.astype(np.uint16)
 
 
@@ -125,8 +128,10 @@ def align_right(counts: Counts, shift: int) -> Counts:
     low = counts & np.uint16((1 << shift) - 1) if counts.dtype == np.uint16 else counts
     if low.any():
         row, column = np.unravel_index(int(np.argmax(low != 0)), counts.shape)
-        place = {"count": counts[row, column], "row": row, "column": column}
-        raise refusal("not_left_aligned", step=1 << shift, **place)
+        raise FrameError(
+            f"its counts are not left-aligned: {counts[row, column]} in row {row}, column {column} "
+            f"is no multiple of {1 << shift}. Remove alignment, or correct bit_depth."
+        )
     return counts >> np.uint16(shift)
 
 

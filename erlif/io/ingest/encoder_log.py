@@ -8,7 +8,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from erlif.core.notes import Level, Note
+from erlif.core.errors import EncoderError
+from erlif.core.notes import Note, remark, warn
 from erlif.core.products import EncoderLog
 from erlif.io.ingest.images import Page, is_one_file
 from erlif.io.ingest.logs.checks import check_frame_numbers, check_values
@@ -17,7 +18,6 @@ from erlif.io.ingest.logs.resample import FEWEST_SAMPLES, ContinuousLog, unwrap_
 from erlif.io.ingest.logs.table import LogColumn, LogTable
 from erlif.io.ingest.logs.text import read_log_table
 from erlif.io.ingest.numbering import find_missing, frame_numbers, has_numbers
-from erlif.io.refusals import refusal
 
 
 class ReadLog(NamedTuple):
@@ -120,11 +120,16 @@ def read_log(
     in_time = in_time or "pulse" in columns or (not by_frame and "time" in columns)
     if not in_time and not by_frame:
         names, rows = ", ".join(table.names), len(table.rows)
-        raise refusal("rows_of_neither", table=table, rows=rows, frames=frames, names=names)
+        raise EncoderError(
+            f"Expected one row of {table.file} for each frame, or a log in time; it has {rows} "
+            f"rows for {frames} frames, and no column is known as frame or time. Choose the column "
+            'of the times in [encoder] of run.toml, time = "name in the header", or that of frame '
+            f'numbers, frame = "name in the header"; the header is {names}.'
+        )
 
     read = _in_time if in_time else _by_frame
     log, remarks = read(table, choice, known, needs_angle=needs_angle)
-    notes = [Note(Level.NOTE, table.file, "; ".join(remarks))] if remarks else []
+    notes = [remark(table.file, "; ".join(remarks))] if remarks else []
     return ReadLog(log, notes)
 
 
@@ -144,7 +149,7 @@ def leave_out_late_rows(
         return log, []
     numbers, frames = log.number.values, len(pages)
     late = f"frames {numbers[frames]} to {numbers[-1]} have no files and are left out"
-    return EncoderLog(log.isel(frame=slice(frames))), [Note(Level.WARNING, name, late)]
+    return EncoderLog(log.isel(frame=slice(frames))), [warn(name, late)]
 
 
 def _has_late_rows(log: EncoderLog, pages: Sequence[Page]) -> bool:
@@ -191,7 +196,10 @@ def check_rows(log: EncoderLog, pages: Sequence[Page], name: str) -> None:
             "To leave a frame out, put an empty file of its name into both camera folders and use "
             "--skip-bad-frames; or take out row and files and number the rows anew"
         )
-    raise refusal("rows_of_frames", name=name, rows=rows, frames=frames, extra=extra, cure=cure)
+    raise EncoderError(
+        f"Expected one row of {name} per frame; {name} has {rows} rows, the cameras have {frames} "
+        f"frames each: {extra}. {cure}."
+    )
 
 
 def _first_without_file(logged: list[int], numbers: list[int], name: str) -> str:
@@ -241,7 +249,10 @@ def _in_time(
         if quantity not in by_name:
             missing_column(quantity, table)
     if len(table.rows) < FEWEST_SAMPLES:
-        raise refusal("short_log", table=table, rows=len(table.rows))
+        raise EncoderError(
+            f"Expected a log over the time of the frames in {table.file}; it has {len(table.rows)} "
+            "rows. Export the whole log."
+        )
 
     # a count of frames is no quantity to interpolate
     by_name = {quantity: column for quantity, column in by_name.items() if quantity != "frame"}

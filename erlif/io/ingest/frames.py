@@ -12,7 +12,7 @@ import numpy as np
 import xarray as xr
 
 from erlif.core.arrays import Array, Counts
-from erlif.core.notes import Level, Note
+from erlif.core.notes import Note, warn
 from erlif.core.products import Frames
 from erlif.io.ingest.images import Page, PageContent, check_depth, name_page, read_content
 
@@ -193,7 +193,7 @@ def skipped_notes(pairs: FramePairs) -> list[Note]:
         (first, reason), (last, _) = part[0], part[-1]
         more = f", and {len(part) - 1} more" if len(part) > 1 else ""
         places = f"frame pairs {first} to {last}" if more else f"frame pair {first}"
-        notes.append(Note(Level.WARNING, f"{places} left out", reason + more))
+        notes.append(warn(f"{places} left out", reason + more))
     return notes
 
 
@@ -220,7 +220,7 @@ def format_notes(pairs: FramePairs) -> list[Note]:
     camera2: AVI stores 8 bits
     """
     notes = [
-        Note(Level.WARNING, f"camera{camera}", warning)
+        warn(f"camera{camera}", warning)
         for camera, warning in enumerate(pairs.warnings, 1)
         if warning
     ]
@@ -235,5 +235,5 @@ def format_notes(pairs: FramePairs) -> list[Note]:
                 f"bit_depth = {declared}: counts at {(1 << stated) - 1} would be saturated and not "
                 f"flagged. Set bit_depth = {stated}, if that is the camera's"
             )
-            notes.append(Note(Level.WARNING, f"camera{camera}", text))
+            notes.append(warn(f"camera{camera}", text))
     return notes

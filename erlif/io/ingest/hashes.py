@@ -11,7 +11,6 @@ from erlif.core.errors import FrameError
 from erlif.core.guarded import file_stamp
 from erlif.io.ingest.images import match_files, natural_key
 from erlif.io.ingest.recording import Fixture, Run
-from erlif.io.refusals import refusal
 
 # SHA-256 of files that are hashed already, hexadecimal.
 Digests = Mapping[Path, str]
@@ -160,7 +159,11 @@ def refuse_changed(recording: Run | Fixture, before: Mapping[Path, str]) -> None
     for path, stamp in before.items():
         if _stamp(path, place=True) != stamp:
             name = os.path.relpath(path, recording.directory)
-            raise refusal("changed_input", InputChangedError, recording=recording, name=name)
+            raise InputChangedError(
+                f"Expected the files of {recording.directory} to stay as they are while they are "
+                f"read; {name} was changed or replaced. Wait until the recording is complete, and "
+                "start again."
+            )
 
 
 def _files_beside_frames(recording: Run | Fixture) -> dict[str, list[Path]]:

@@ -16,7 +16,7 @@ import numpy as np
 from erlif.core.arrays import AnyArray, Array, Counts
 from erlif.core.errors import FrameError
 from erlif.core.guarded import file_stamp
-from erlif.core.notes import Level, Note
+from erlif.core.notes import Note, warn
 from erlif.io.ingest.counts import (
     FEW_LEVELS,
     STORED_TYPES,
@@ -27,7 +27,6 @@ from erlif.io.ingest.counts import (
 from erlif.io.ingest.selection import WHOLE, Selection
 from erlif.io.readers import FrameKind, borrow_frames, open_frames
 from erlif.io.readers.base import TRUNCATED, describe_shape
-from erlif.io.refusals import refusal
 
 
 @dataclass(frozen=True)
@@ -188,7 +187,10 @@ def find_pages(
     """
     paths = match_files(directory, pattern)
     if not paths:
-        raise refusal("no_files", pattern=pattern, what=what, directory=directory)
+        raise FrameError(
+            f"Expected files {pattern} of {what} in {directory}; there is none. Put them there, or "
+            "correct the name in the settings."
+        )
     return read_headers(paths, selection)
 
 
@@ -343,11 +345,15 @@ def check_depth(counts: Counts, *, bit_depth: int, name: str) -> None:
             if container == 16
             else f"Divide the counts by {1 << unused}, save them again and set bit_depth = {depth}."
         )
-        numbers = {"step": 1 << unused, "top": top, "depth": depth}
-        raise refusal("left_aligned", bit_depth=bit_depth, name=name, todo=todo, **numbers)
+        raise FrameError(
+            f"Expected counts of {bit_depth} bits; {name} holds multiples of {1 << unused} up to "
+            f"{top}: {depth}-bit counts, left-aligned. {todo}"
+        )
     if top > full_scale:
-        depths = {"bit_depth": bit_depth, "fits": top.bit_length()}
-        raise refusal("above_full_scale", full_scale=full_scale, name=name, top=top, **depths)
+        raise FrameError(
+            f"Expected counts up to {full_scale} (bit_depth = {bit_depth}); {name} reaches {top}: "
+            f"bit_depth = {top.bit_length()} fits. Set the bit depth of the camera."
+        )
 
 
 def depth_warning(highest: int, *, bit_depth: int, camera: int) -> Note | None:
@@ -377,8 +383,7 @@ def depth_warning(highest: int, *, bit_depth: int, camera: int) -> Note | None:
     full_scale = (1 << bit_depth) - 1
     if highest > full_scale // 16:
         return None
-    return Note(
-        Level.WARNING,
+    return warn(
         f"camera{camera}",
         f"no count is above {highest} of {full_scale} (bit_depth = {bit_depth}); "
         f"bit_depth = {max(8, highest.bit_length())} would fit, or the light is very low.",
@@ -419,7 +424,10 @@ def _check_kind(kind: FrameKind, shape: tuple[int, ...], name: str) -> None:
     """Refuse an image of another shape or type than the frames have."""
     if kind.shape != shape or kind.dtype not in STORED_TYPES:
         wanted, found = describe_shape(shape), describe_shape(kind.shape)
-        raise refusal("other_shape", shape=wanted, name=name, kind=kind.dtype, found=found)
+        raise FrameError(
+            f"Expected grey counts of {wanted} pixels in {name}; it is {kind.dtype} of {found}. "
+            "Record frames, darks and flats with the same region of interest."
+        )
 
 
 def read_reference_pages(
@@ -459,7 +467,9 @@ def read_reference_pages(
     if references.faults:
         first = min(references.faults)
         reason = with_advice(references.faults[first], "Record them again, or take the file out.")
-        raise refusal("unreadable_pages", what=what, page=references.pages[first], reason=reason)
+        raise FrameError(
+            f"Expected readable {what} pages; {references.pages[first].name}: {reason}"
+        )
 
     for page, kind in zip(references.pages, references.kinds, strict=True):
         _check_kind(kind, shape, page.name)

@@ -26,7 +26,6 @@ from erlif.io.ingest.numbering import MOST_UNEQUAL, common_numbers, frame_number
 from erlif.io.ingest.selection import WHOLE, Selection, may_share_files
 from erlif.io.readers import FrameKind
 from erlif.io.readers.base import describe_shape
-from erlif.io.refusals import refusal
 
 # Least width and height of a frame: registration needs several windows along each axis. [px]
 _SMALLEST = 64
@@ -159,15 +158,24 @@ def _check_kinds(
         for k in good:
             if files.kinds[k] != usual:
                 name = name_page(files.pages[k], directory, camera)
-                raise refusal("odd_frame", usual=usual, name=name, found=files.kinds[k])
+                raise FrameError(
+                    f"Expected frames of one size and type, {usual}; {name} is {files.kinds[k]}. "
+                    "Set the same region of interest and depth for all frames of both cameras."
+                )
 
     first = cameras[0].pages[good[0]].name
     if len(usual.shape) != 2 or usual.dtype not in STORED_TYPES:
         colour = f" in {usual.shape[2]} colours" if len(usual.shape) == 3 else ""
-        raise refusal("no_grey_counts", first=first, usual=usual, colour=colour)
+        raise FrameError(
+            f"Expected grey frames of whole counts; {first} holds {usual.dtype}{colour}. Save the "
+            "raw counts of the cameras, one channel each."
+        )
     if min(usual.shape) < _SMALLEST:
         shape = describe_shape(usual.shape)
-        raise refusal("small_frames", least=_SMALLEST, first=first, shape=shape)
+        raise FrameError(
+            f"Expected frames of at least {_SMALLEST} x {_SMALLEST} pixels; {first} is {shape}. "
+            "Record a larger region of interest."
+        )
     rows, columns = usual.shape
     return rows, columns
 
@@ -194,7 +202,11 @@ def _check_files_differ(one: Sequence[Page], two: Sequence[Page]) -> None:
     if not shared or may_share_files(one[0].selection, two[0].selection):
         return
     name = next(page.path.name for page in one if page.path in shared)
-    raise refusal("shared_files", name=name)
+    raise FrameError(
+        f"Expected frames of two cameras; both [camera1] and [camera2] name {name}. Correct files "
+        "in one of them. Where one file holds both cameras, give both tables their part, for "
+        'example part = "left" and part = "right".'
+    )
 
 
 def _check_pairs(
@@ -227,7 +239,10 @@ def _check_pairs(
             f"{', and its row out of the encoder log' * has_log}."
         )
     name = name_page(page, directory, camera)
-    raise refusal("unmatched", one=len(one), two=len(two), name=name, cure=cure)
+    raise FrameError(
+        "Expected as many frames of camera 2 as of camera 1, pair by pair; camera1 has "
+        f"{len(one)}, camera2 has {len(two)}. The first unmatched one is {name}. {cure}"
+    )
 
 
 def _first_unmatched(one: Sequence[Page], two: Sequence[Page]) -> tuple[int, Page] | None:
@@ -282,7 +297,9 @@ def _name_faults(directory: Path, cameras: Sequence[CameraFiles]) -> dict[int, s
 def _nothing_readable(directory: Path, faults: dict[int, str]) -> ErlifError:
     """Refusal of a recording without a readable pair."""
     reason = with_advice(faults[min(faults)], "Record them again, or copy the files again.")
-    return refusal("no_readable_pair", directory=directory, reason=reason)
+    return FrameError(
+        f"Expected readable frames in {directory}; every pair has an unreadable file: {reason}"
+    )
 
 
 def _fault_message(faults: dict[int, str]) -> str:

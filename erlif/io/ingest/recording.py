@@ -13,7 +13,7 @@ import numpy as np
 import xarray as xr
 
 from erlif.core.arrays import Array
-from erlif.core.errors import EncoderError
+from erlif.core.errors import EncoderError, FrameError
 from erlif.core.notes import Note, list_some
 from erlif.core.products import EncoderLog
 from erlif.io.ingest.containment import named_files, refuse_outside
@@ -26,7 +26,6 @@ from erlif.io.ingest.logs.resample import ContinuousLog, find_pulses, find_rises
 from erlif.io.ingest.numbering import fill_gaps
 from erlif.io.ingest.pairing import pair_cameras
 from erlif.io.ingest.selection import select_counts
-from erlif.io.refusals import refusal
 from erlif.io.settings import (
     CameraSettings,
     EncoderSettings,
@@ -224,7 +223,10 @@ def _open_log(
     since = _times_after_first(encoder, pairs, log)
     if encoder.start == "fit":
         if find_start is None:
-            raise refusal("start_is_fitted")
+            raise EncoderError(
+                'Expected the time of the first frame as start = "0.25 s" in [encoder]; "fit" is '
+                "found by the commands alone. Give the time itself."
+            )
         started = find_start(settings, pairs, log, since)
         sampled = sample_log(log, since + started.value)
         sampled["time"].attrs |= {"start": started.value, "start_std": started.std}
@@ -232,7 +234,11 @@ def _open_log(
     if encoder.start is None:
         first, last = log.span
         _refuse_missing_row(log, len(pairs.pages[0]))
-        raise refusal("no_start", log=log, first=first, last=last)
+        raise EncoderError(
+            f"Expected the time of the first frame on the clock of {log.file}, which runs from "
+            f'{first:.6g} to {last:.6g} s; got none. Add start = "{first:.6g} s" to [encoder] of '
+            'run.toml, or start = "fit" to find it from the motion.'
+        )
     return sample_log(log, since + encoder.start), notes
 
 
@@ -323,11 +329,20 @@ def _times_after_first(encoder: EncoderSettings, pairs: FramePairs, log: Continu
     if pairs.times is None:
         rows, frames = log.samples.sizes["sample"], len(pairs.pages[0])
         _refuse_missing_row(log, frames)
-        raise refusal("no_times", log=log, rows=rows, frames=frames)
+        raise EncoderError(
+            f"Expected the times of the frames, because {log.file} is a log in time, {rows} rows "
+            f"for {frames} frames; the camera files have none. Add to [encoder] of run.toml pulse "
+            '= "column of the trigger", or frame_rate = "500 Hz" and start = "0.25 s" (start = '
+            '"fit" finds it).'
+        )
     if not (np.isfinite(pairs.times).all() and (np.diff(pairs.times) > 0).all()):
         k = int(np.argmin(np.append(np.diff(pairs.times), np.inf) > 0))
         later = pairs.times[min(k + 1, pairs.times.size - 1)]
-        raise refusal("times_fall", frame=k + 1, found=later, before=pairs.times[k])
+        raise EncoderError(
+            f"Expected the times in the headers of the camera files to rise; frame {k + 1} has "
+            f"{later:.9g} s after {pairs.times[k]:.9g} s. Give the rate of the frames: frame_rate "
+            '= "500 Hz" in [encoder] of run.toml.'
+        )
     return pairs.times
 
 
@@ -339,14 +354,13 @@ def _refuse_missing_row(log: ContinuousLog, frames: int) -> None:
     step = np.diff(time)
     longest = int(np.argmax(step)) if step.size else 0
     paused = step.size and time.size < frames and step[longest] > _PAUSE * np.median(step)
-    raise refusal(
-        "nearly_by_frame",
-        log=log,
-        rows=time.size,
-        frames=frames,
-        fault="missing" if time.size < frames else "too many",
-        where=f", perhaps after the one at {time[longest]:.6g} s" if paused else "",
-        start=time[0],
+    fault = "missing" if time.size < frames else "too many"
+    where = f", perhaps after the one at {time[longest]:.6g} s" if paused else ""
+    raise EncoderError(
+        f"Expected one row of {log.file} for each frame; it has {time.size} rows for {frames} "
+        f"frames: a row is {fault}{where}. Correct the log, or take the frame out of both cameras. "
+        f'Only where it is a log in time, add start = "{time[0]:.6g} s" to [encoder] of run.toml, '
+        'or start = "fit".'
     )
 
 
@@ -385,7 +399,11 @@ def _open_pairs(
     # the ratio is camera 2 over camera 1: exchanged bands would turn its sign
     one, two = settings.camera1, settings.camera2
     if one.band >= two.band:
-        raise refusal("bands_exchanged", one=one, two=two)
+        raise FrameError(
+            "Expected the band that dye 2 reabsorbs, the shorter wavelength, on camera 1; got "
+            f"{one.band:g} nm on camera 1 and {two.band:g} nm on camera 2. The cameras look "
+            "swapped: exchange the two tables."
+        )
     for number, camera in enumerate((one, two), 1):
         _refuse_references(directory, number, camera)
     encoder = settings.encoder if isinstance(settings, RunSettings) else None
@@ -415,11 +433,10 @@ def _refuse_references(directory: Path, number: int, camera: CameraSettings) -> 
         if path in frames
     }
     if among and len(among) < len(frames):
-        raise refusal(
-            "references_among_frames",
-            number=number,
-            pattern=camera.files,
-            count=len(frames),
-            among=list_some((f"{path.name} ({key})" for path, key in among.items()), most=3),
-            rest=list_some((path.name for path in frames if path not in among), most=3),
+        named = list_some((f"{path.name} ({key})" for path, key in among.items()), most=3)
+        rest = list_some((path.name for path in frames if path not in among), most=3)
+        raise FrameError(
+            f'Expected frames alone in files = "{camera.files}" of [camera{number}]; it matches '
+            f"{len(frames)} files, among them {named} of the settings. Name the files of the "
+            f"frames alone, for example {rest}."
         )

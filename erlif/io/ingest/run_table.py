@@ -8,7 +8,6 @@ from pathlib import Path
 
 from erlif.core.bounded import read_rows
 from erlif.core.errors import ConfigError
-from erlif.io.refusals import refusal
 
 _COLUMNS = ("run_dir", "calibration", "output")
 
@@ -69,20 +68,31 @@ def read_run_table(path: Path) -> list[RunEntry]:
         rows = read_rows(path, largest=_LARGEST)
     except (OSError, ValueError) as error:
         reason = error.strerror if isinstance(error, OSError) else error
-        raise refusal("runs_unreadable", path=path, reason=reason) from error
+        raise ConfigError(
+            f"Expected a table of runs in {path}; it cannot be read: {reason}. Name a CSV file in "
+            "UTF-8 with a column run_dir, or the run directories themselves."
+        ) from error
     header = rows[0][1] if rows else []
     _check_header(header, path)
     if len(rows) == 1:
-        raise refusal("no_run", path=path)
+        raise ConfigError(
+            f"Expected at least one run in {path}; it holds the header alone. Write one row for "
+            "each run."
+        )
 
     entries = []
     for number, row in rows[1:]:
         if len(row) != len(header):
-            counts = {"count": len(header), "found": len(row)}
-            raise refusal("cells_of_run", number=number, path=path, **counts)
+            raise ConfigError(
+                f"Expected {len(header)} cells in row {number} of {path}, as in the header; got "
+                f"{len(row)}. Put a path that holds a comma into double quotes."
+            )
         cells = dict(zip(header, row, strict=True))
         if not cells["run_dir"]:
-            raise refusal("no_run_dir", number=number, path=path)
+            raise ConfigError(
+                f"Expected a run_dir in row {number} of {path}; the cell is empty. Name a run "
+                "directory, or take the row out."
+            )
         named = {name: path.parent / cell for name, cell in cells.items() if cell}
         entries.append(RunEntry(**named))
     return entries

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import Literal
 
 from erlif.core.arrays import AnyArray
+from erlif.core.errors import FrameError
 from erlif.io.readers import FrameFile
-from erlif.io.refusals import refusal
 from erlif.io.settings import CameraSettings
 
 # Parts of one file that belong to two cameras; any two channels do as well.
@@ -47,13 +47,19 @@ class Selection:
             chosen: Sequence[int] = every[self.part == "even" :: 2]
         elif self.part.startswith("channel"):
             if file.channels is None:
-                raise refusal("no_channels", part=self.part)
+                raise FrameError(
+                    f'it has no channels, and part = "{self.part}" asks for one. For alternating '
+                    'pages use part = "odd" and part = "even".'
+                )
             wanted = int(self.part.split()[1])
             chosen = [k for k, channel in enumerate(file.channels) if channel == wanted]
         else:
             return every
         if not chosen:
-            raise refusal("empty_part", part=self.part)
+            raise FrameError(
+                f'it has no frame that belongs to part = "{self.part}". Correct part in the '
+                "settings."
+            )
         return chosen
 
     def crop_shape(self, shape: tuple[int, ...]) -> tuple[int, ...]:

@@ -26,7 +26,6 @@ from erlif.io.ingest.logs.proposal import LOG_SUFFIXES, PROFILE
 from erlif.io.ingest.selection import WHOLE, Selection
 from erlif.io.ingest.shared import SharedFile, find_cameras_in_file
 from erlif.io.readers.hdf5 import list_datasets
-from erlif.io.refusals import refusal
 
 # Formats in which cameras store grey counts, and which erlif has a reader for.
 IMAGE_SUFFIXES = frozenset(
@@ -272,10 +271,16 @@ def survey_directory(directory: Path, *, fixture: bool = False) -> Survey:
     ()
     """
     if not directory.is_dir():
-        raise refusal("no_directory", directory=directory)
+        raise FrameError(
+            f"Expected a directory with frames; {directory} is not a directory. Name the folder "
+            "that holds the frames of both cameras."
+        )
     files = list(islice(_walk(directory, DEEPEST), MOST_FILES + 1))
     if len(files) > MOST_FILES:
-        raise refusal("many_files", directory=directory, most=MOST_FILES)
+        raise FrameError(
+            f"Expected the directory of one run; {directory} holds more than {MOST_FILES} files. "
+            "Name the folder of one run."
+        )
 
     tables = [_read_table(path) for path in sorted(files) if path.suffix.lower() == ".csv"]
     read = tuple(table for table in tables if table is not None)

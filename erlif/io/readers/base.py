@@ -17,7 +17,6 @@ from erlif.core.arrays import AnyArray, Array
 from erlif.core.errors import ErlifError, FrameError
 from erlif.core.tables import read_table
 from erlif.io.readers.source import Source
-from erlif.io.refusals import refusal
 
 # Frames of one file above which its header is damaged: a day at 46 frames a second.
 MOST_FRAMES = 4_000_000
@@ -154,7 +153,10 @@ def describe_shape(shape: tuple[int, ...]) -> str:
 
 def colour_camera(what: str = "recording") -> ErlifError:
     """The refusal of a recording, or of another thing, of a colour camera."""
-    return refusal("colour_camera", what=what)
+    return FrameError(
+        f"the {what} is of a colour camera. Film thickness needs counts of one band in each pixel: "
+        "record with a monochrome camera."
+    )
 
 
 def read_header(source: Source, name: str, start: int = 0, *, size: int | None = None) -> Any:

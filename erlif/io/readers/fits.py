@@ -15,7 +15,6 @@ from erlif.core.errors import FrameError
 from erlif.io.readers.base import Format, FrameFile, FrameKind, check_claim
 from erlif.io.readers.raw import FrameLayout, RawFrames
 from erlif.io.readers.source import Source
-from erlif.io.refusals import refusal
 
 # Sizes of the blocks of a file and of the entries of a header. [byte]
 _BLOCK, _CARD = 2880, 80
@@ -98,7 +97,10 @@ def _dtype(cards: dict[str, str], bits: int, layout: FrameLayout) -> str:
         return layout.kind.dtype
     if scale == 1 and name and zero == half:
         return name
-    raise refusal("scaled_fits", scale=scale, zero=zero)
+    raise FrameError(
+        f"its values are scaled (BSCALE = {scale:g}, BZERO = {zero:g}) and no longer counts. Save "
+        "the raw counts of the camera."
+    )
 
 
 def _read_header(source: Source, place: int) -> tuple[dict[str, str], int]:

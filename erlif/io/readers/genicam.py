@@ -27,7 +27,6 @@ from erlif.io.readers.base import Format, FrameFile
 from erlif.io.readers.raw import FrameLayout, RawFrames, count_frames
 from erlif.io.readers.source import find_beside, read_text
 from erlif.io.readers.unpack import Packing
-from erlif.io.refusals import refusal
 
 # Pixel formats that are read.
 _FORMAT = re.compile(r"Mono(8|10|12|14|16)|Mono(10|12)(p|Packed|pmsb)")
@@ -59,7 +58,10 @@ def open_raw(path: Path) -> FrameFile:
     """
     beside = find_beside(path, (".toml", ".json"))
     if beside is None:
-        raise refusal("no_description", stem=path.stem, example=_EXAMPLE)
+        raise FrameError(
+            f"the format of raw frames stands in no file. Put {path.stem}.toml beside them, with "
+            f"{_EXAMPLE}."
+        )
     given = _read_description(beside)
     shape = given.height, given.width
     name = _FORMAT.fullmatch(given.pixel_format)

@@ -14,7 +14,6 @@ from erlif.core.errors import FrameError, reason_of
 from erlif.core.hdf5 import SIGNATURE, chunk_count, chunk_size, filters_of, find_chunks, open_hdf5
 from erlif.core.notes import list_some
 from erlif.io.readers.base import DEFLATED, SECONDS, Format, FrameFile, FrameKind, check_claim
-from erlif.io.refusals import refusal
 
 # Datasets that a message lists.
 _MOST_LISTED = 8
@@ -110,7 +109,10 @@ class Hdf5Frames(FrameFile):
             raise FrameError(f"its dataset {data.name} holds {data.dtype}. Save the raw counts.")
         scale, offset = data.attrs.get("scale_factor", 1), data.attrs.get("add_offset", 0)
         if np.any(np.asarray(scale) != 1) or np.any(np.asarray(offset) != 0):
-            raise refusal("scaled_dataset", name=data.name)
+            raise FrameError(
+                f"its dataset {data.name} is scaled (scale_factor, add_offset) and no longer holds "
+                "counts. Save the raw counts."
+            )
         _check_filters(data)
         if chunk_size(data) > DEFLATED * size:
             raise FrameError("the file is damaged: a chunk is larger than the file can hold")
@@ -199,7 +201,10 @@ def _check_filters(data: Any) -> None:
         if not h5py.h5z.filter_avail(code):
             importlib.import_module("hdf5plugin")
         if not h5py.h5z.filter_avail(code):
-            raise refusal("no_filter", code=code)
+            raise FrameError(
+                f"the installed Python package hdf5plugin has no filter {code} of HDF5. Save the "
+                "frames uncompressed, or with gzip."
+            )
 
 
 def _times(data: Any) -> Array | None:

@@ -23,7 +23,6 @@ from erlif.io.readers.base import DEFLATED, Format, FrameFile, FrameKind, check_
 from erlif.io.readers.raw import FrameLayout, RawFrames
 from erlif.io.readers.source import Source
 from erlif.io.readers.unpack import Packing, unpack
-from erlif.io.refusals import refusal
 
 _HEADER_SIZE = 256
 
@@ -187,14 +186,19 @@ def open_im7(path: Path) -> FrameFile:
     with Source(path) as source:
         header = read_header(source, "lavision")
     if header.version != 0 or header.sparse:
-        raise refusal("old_davis")
+        raise FrameError(
+            "it is an image of DaVis 6 or earlier, or damaged. Open it in DaVis and save it as IM7."
+        )
     if header.format not in _TYPES:
         what = "a vector field" if header.format > 0 else f"an image of format {header.format}"
         raise FrameError(f"it holds {what} and no counts. Name the camera images of the recording.")
     if header.planes != 1:
         raise FrameError(f"it holds a volume of {header.planes} planes; images of one are read.")
     if header.packing not in (_PLAIN, _IMX, _ZLIB, _BITS_12):
-        raise refusal("packed_davis", packing=header.packing)
+        raise FrameError(
+            f"its compression {header.packing} is not read. Save the images without compression in "
+            "DaVis."
+        )
     if header.frames < 1:
         raise FrameError(f"the file is damaged: its header names {header.frames} frames")
 
@@ -254,7 +258,9 @@ def open_set(path: Path) -> FrameFile:
         raise FrameError(f"its folder is missing. Copy the folder {folder.name} beside it.")
     images = [found for found in folder.iterdir() if found.suffix.lower() == ".im7"]
     if not images:
-        raise refusal("no_im7", folder=folder.name)
+        raise FrameError(
+            f"the folder {folder.name} holds no IM7 images. Export the recording as IM7 in DaVis."
+        )
     if len(images) > _MOST_FILES:
         raise FrameError(f"the folder {folder.name} holds more than {_MOST_FILES} images")
 

@@ -19,7 +19,6 @@ from erlif.core.errors import FrameError
 from erlif.io.readers.base import MOST_FRAMES, Format, FrameFile, colour_camera, read_header
 from erlif.io.readers.raw import FrameLayout, RawFrames, count_frames, frame_interval
 from erlif.io.readers.source import Source
-from erlif.io.refusals import refusal
 
 _MAGIC = b"\xed\xfe\0\0"
 
@@ -115,11 +114,18 @@ def open_norpix(path: Path) -> FrameFile:
 def _find_layout(header: Any) -> FrameLayout:
     """Layout of the counts."""
     if header.compression:
-        raise refusal("packed_norpix", method=header.compression)
+        raise FrameError(
+            f"its frames are compressed (method {header.compression}). Export the sequence without "
+            "compression in StreamPix."
+        )
     if header.format in _BAYER or header.format >= 200:
         raise colour_camera()
     if header.format not in _TYPES or header.bits not in (8, 16):
-        raise refusal("norpix_format", header=header)
+        raise FrameError(
+            f"its frames have the format {header.format} of NorPix with {header.bits} bits for "
+            "each pixel; unpacked grey counts are read. Export the sequence as 16-bit TIFF in "
+            "StreamPix."
+        )
 
     shape = (header.height, header.width)
     layout = FrameLayout(shape, f"{_TYPES[header.format]}u{header.bits // 8}")

@@ -9,7 +9,6 @@ import numpy as np
 from erlif.core.errors import FrameError
 from erlif.io.readers.base import Format, FrameFile, check_claim
 from erlif.io.readers.raw import FrameLayout, RawFrames
-from erlif.io.refusals import refusal
 
 _START = b"\x93NUMPY"
 
@@ -37,7 +36,10 @@ def open_npy(path: Path) -> FrameFile:
 
     if dtype.kind not in "iuf" or len(shape) not in (2, 3) or by_columns:
         order = ", by columns" if by_columns else ""
-        raise refusal("no_frames", dtype=dtype, shape=shape, order=order)
+        raise FrameError(
+            f"it holds an array of {dtype} of shape {shape}{order}. Save the frames as one array "
+            "of numbers (frame, y, x), made contiguous by numpy.ascontiguousarray."
+        )
     frames = shape[0] if len(shape) == 3 else 1
     layout = FrameLayout((int(shape[-2]), int(shape[-1])), dtype.str)
     check_claim(1, layout.kind, path.stat().st_size)

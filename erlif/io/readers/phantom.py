@@ -26,7 +26,6 @@ from erlif.io.readers.base import MOST_FRAMES, Format, FrameFile, read_header
 from erlif.io.readers.raw import FrameLayout, RawFrames, frame_interval
 from erlif.io.readers.source import Source
 from erlif.io.readers.unpack import Packing
-from erlif.io.refusals import refusal
 
 # Values of the compression that are not read.
 _COMPRESSIONS = {1: "JPEG-compressed", 2: "from a colour sensor"}
@@ -105,7 +104,10 @@ def open_phantom(path: Path) -> FrameFile:
         if header.kind != b"CI":
             raise FrameError("it does not begin as a CINE file does")
         if header.compression in _COMPRESSIONS:
-            raise refusal("packed_phantom", packed=_COMPRESSIONS[header.compression])
+            raise FrameError(
+                f"the frames are {_COMPRESSIONS[header.compression]}. Film thickness needs raw "
+                "counts of a monochrome camera: save the recording as raw CINE."
+            )
         if not 0 < header.images <= MOST_FRAMES:
             raise FrameError(f"the file is damaged: its header names {header.images} frames")
 
@@ -159,7 +161,10 @@ def _find_layout(bitmap: Any) -> FrameLayout:
         raise FrameError(f"the frames are compressed in an unknown way ({bitmap.compression})")
     if bitmap.bits not in (8, 16):
         colours = "colour frames" if bitmap.bits in (24, 48) else "frames"
-        raise refusal("phantom_bits", colours=colours, bits=bitmap.bits)
+        raise FrameError(
+            f"the file holds {colours} of {bitmap.bits} bits for each pixel; 8 and 16 bits of one "
+            "band are read. Record with a monochrome camera."
+        )
 
     # rows of a bitmap end at multiples of four bytes, those of some versions do not
     width = bitmap.width * bitmap.bits // 8

@@ -19,7 +19,6 @@ from erlif.io.readers.base import LAYOUTS, Format, FrameFile, colour_camera
 from erlif.io.readers.raw import FrameLayout, RawFrames, frame_interval
 from erlif.io.readers.source import find_beside, read_text
 from erlif.io.readers.unpack import Packing
-from erlif.io.refusals import refusal
 
 # Endings of the headers, the newer form first.
 _HEADERS = (".cihx", ".cih")
@@ -79,13 +78,19 @@ def read_photron_header(text: str) -> PhotronHeader:
     """
     entries = _find_entries(text)
     if entries.get("format", "mraw").lower() not in ("mraw", "raw", ""):
-        raise refusal("no_mraw", format=entries["format"])
+        raise FrameError(
+            f"the Photron header describes {entries['format']} files. Save the recording as MRAW, "
+            "or name the image files themselves."
+        )
     if entries.get("colour", "mono").lower().startswith(("color", "colour", "bayer", "rgb")):
         raise colour_camera()
 
     stored = _whole(entries, "stored")
     if stored not in (8, 12, 16):
-        raise refusal("photron_bits", stored=stored)
+        raise FrameError(
+            f"the Photron header names {stored} bits for each pixel; 8, 12 and 16 are read. Save "
+            "the recording again with one of them."
+        )
     depth = _whole(entries, "depth") if entries.get("depth") else stored
     if not 1 <= depth <= 16:
         raise FrameError(f"the Photron header is damaged: it names {depth} effective bits")
@@ -112,11 +117,16 @@ def open_photron(path: Path) -> FrameFile:
     if path.suffix.lower() in _HEADERS:
         header_path, counts_path = path, find_beside(path, (".mraw",))
         if counts_path is None:
-            raise refusal("no_mraw_beside", stem=path.stem)
+            raise FrameError(
+                f"the counts of this header are missing. Put {path.stem}.mraw beside it."
+            )
     else:
         beside, counts_path = find_beside(path, _HEADERS), path
         if beside is None:
-            raise refusal("no_cihx_beside", stem=path.stem)
+            raise FrameError(
+                f"the header of these counts is missing. Put {path.stem}.cihx or {path.stem}.cih, "
+                "which the camera's program saved with them, beside the file."
+            )
         header_path = beside
 
     header = read_photron_header(read_text(header_path))

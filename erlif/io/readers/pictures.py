@@ -13,7 +13,6 @@ from erlif.core.errors import FrameError, reason_of
 from erlif.io.readers.base import DEFLATED, Format, FrameFile, FrameKind, check_claim
 from erlif.io.readers.raw import FrameLayout, RawFrames
 from erlif.io.readers.source import Source
-from erlif.io.refusals import refusal
 
 # Size of what a PNG may hold beside its image. [byte]
 _LARGEST_REST = 2**26
@@ -111,7 +110,10 @@ def bitmap_layout(header: bytes) -> FrameLayout:
         return FrameLayout((abs(height), width), "|u1")
     if size < 40 or codec != bytes(4) or depth != 8:
         name = codec.decode("latin-1").strip("\0 ") or f"{depth} bits"
-        raise refusal("packed_pictures", name=name)
+        raise FrameError(
+            f"its images are compressed or in colours ({name}), and no counts. Save the raw counts "
+            "of the camera, one channel, as grey TIFF."
+        )
     palette = np.frombuffer(header[size:][: 4 * (used or 256)], np.uint8)
     check_grey_palette(palette[: palette.size // 4 * 4].reshape(-1, 4))
     row = -(-width // 4) * 4  # rows end at a multiple of four bytes
@@ -184,7 +186,10 @@ def _lossy_name(head: bytes) -> str:
 def _refuse(path: Path) -> FrameFile:
     with path.open("rb") as file:
         name = _lossy_name(file.read(12)) or path.suffix
-    raise refusal("lossy", name=name)
+    raise FrameError(
+        f"it is a {name} image, compressed with losses or with a palette: its values are no "
+        "counts. Save the raw counts as TIFF."
+    )
 
 
 PNG = Format("PNG", (".png",), lambda path, head: head[:8] == _PNG_START, PngPicture)

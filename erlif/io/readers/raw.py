@@ -17,7 +17,6 @@ from erlif.core.errors import FrameError
 from erlif.io.readers.base import MOST_FRAMES, TRUNCATED, FrameFile, FrameKind, check_claim
 from erlif.io.readers.source import Source
 from erlif.io.readers.unpack import Packing, unpack
-from erlif.io.refusals import refusal
 
 # Frames in a header for each frame in the file above which the header is taken as damaged. A
 # recording that was interrupted or copied in part has fewer.
@@ -170,7 +169,11 @@ class RawFrames(FrameFile):
         end = int(self.offsets[-1]) + self.layout.size
         if self._source.size > end:
             count, each, held = len(self.offsets), self.layout.size, self._source.size
-            raise refusal("other_size", header=header, count=count, each=each, end=end, held=held)
+            raise FrameError(
+                f"{header} describes {count} frames of {each} bytes, which end at byte {end}; the "
+                f"file of counts has {held} bytes. Put the header of this recording beside it, or "
+                "correct the header."
+            )
 
     def read(self, index: int) -> AnyArray:
         """As `FrameFile.read`."""

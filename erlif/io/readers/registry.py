@@ -29,7 +29,6 @@ from erlif.io.readers.photron import PHOTRON
 from erlif.io.readers.pictures import BMP, LOSSY, PGM, PNG
 from erlif.io.readers.princeton import PRINCETON
 from erlif.io.readers.tiff import TIFF
-from erlif.io.refusals import refusal
 
 # The formats of erlif, in the order in which a file is compared with them.
 FORMATS: tuple[Format, ...] = (
@@ -139,7 +138,10 @@ def find_format(path: Path, head: bytes) -> Format:
         if path.suffix.lower() in entry.suffixes:
             return entry
     known = ", ".join(entry.name for entry in (*FORMATS, *foreign) if entry is not LOSSY)
-    raise refusal("unknown", known=known, faults="".join(faults))
+    raise FrameError(
+        f"its format is none of those that are read: {known}. Convert it to TIFF, or install a "
+        f"package that has a reader for it.{''.join(faults)}"
+    )
 
 
 @contextmanager
@@ -220,7 +222,9 @@ def _read_head(path: Path) -> bytes:
 
 def _open(form: Format, path: Path, dataset: str) -> FrameFile:
     if dataset and form.open_dataset is None:
-        raise refusal("no_datasets", name=form.name)
+        raise FrameError(
+            f"it is a {form.name} file, which has no datasets. Remove the key dataset for it."
+        )
     try:
         if dataset and form.open_dataset is not None:
             file = form.open_dataset(path, dataset)

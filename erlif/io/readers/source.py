@@ -13,7 +13,6 @@ import numpy as np
 
 from erlif.core.arrays import AnyArray
 from erlif.core.errors import FrameError
-from erlif.io.refusals import refusal
 
 # Size of a text file above which it is no header of frames. [byte]
 _LONGEST = 4 * 2**20
@@ -183,5 +182,8 @@ def read_text(path: Path) -> str:
     """
     with Source(path) as source:
         if source.size > _LONGEST:
-            raise refusal("large_header", path=path, size=source.size)
+            raise FrameError(
+                f"{path.name} has {source.size} bytes, too many for a header. Put the header that "
+                "was saved with the frames in its place."
+            )
         return source.read(0, source.size).decode("latin-1")

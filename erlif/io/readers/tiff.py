@@ -24,7 +24,6 @@ from erlif.io.readers.base import MOST_FRAMES, TRUNCATED, Format, FrameFile, Fra
 from erlif.io.readers.raw import FrameLayout, RawFrames
 from erlif.io.readers.source import Source
 from erlif.io.readers.tiff_metadata import read_description
-from erlif.io.refusals import refusal
 
 # faults of a file are raised; without a handler Python would print what tifffile logs about them
 logging.getLogger("tifffile").addHandler(logging.NullHandler())
@@ -341,10 +340,15 @@ class _Sign:
 def _kind_of(page: tifffile.TiffPage, size: int) -> FrameKind:
     """Kind of a page; refuses values that are no counts, and sizes that no memory holds."""
     if page.photometric == _PALETTE:
-        raise refusal("palette")
+        raise FrameError(
+            "it is a palette image, whose values are no counts. Save the raw counts as grey TIFF."
+        )
     lossy = _LOSSY.get(int(page.compression))
     if lossy is not None:
-        raise refusal("lossy_tiff", lossy=lossy)
+        raise FrameError(
+            f"its images are compressed with {lossy}, which may change the counts. Save them "
+            "uncompressed, or with LZW or deflate."
+        )
     if page.dtype is None or page.imagedepth != 1:
         raise FrameError("its images have a type that is not read. Save them as 16-bit grey TIFF.")
 

@@ -15,7 +15,6 @@ from pydantic_core import ErrorDetails
 
 from erlif.core.bounded import read_bounded
 from erlif.core.errors import ConfigError
-from erlif.io.refusals import refusal
 from erlif.io.settings.design import DesignSettings
 from erlif.io.settings.endurance import EnduranceSettings
 from erlif.io.settings.keys import Key, keys_of, tables_in
@@ -180,7 +179,9 @@ def settings_of(
     if isinstance(source, Settings):
         return source, folder or Path()
     if not isinstance(source, str | os.PathLike):
-        raise refusal("no_settings", kind=type(source).__name__)
+        raise ConfigError(
+            f"Expected the name of a file, or settings; got {type(source).__name__}. Name the file."
+        )
     path = Path(source)
     return read(path), folder or path.parent
 
@@ -215,7 +216,9 @@ def _load(path: Path, kind: type[_Settings]) -> _Settings:
     head = ["and correct these:"] if faults else []
     listed = "\n".join([*(f"  {_explain_gap(gap, kind)}" for gap in gaps), *head, *lines])
     gap_count = "1 gap is" if len(gaps) == 1 else f"{len(gaps)} gaps are"
-    raise refusal("gaps", path=path, gap_count=gap_count, listed=listed)
+    raise ConfigError(
+        f"Expected a value for every key of {path}; {gap_count} left. Replace each ??:\n{listed}"
+    )
 
 
 def _read(directory: Path, name: str, kind: type[_Settings]) -> _Settings:
@@ -225,7 +228,9 @@ def _read(directory: Path, name: str, kind: type[_Settings]) -> _Settings:
         hint = " Name the directory of the recording."
         if directory.name == name:
             hint = f" Name the directory that holds it: {directory.parent}"
-        raise refusal("no_folder", name=name, directory=directory, hint=hint)
+        raise ConfigError(
+            f"Expected a directory with {name} in it; {directory} is not a directory.{hint}"
+        )
     if not path.exists():
         other = {"run.toml": "fixture.toml", "fixture.toml": "run.toml"}[name]
         option = " --fixture" if name == "fixture.toml" else ""
@@ -241,9 +246,15 @@ def _read_toml(path: Path) -> dict[str, Any]:
     try:
         return tomllib.loads(read_bounded(path, largest=_LARGEST_FILE).decode("utf-8-sig"))
     except OSError as error:
-        raise refusal("settings_unreadable", path=path, reason=error.strerror) from error
+        raise ConfigError(
+            f"Expected settings in {path}; it cannot be read: {error.strerror}. Put a settings "
+            "file there, or make one with erlif init."
+        ) from error
     except (ValueError, RecursionError) as error:
-        raise refusal("no_toml", path=path, reason=error) from error
+        raise ConfigError(
+            f"Expected valid TOML in {path}; got {error}. Correct that place; text and quantities "
+            "stand in double quotes."
+        ) from error
 
 
 def _find_gaps(table: dict[str, Any], path: _Location = ()) -> Iterator[_Location]:

@@ -7,12 +7,12 @@ the other stages alone.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 
 import numpy as np
 
 from erlif.core.arrays import Array
-from erlif.core.notes import Note, note_writer
+from erlif.core.notes import Note, remark, warn
 from erlif.core.statistics import robust_std
 from erlif.joint.endurance.blocks import RESTART, LogClock, StageFriction
 from erlif.joint.endurance.onset import Onset
@@ -120,17 +120,20 @@ def find_level_rises(
 
 def note_level_rises(rises: Sequence[LevelRise], numbers: Sequence[int]) -> list[Note]:
     """Describe stages whose friction is higher than expected; `numbers` are those of the stages."""
-    write, notes = note_writer("erlif.joint.endurance"), []
+    notes = []
     for rise in rises:
-        stated = {
-            **asdict(rise),
-            "more": 100 * (rise.level / rise.before - 1),
-            "against": f"stage {numbers[rise.stage - 1]}" if rise.stage else "its lowest before",
-            "recovered": None if rise.recovered is None else numbers[rise.recovered],
-        }
-        name = "rise" if rise.recovered is None else "recovered"
-        subject = f"stage {numbers[rise.stage]}"
-        notes.append(write(name, subject=subject, **stated))
+        subject, more = f"stage {numbers[rise.stage]}", 100 * (rise.level / rise.before - 1)
+        against = f"stage {numbers[rise.stage - 1]}" if rise.stage else "its lowest before"
+        text = (
+            f"friction of {rise.level:.3f} is {more:.0f} % above {against} ({rise.before:.3f}), "
+            f"where the other stages let expect a change of {rise.expected:+.3f} ± {rise.bound:.3f}"
+        )
+        if rise.recovered is None:
+            doubt = "galling during the step of load or a slow rise cannot be excluded"
+            notes.append(warn(subject, f"{text}; {doubt}"))
+        else:
+            recovered = f"it has recovered in stage {numbers[rise.recovered]}"
+            notes.append(remark(subject, f"{text}; {recovered}"))
     return notes
 
 

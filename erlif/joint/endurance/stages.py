@@ -9,7 +9,7 @@ import numpy as np
 from scipy.ndimage import uniform_filter1d
 
 from erlif.core.arrays import AnyArray, Array
-from erlif.core.notes import Note, note_writer
+from erlif.core.notes import Level, Note
 from erlif.core.statistics import robust_std
 from erlif.joint.endurance.blocks import find_pauses
 from erlif.joint.friction.stretches import running_median
@@ -196,21 +196,35 @@ def note_stages(
         A load that scatters, a load that changes within a stage, and a first stretch that is idle
         only as it is short or light.
     """
-    note = note_writer("erlif.joint.endurance")
     notes = []
     pauses = find_pauses(time)
     width = _average_samples(time)
     raw = _scatter(np.split(load, pauses), width)
     scatter = _scatter([running_median(part) for part in np.split(load, pauses)], width)
     if _CLEAR * scatter > SAME_LOAD:
-        notes.append(note("scatters", raw=100 * raw, width=width))
+        notes.append(
+            Note(
+                Level.NOTE,
+                "",
+                f"the load scatters by {100 * raw:.1f} % (standard deviation); stages are found "
+                f"from its mean over {width} samples",
+            )
+        )
 
     first = stages[0] if stages else None
     others = any(stage.is_idle for stage in stages[1:])
     highest = float(np.max(load, initial=0.0))
     alone = first is not None and first.is_idle and not others and len(stages) > 1
     if first and alone and idle_load is None and first.load > _ZERO * highest:
-        notes.append(note("idle", load=first.load / 1e3, start=first.start, end=first.end))
+        notes.append(
+            Note(
+                Level.WARNING,
+                "",
+                f"the stretch of {first.load / 1e3:.1f} kN from {first.start:.0f} to "
+                f"{first.end:.0f} s is taken for an idle run, as it is shorter than a third of "
+                "the next or below a quarter of its load; if it is a stage, give --idle-load",
+            )
+        )
 
     for stage in join_stages([stage for stage in stages if not stage.is_idle]):
         inside = load[stage.samples]
@@ -218,8 +232,14 @@ def note_stages(
         start, end = float(np.median(inside[:tenth])), float(np.median(inside[-tenth:]))
         chance = _CLEAR * raw * np.sqrt(2 / tenth)
         if abs(end - start) > (_DRIFT + chance) * stage.load:
-            loads = {"start": start / 1e3, "end": end / 1e3, "load": stage.load / 1e3}
-            notes.append(note("ramp", subject=f"stage {stage.number}", **loads))
+            notes.append(
+                Note(
+                    Level.WARNING,
+                    f"stage {stage.number}",
+                    f"the load changes from {start / 1e3:.1f} to {end / 1e3:.1f} kN; it is a ramp, "
+                    f"and its median of {stage.load / 1e3:.1f} kN counts as the load of the stage",
+                )
+            )
     return notes
 
 

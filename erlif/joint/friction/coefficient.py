@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 
 from erlif.core.arrays import Array
-from erlif.joint.refusals import refusal
+from erlif.core.errors import EnduranceError
 from erlif.models.friction import friction_coefficient
 
 _REVERSES = 0.3  # of the larger torque: a smaller one against it is noise about zero
@@ -71,7 +71,10 @@ def measure_friction(
     require_option(pin_radius=pin_radius, torque_ratio=torque_ratio)
     load = log["cells"].sum("cell").values - tare
     if not np.max(load) > 0:
-        raise refusal("large_tare", highest=np.max(load) + tare, tare=tare)
+        raise EnduranceError(
+            f"Expected a tare below the reading of the cells, at most {np.max(load) + tare:g} N; "
+            f"got {tare:g} N. Correct the tare, or choose other columns for the cells."
+        )
     torque = torque_of(log, arm)
     time = log["time"].values
     other_sensors = {name: log[name].values for name in ("temperature", "vibration") if name in log}
@@ -124,7 +127,10 @@ def require_option(**options: float) -> None:
     """
     for name, value in options.items():
         if not 0 < value < np.inf:
-            raise refusal("not_positive", name=name, value=value)
+            raise EnduranceError(
+                f"Expected a positive {name}; got {value:g}. Give its value, with the unit in the "
+                "command and the settings."
+            )
 
 
 def torque_of(log: xr.Dataset, arm: float | None) -> Array:
@@ -158,7 +164,10 @@ def torque_of(log: xr.Dataset, arm: float | None) -> Array:
         torque: Array = log["torque"].values
         return torque
     if arm is None:
-        raise refusal("no_arm")
+        raise EnduranceError(
+            "Expected the arm of the load cell whose force is logged; it is not given. Give it: "
+            '--arm "30 cm".'
+        )
     force: Array = log["arm_force"].values
     return force * arm
 
@@ -178,11 +187,19 @@ def _over_oscillations(
     positive = torque > 0.5 * (low + high)
     turns = np.flatnonzero(positive[1:] & ~positive[:-1])
     if turns.size <= _CYCLES:
-        raise refusal("no_reversing_torque", count=turns.size)
+        raise EnduranceError(
+            "Expected a torque of both signs to reverse with each oscillation; it becomes positive "
+            f"{turns.size} times in the whole log. Log the size of the torque, or take erlif "
+            "friction for a motion that reverses now and then."
+        )
     period = float(np.median(np.diff(time[turns])))
     interval = float(np.median(np.diff(time)))
     if period < _SAMPLES * interval:
-        raise refusal("coarse_torque", samples=_SAMPLES, found=period / interval)
+        raise EnduranceError(
+            f"Expected a torque that reverses to be sampled at least {_SAMPLES} times in an "
+            f"oscillation; it is sampled {period / interval:.1f} times. Record faster, or log the "
+            "size of the torque; take erlif friction for a motion that reverses now and then."
+        )
 
     width = _CYCLES * period
     number = np.floor((time - time[0]) / width).astype(int)

@@ -25,7 +25,6 @@ from erlif.io.ingest.logs.columns import (
 from erlif.io.ingest.logs.table import LogColumn, LogTable, LogUse, name_patterns
 from erlif.io.ingest.logs.text import read_log_table
 from erlif.io.ingest.logs.units import CLOCK, find_scale
-from erlif.joint.refusals import refusal
 
 # What a column can hold, and the kind of its unit; a vibration may have any.
 QUANTITIES = {
@@ -323,12 +322,19 @@ def _check(
     """Refuse numbers that cannot be those of a test."""
     time = log["time"].values
     if time.size < _FEWEST:
-        raise refusal("few_rows", fewest=_FEWEST, file=table.file, found=time.size)
+        raise EnduranceError(
+            f"Expected at least {_FEWEST} rows in {table.file}; it has {time.size}. Export the "
+            "whole log."
+        )
     check_time(time, columns["time"][0].name, table)
     cells = log["cells"].values
     load = np.sqrt((cells**2).sum(axis=0)) if vector else cells.sum(axis=0)
     if not np.percentile(load, 95) > 0:
         total = "vector sum" if vector else "sum"
-        raise refusal("no_positive_load", file=table.file, total=total, highest=load.max())
+        raise EnduranceError(
+            f"Expected a positive load in {table.file}; the {total} of its cells is at most "
+            f"{load.max():g} N. Where the cells read compression as negative, give "
+            "--compression-negative; else correct their sign, or choose other columns."
+        )
     if "temperature" in log:
         check_temperature(log["temperature"].values, columns["temperature"][0].name, table)

@@ -12,12 +12,12 @@ from scipy.optimize import brentq
 from scipy.special import stdtr, stdtrit
 
 from erlif.core.arrays import Array
+from erlif.core.errors import EnduranceError
 from erlif.core.tables import fill_template
 from erlif.io.conversion import table_csv
 from erlif.io.files import write_file
 from erlif.joint.friction.coefficient import doubt_friction, require_option, torque_of
 from erlif.joint.friction.stretches import Stretch, find_stretches, variation_within
-from erlif.joint.refusals import refusal
 from erlif.models.friction import friction_coefficient
 
 # Correlations of neighbours that are tried, and a prior by which the intervals of 30 pairs hold
@@ -300,7 +300,11 @@ def _pairs(
         pairs.append((one, other))
         index += 2
     if len(pairs) < 2:
-        raise refusal("few_reversals", count=len(stretches))
+        raise EnduranceError(
+            f"Expected a torque that reverses at least three times; got {len(stretches)} stretches "
+            "of one direction. Log the torque with its sign, over two reversals of the motor and "
+            "back; for a motion of one direction take erlif endurance."
+        )
     half = np.array([0.5 * abs(a.ratio - b.ratio) for a, b in pairs])
     middle = np.array([0.5 * (a.ratio + b.ratio) for a, b in pairs])
     scatter = np.array([0.5 * np.hypot(a.std, b.std) for a, b in pairs])
@@ -338,7 +342,11 @@ class _Level:
 def _level(time: Array, torque: Array, load: Array, stretch: Stretch, radius: float) -> _Level:
     inside = stretch.samples
     if np.any(load[inside] <= 0):
-        raise refusal("no_load_in_motion", lowest=load[inside].min(), start=time[stretch.first])
+        raise EnduranceError(
+            f"Expected a load above 0 during the motion; it is {load[inside].min():.3g} N after "
+            f"{time[stretch.first]:.1f} s. Cut the log to the loaded time, or check the sign of "
+            "the cells."
+        )
     ratio = np.asarray(friction_coefficient(torque[inside], load=load[inside], radius=radius))
     interval = (time[stretch.last] - time[stretch.first]) / (stretch.last - stretch.first)
     return _Level(

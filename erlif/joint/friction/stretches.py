@@ -10,7 +10,7 @@ import numpy as np
 from scipy.ndimage import median_filter
 
 from erlif.core.arrays import AnyArray, Array
-from erlif.joint.refusals import refusal
+from erlif.core.errors import EnduranceError
 
 _MEDIAN = 5  # samples of the running median, against single jerks
 _ENDS = (1.0, 99.0)  # percentiles of the torque so smoothed: the levels of both directions
@@ -288,4 +288,9 @@ def _require_levels(torque: Array, stretches: list[Stretch]) -> None:
     scatter = np.sqrt(inside + beside)
     half = 0.5 * float(np.mean(sides[0]) - np.mean(sides[1]))
     if scatter > _NOISY * half:
-        raise refusal("noisy_torque", scatter=scatter, difference=2 * half)
+        raise EnduranceError(
+            "Expected a torque that keeps a level in each direction; within a direction it "
+            f"scatters by {scatter:.2g} N m, and the two directions differ by {2 * half:.2g} N m, "
+            "as noise does. Log the torque with its sign over reversals of the motion; for a "
+            "motion of one direction take erlif endurance."
+        )

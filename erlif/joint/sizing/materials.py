@@ -12,7 +12,6 @@ from typing import Any
 from erlif.core.bounded import read_rows
 from erlif.core.errors import ConfigError
 from erlif.core.tables import read_table
-from erlif.joint.refusals import refusal
 from erlif.models.bearing import hardness_from_strength
 
 # Pascal of one Brinell: a kilogram-force on a square millimetre. [Pa]
@@ -142,19 +141,28 @@ def _merge(known: dict[str, Material], path: Path) -> dict[str, Material]:
         rows = read_rows(path, largest=_LARGEST_FILE)
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or error
-        raise refusal("unreadable_materials", path=path, reason=reason) from error
+        raise ConfigError(
+            f"Expected a table of materials in {path}; it cannot be read: {reason}. Name a CSV "
+            "file, text in UTF-8, beside joint.toml with `materials`."
+        ) from error
     head = rows[0][1] if rows else []
     allowed = ["name", "use", *_columns(), "source"]
     unknown = [cell for cell in head if cell not in allowed]
     if "name" not in head or unknown or len(set(head)) < len(head):
         got = f"the column {unknown[0]!r}" if unknown else ", ".join(head) or "an empty file"
-        raise refusal("wrong_columns", path=path, allowed=", ".join(allowed[1:]), got=got)
+        raise ConfigError(
+            f"Expected a table of materials in {path} with the columns name and any of "
+            f"{', '.join(allowed[1:])}, each once; got {got}. Correct the first row."
+        )
 
     merged = dict(known)
     for number, row in rows[1:]:
         where = f"row {number} of {path}"
         if len(row) != len(head):
-            raise refusal("uneven_row", expected=len(head), where=where, found=len(row))
+            raise ConfigError(
+                f"Expected {len(head)} cells in {where}; got {len(row)}. Put text that holds a "
+                "comma in quotes."
+            )
         cells = dict(zip(head, row, strict=True))
         material = _read_row(cells, merged, where)
         merged[material.name] = material
@@ -182,7 +190,10 @@ def _read_row(cells: dict[str, str], known: dict[str, Material], where: str) -> 
     material = replace(known.get(name, Material(name)), **changed)
     low, high = material.hardness_low or 0.0, material.hardness_high or math.inf
     if low > high:
-        raise refusal("hardness_reversed", where=where, low=low, high=high)
+        raise ConfigError(
+            f"Expected hardness_low_HB up to hardness_high_HB in {where}; got {low:g} above "
+            f"{high:g}. Exchange them."
+        )
     return material
 
 
@@ -194,5 +205,8 @@ def _read_cell(cell: str, title: str, where: str) -> float:
     except ValueError:
         value = math.nan
     if not low <= value <= high:
-        raise refusal("bad_cell", low=low, high=high, title=title, where=where, cell=cell)
+        raise ConfigError(
+            f"Expected a number from {low:g} to {high:g} as {title} in {where}; got {cell!r}. "
+            "Correct the cell, or leave it empty."
+        )
     return float(value * column["unit"])

@@ -16,8 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from erlif.core.errors import UnitWarning
-from erlif.joint.refusals import refusal
+from erlif.core.errors import ConfigError, UnitWarning
 from erlif.joint.sizing.assessment import EQUATIONS
 from erlif.joint.sizing.joint import DIMENSIONS, Joint, known, warn_of_units
 from erlif.joint.sizing.lock import size_lock
@@ -87,7 +86,10 @@ def size_joint(joint: Joint, *, series: Series = "none") -> Joint:
     25 mm, 25 mm
     """
     if joint.pin_diameter is None and joint.pin.yield_stress is None:
-        raise refusal("no_yield_stress")
+        raise ConfigError(
+            "Expected the yield stress of the pin, from which its diameter is chosen; got none. "
+            "Give yield_stress or diameter in [pin]."
+        )
 
     warn_of_units(joint)
     with warnings.catch_warnings():

@@ -14,7 +14,6 @@ import scipy
 from erlif.core.errors import ModelError
 from erlif.models.arguments import Values, formula
 from erlif.models.contact.roots import find_roots, like
-from erlif.models.refusals import refusal
 
 # Factors of the ellipse that Farzaneh (2002), appendix B, reads for the lobed bushing. [1]
 THESIS_F1, THESIS_F2 = 0.89, 0.88
@@ -151,7 +150,10 @@ def relative_radii(
 
     # at A = 0 the bodies touch along a line, below it they overlap beside the point of contact
     if np.any(np.less_equal(A, 0)):
-        raise refusal("no_gap_around", curvature=2 * float(np.nanmin(np.asarray(A))))
+        raise ModelError(
+            "radius_1, radius_2 and those across must leave a gap all round the point of contact, "
+            f"got a smallest relative curvature of {2 * float(np.nanmin(np.asarray(A))):g} 1/m."
+        )
     return RelativeRadii(1 / (2 * A), 1 / (2 * B))
 
 

@@ -10,7 +10,6 @@ import numpy as np
 from erlif.core.errors import ModelError
 from erlif.models.arguments import Values, formula
 from erlif.models.contact.roots import like
-from erlif.models.refusals import refusal
 
 # E Delta / 2q at which Persson's contact closes around the pin. [1]
 FULL_CONTACT = -2 / np.pi
@@ -134,7 +133,10 @@ def persson_half_angle(group: Values) -> Values:
     84.8 degrees
     """
     if np.any(np.less_equal(group, FULL_CONTACT)):
-        raise refusal("group_of_full_contact", lowest=float(np.nanmin(np.asarray(group))))
+        raise ModelError(
+            f"group (E Delta / 2q) must exceed -2/pi, got {float(np.nanmin(np.asarray(group))):g}: "
+            "the interference presses all round the pin."
+        )
 
     # the logarithm of the distance from the closed contact falls almost linearly in ln b, so that
     # Newton's method converges from any start
@@ -242,7 +244,10 @@ def persson_contact(
 
     group = youngs_modulus * play / (2 * load_per_length)
     if np.any(np.less_equal(group, FULL_CONTACT)):
-        raise refusal("play_of_full_contact", lowest=float(np.nanmin(np.asarray(group))))
+        raise ModelError(
+            "play must keep E play / (2 load_per_length) above -2/pi, got "
+            f"{float(np.nanmin(np.asarray(group))):g}: the interference presses all round the pin."
+        )
     half_angle = persson_half_angle(group)
     return ConformalContact(
         half_angle, persson_peak_group(half_angle) * 2 * load_per_length / pin_diameter
@@ -285,7 +290,11 @@ def closed_contact_pressure(
 
     group = youngs_modulus * interference / (2 * load_per_length)
     if np.any(np.less(group, -FULL_CONTACT * (1 - 1e-9))):
-        raise refusal("open_contact", times=float(np.nanmin(np.asarray(group / -FULL_CONTACT))))
+        times = float(np.nanmin(np.asarray(group / -FULL_CONTACT)))
+        raise ModelError(
+            "interference must be at least 4 load_per_length / (pi E), below which the contact is "
+            f"open, got {times:.3g} times that."
+        )
     alone = youngs_modulus * interference / (2 * pin_diameter)
     return alone + 2 * load_per_length / (np.pi * pin_diameter)
 
@@ -326,5 +335,8 @@ def persson_load(half_angle: Values, *, play: Values, youngs_modulus: Values) ->
     # play and group must share their sign, else no positive load belongs to the angle
     load = youngs_modulus * play / (2 * persson_group(half_angle))
     if not np.all(np.greater(load, 0) | np.isnan(load)):
-        raise refusal("no_load_of_angle")
+        raise ModelError(
+            "half_angle must be below 84.8 degrees with play and above it with an interference: no "
+            "load gives this one."
+        )
     return load

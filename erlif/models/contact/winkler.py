@@ -13,7 +13,6 @@ from erlif.models.contact.arc import (
     supported_by_arc,
 )
 from erlif.models.contact.roots import like
-from erlif.models.refusals import refusal
 
 
 @dataclass(frozen=True)
@@ -177,7 +176,10 @@ def winkler_contact(
     fits = ratio.flat[:1] if ratio.size and np.ptp(ratio) == 0 else ratio
     largest = supported_by_arc(np.full(fits.shape, np.pi / 2), fit=fits)
     if np.any(group > largest):
-        raise refusal("wrapped_contact", times=float(np.nanmax(group / largest)))
+        raise ModelError(
+            "load_per_length must not exceed the load that wraps the contact to 90 degrees; got "
+            f"{float(np.nanmax(group / largest)):.3g} times that."
+        )
 
     half_angle, torque_ratio = arc_of_load(group, fit=ratio)
     eccentricity = eccentricity_of_arc(half_angle, fit=ratio)

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from erlif.core.arrays import Array, Mask
-from erlif.models.refusals import refusal
+from erlif.core.errors import ModelError
 
 # Steps after which the search is given up.
 MOST_ITERATIONS = 2000
@@ -148,7 +148,10 @@ def solve_active_set(
             # so few cells follow any motion; others have to join them
             direction, length = np.zeros(gap.shape), 1.0
         elif along <= 0:
-            raise refusal("no_positive_deflection")
+            raise ModelError(
+                "The contact has no solution: its deflection is not positive for every pressure; "
+                "check that gap, loads and cells are in SI units."
+            )
         else:
             length = float(np.sum((cells.area * residual * direction)[touching])) / along
         pressure = pressure - length * direction
@@ -169,7 +172,10 @@ def solve_active_set(
             factor = cells.load_factor(pressure, aims)
             pressure = np.maximum(pressure * factor, 0.0)
             deflection = deflection * factor
-    raise refusal("not_settled", iterations=MOST_ITERATIONS, error=error, tolerance=tolerance)
+    raise ModelError(
+        f"The contact has not settled after {MOST_ITERATIONS} iterations (residual {error:.1e}, "
+        f"asked for {tolerance:.1e}); use fewer cells or a larger tolerance."
+    )
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,6 @@ import numpy as np
 
 from erlif.core.arrays import Array, Mask
 from erlif.core.errors import ModelError
-from erlif.models.refusals import refusal
 
 if TYPE_CHECKING:
     import skfem
@@ -226,7 +225,10 @@ class HarmonicSolver:
         try:
             import skfem
         except ModuleNotFoundError as error:
-            raise refusal("no_finite_elements") from error
+            raise ModelError(
+                "Joints of finite length need finite elements, and scikit-fem is not installed. "
+                'Install it with: pip install "erlif[edges]"'
+            ) from error
         mesh = skfem.MeshQuad.init_tensor(section.radii, section.places)
         if section.cut is not None:
             r, z = mesh.p[:, mesh.t].mean(axis=1)

@@ -5,7 +5,6 @@ import numpy as np
 from erlif.core.errors import ModelError
 from erlif.models.arguments import Values, formula, require_between
 from erlif.models.contact.roots import find_roots, like
-from erlif.models.refusals import refusal
 
 
 @formula()
@@ -104,5 +103,8 @@ def lundberg_profile(
     """
     place = 2 * axial / length
     if np.any(np.abs(place) >= 1):
-        raise refusal("ends_of_roller", end=np.max(length) / 2)
+        raise ModelError(
+            "axial reaches the ends of the roller, where the profile of Lundberg is infinite; give "
+            f"places within ±{np.max(length) / 2:g} m."
+        )
     return load / (np.pi * contact_modulus * length) * -np.log1p(-(place**2))

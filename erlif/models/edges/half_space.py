@@ -17,7 +17,6 @@ from erlif.models.edges.influence import (
     displacement_of_strips,
     stress_of_cells,
 )
-from erlif.models.refusals import refusal
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -115,7 +114,10 @@ def solve_contact(
         require_finite(load_position=load_position)
         half = np.array(heights.shape) * steps / 2
         if np.any(np.abs(load_position) >= half):
-            raise refusal("load_outside_grid", place=tuple(load_position), half=half)
+            raise ModelError(
+                f"The load at {tuple(load_position)} m lies outside the grid, which ends at x = "
+                f"±{half[0]:g} and z = ±{half[1]:g} m; no contact carries it."
+            )
     targets = None if load is None else load * np.array([1.0, *load_position])[: len(modes)]
     motion = None if approach is None else np.array([approach, 0.0, 0.0])[: len(modes)]
     cell = float(np.prod(steps))
@@ -158,9 +160,15 @@ def _check_grid(gap: Values, spacing: Values) -> tuple[Array, tuple[float, ...]]
     """The gap as an array of one or two dimensions, and the sides of its cells."""
     heights = np.asarray(gap, float)
     if heights.ndim not in (1, 2) or min(heights.shape, default=0) < 2:
-        raise refusal("no_grid", shape=heights.shape)
+        raise ModelError(
+            "A gap has the dimensions (x,) or (x, z) with at least two cells each, got the shape "
+            f"{heights.shape}."
+        )
     if not np.isfinite(heights).all():
-        raise refusal("gap_not_finite", count=np.count_nonzero(~np.isfinite(heights)))
+        raise ModelError(
+            f"The gap holds {np.count_nonzero(~np.isfinite(heights))} values that are not finite; "
+            "cut the grid at the ends of the bodies."
+        )
     steps = np.broadcast_to(np.asarray(spacing, float), heights.ndim)
     return heights, tuple(float(step) for step in steps)
 
@@ -235,7 +243,10 @@ def subsurface_stress(
     0.48
     """
     if contact["pressure"].dims != ("x", "z"):
-        raise refusal("no_plane_pressure", dims=contact["pressure"].dims)
+        raise ModelError(
+            f"Stresses need a pressure over (x, z), got {contact['pressure'].dims}; give "
+            "solve_contact a gap along both."
+        )
     depths = np.atleast_1d(np.asarray(depth, float))
     pressure = contact["pressure"].to_numpy()
     x, z = contact["x"].to_numpy(), contact["z"].to_numpy()

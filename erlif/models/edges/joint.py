@@ -26,7 +26,6 @@ from erlif.models.edges.cylinders import (
     compute_compliance,
 )
 from erlif.models.edges.half_space import equivalent_stress
-from erlif.models.refusals import refusal
 from erlif.models.reynolds.shapes import lobe_shape
 
 if TYPE_CHECKING:
@@ -90,7 +89,10 @@ class Joint:
             outer_radius=self.outer_radius,
         )
         if not self.pin_length >= self.length:
-            raise refusal("short_pin", pin_length=self.pin_length, length=self.length)
+            raise ModelError(
+                f"pin_length, {self.pin_length:g} m, is below the length of the bushing, "
+                f"{self.length:g} m; the pin ends outside."
+            )
         if self.undercut is not None:
             _check_undercut(self.undercut, self)
 
@@ -100,7 +102,10 @@ def _check_undercut(cut: Undercut, joint: Joint) -> None:
     require_positive(depth=cut.depth, width=cut.width, lip=cut.lip)
     if not _fits(cut, joint):
         wall = joint.outer_radius - joint.bushing_radius
-        raise refusal("undercut_does_not_fit", cut=cut, wall=wall, half=joint.length / 2)
+        raise ModelError(
+            f"The undercut (depth {cut.depth:g}, width {cut.width:g}, lip {cut.lip:g} m) does not "
+            f"fit into a wall of {wall:g} m and half a length of {joint.length / 2:g} m."
+        )
 
 
 @dataclass(frozen=True)
@@ -189,7 +194,10 @@ def prepare_joint(
     half, end = joint.length / 2, joint.pin_length / 2
     span = load_span if load_span is not None else (half, end)
     if not 0 <= span[0] < span[1] <= end + 1e-12:
-        raise refusal("load_outside_pin", span=span, end=end)
+        raise ModelError(
+            f"The load cannot act from {span[0]:g} to {span[1]:g} m on half a pin of {end:g} m; "
+            "give load_span where no pin goes beyond the bushing."
+        )
     fine = {"first": smallest_cell, "growth": growth, "largest": largest_cell}
     if any(not 0 < place < half for place in refine):
         raise ModelError(f"refine must lie between 0 and {half:g} m, got {list(refine)}.")
@@ -499,7 +507,10 @@ def search_undercut(
     }
     fitting = {place: cut for place, cut in cuts.items() if _fits(cut, joint)}
     if not fitting:
-        raise refusal("no_undercut_fits", wall=joint.outer_radius - joint.bushing_radius)
+        raise ModelError(
+            "No undercut of these depths, widths and lips fits into the wall of "
+            f"{joint.outer_radius - joint.bushing_radius:g} m."
+        )
 
     straight = prepared(None, None)
     uncut = solve_joint(straight, load=load, patch=patch)
@@ -547,7 +558,10 @@ def _share(elastic: ElasticJoint, load: float, position: float) -> tuple[Array, 
         return np.array([load / 2]), np.array([load / 2])
     middle = sum(elastic.load_span) / 2
     if abs(position) >= elastic.joint.length / 2:
-        raise refusal("load_beyond_bushing", position=position, end=elastic.joint.length / 2)
+        raise ModelError(
+            f"The load at {position:g} m lies beyond the bushing, which ends at "
+            f"{elastic.joint.length / 2:g} m; no contact carries it."
+        )
     forces = load / 2 * (1 + np.array([-1, 1]) * position / middle)
     return forces, load * np.array([1.0, position])
 
@@ -613,5 +627,8 @@ def _lobe_shape(
     if not len(centres) or height == 0:
         return np.zeros(places.size)
     if max(centres) >= half or min(centres) < 0:
-        raise refusal("lobes_outside", half=half, centres=list(centres))
+        raise ModelError(
+            f"Lobes lie from 0 to the end of the bushing at {half:g} m, got {list(centres)}; those "
+            "of the other half are the same."
+        )
     return np.asarray(lobe_shape(places, centres=centres, radius=radius, height=height))

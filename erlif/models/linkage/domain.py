@@ -11,9 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from erlif.core.arrays import Array
+from erlif.core.errors import ModelError
 from erlif.models.arguments import Values
 from erlif.models.linkage.measures import Links, grashof_margin
-from erlif.models.refusals import refusal
 
 # Distance of the search from linkages that fold flat, of the width of the interval.
 EDGE = 1e-9
@@ -86,7 +86,10 @@ def find_domain(given: dict[str, float], longest: float | None) -> Domain:
         low, high = _range_of(unknown[-1], lengths, limit)
     if unknown and not low < high:
         known = ", ".join(f"{name} {value:g} m" for name, value in given.items())
-        raise refusal("no_crank_rocker_with", known=known, limit=limit)
+        raise ModelError(
+            f"no crank-rocker has {known} and links up to {limit:g} m: the crank must be the "
+            "shortest link, and coupler, rocker and ground must close a triangle with it."
+        )
     return Domain(given, unknown, limit)
 
 

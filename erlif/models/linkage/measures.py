@@ -11,8 +11,8 @@ from typing import Literal, NamedTuple, TypeAlias
 import numpy as np
 import scipy
 
+from erlif.core.errors import ModelError
 from erlif.models.arguments import Values, formula
-from erlif.models.refusals import refusal
 
 # How a four-bar linkage moves, by Grashof's condition.
 Kind: TypeAlias = Literal[
@@ -82,7 +82,10 @@ def grashof_class(*, crank: float, coupler: float, rocker: float, ground: float)
     shortest, *middle, longest = sorted(lengths.values())
 
     if longest >= shortest + sum(middle):
-        raise refusal("links_apart", longest=longest, others=shortest + sum(middle))
+        raise ModelError(
+            "Expected links that can be joined, the longest shorter than the other three together; "
+            f"got {longest:g} m against {shortest + sum(middle):g} m. Correct the lengths."
+        )
 
     # lengths as typed, 0.1 + 0.5 against 0.2 + 0.4, differ by rounding alone
     surplus = sum(middle) - shortest - longest

@@ -22,7 +22,6 @@ from erlif.models.linkage.design import LinkageDesign, measure_linkage
 from erlif.models.linkage.domain import EDGE, Domain, find_domain
 from erlif.models.linkage.measures import Links, least_transmission, space
 from erlif.models.mechanism import CrankRocker
-from erlif.models.refusals import refusal
 
 # Places of the search along one unknown length, and along each of two.
 LINE, SQUARE = 257, 49
@@ -210,7 +209,11 @@ def synthesise_crank_rocker(
             link_width=link_width,
         )
     if len(given) < 2:
-        raise refusal("few_links", given=", ".join(given) or "none")
+        raise ModelError(
+            "two of crank, coupler, rocker and ground at least must be given, or one with two of "
+            f"swing, speed ratio and time ratio; got {', '.join(given) or 'none'}: with less, the "
+            "linkages are too many to search for the best."
+        )
     if len(given) == 2 and not targets:
         raise ModelError("two unknown lengths need a target: swing, speed_ratio or time_ratio.")
 
@@ -260,7 +263,10 @@ def _best_scale(given: dict[str, float], *, longest_link: float | None, **wanted
     found = solve(_lowest(lambda place: -score(solve(place)), axis, k))
     found = max((found, solve(float(axis[k]))), key=score)
     if found is None or not found.designs:
-        raise refusal("no_family", given=name, free=free)
+        raise ModelError(
+            f"with {name} alone no crank-rocker meets both targets at any {free}; give two links "
+            "for the nearest one."
+        )
     statement = "1 crank-rocker meets the targets; of a family, the one with the best transmission"
     return replace(found, designs=found.designs[:1], statement=f"{statement} angle.")
 

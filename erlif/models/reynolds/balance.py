@@ -19,7 +19,6 @@ import numpy as np
 
 from erlif.core.arrays import Array, Mask
 from erlif.core.errors import ModelError
-from erlif.models.refusals import refusal
 from erlif.models.reynolds.band import Stencil, solve_ring
 from erlif.models.reynolds.cells import Faces, Grid, Walls, link_only
 from erlif.models.reynolds.flow import SMALLEST_FLUIDITY, Fluid
@@ -239,7 +238,10 @@ def advance(medium: Medium, step: Step, before: State, guess: State | None = Non
             newton.require_pressure()
             return newton.state(iteration)
         newton.move()
-    raise refusal("film_not_solved", NoConvergenceError, iterations=most)
+    raise NoConvergenceError(
+        f"The film was not solved in {most} iterations. A load that the film does not carry is the "
+        "usual reason; shorter steps help where load or speed change quickly."
+    )
 
 
 def settle(medium: Medium, step: Step, position: Array, *, rate: float) -> State:
@@ -309,7 +311,10 @@ class _Newton:
             held = np.maximum(self.pressure, medium.cavitation_pressure)
             self.walls = deflected(self.walls, held / medium.foundation, medium.grid)
         if not min(self.walls.centre.min(), self.walls.along.min()) > 0:
-            raise refusal("film_vanished", NoConvergenceError)
+            raise NoConvergenceError(
+                "The film vanished between the walls. Take more load steps in time, finer cells or "
+                "a stiffer foundation."
+            )
         self.middle = self.walls if self.share == 1 else halfway(self.earlier, self.walls)
         self.faces = Faces(medium.grid, medium.fluid, self.middle, self.full)
         self.flow()
@@ -386,7 +391,11 @@ class _Newton:
         """Refuse a reduced pressure that no pressure has."""
         highest = self.medium.fluid.pressure_viscosity * float(self.reduced.max())
         if highest >= 1 - SMALLEST_FLUIDITY:
-            raise refusal("barus_unbounded", NoConvergenceError, rise=1 / SMALLEST_FLUIDITY)
+            raise NoConvergenceError(
+                "With Barus' law the pressure grows without bound in this film: its viscosity "
+                f"would rise by more than {1 / SMALLEST_FLUIDITY:.0e}. The law holds to about 0.5 "
+                "GPa; take a smaller pressure_viscosity or a foundation."
+            )
 
     def move(self) -> None:
         """One Newton step of pressures, voids and displacements."""
@@ -448,7 +457,10 @@ class _Newton:
                 found[:] = 0.0  # the pressures stay until the next solution
                 way = (self.void + BEYOND * self.walls.centre)[meets] / nearer[meets]
                 return np.asarray(toward * way.min())
-        raise refusal("film_without_load", NoConvergenceError)
+        raise NoConvergenceError(
+            "The film carries no load in its present position: its pressure does not change with "
+            "the position of the body."
+        )
 
     def allowed(self, shift: Array, change: Array) -> float:
         """Share of a Newton step that leaves enough film everywhere."""

@@ -6,7 +6,7 @@ import numpy as np
 from scipy.linalg import lapack
 
 from erlif.core.arrays import AnyArray, Array
-from erlif.models.refusals import refusal
+from erlif.core.errors import ModelError
 
 
 @dataclass(frozen=True)
@@ -135,7 +135,10 @@ def _solve_band(band: Array, right: Array, order: AnyArray, width: int) -> Array
         overwrite_b=False,
     )
     if info != 0:
-        raise refusal("singular_film")
+        raise ModelError(
+            "The equations of the film are singular: no part of it is open to a known pressure. "
+            "Give it ends of finite length or a supply."
+        )
     result = np.empty(right.shape)
     result[:, order] = found.T.reshape(right.shape)
     return result

@@ -9,7 +9,6 @@ from erlif.core.arrays import Array
 from erlif.core.described import describe_by
 from erlif.core.errors import ModelError
 from erlif.models.arguments import Values, for_each, formula, warn_of_units
-from erlif.models.refusals import refusal
 from erlif.models.reynolds.balance import (
     Medium,
     NoConvergenceError,
@@ -21,7 +20,7 @@ from erlif.models.reynolds.balance import (
     start_state,
 )
 from erlif.models.reynolds.cells import Grid, Walls, average_walls
-from erlif.models.reynolds.flow import Fluid
+from erlif.models.reynolds.flow import Fluid, check_cavitation
 from erlif.models.reynolds.transient import UNITS, losses
 
 if TYPE_CHECKING:
@@ -121,8 +120,7 @@ def solve_film(
     times = np.zeros(1) if time is None else np.asarray(time, dtype=float)
     speeds = for_each(number, "film", entrainment=entrainment)
     loads = None if load is None else for_each(number, "film", load=load)
-    if cavitation_pressure > 0:
-        raise refusal("tension", pressure=cavitation_pressure)
+    check_cavitation(cavitation_pressure)
     fluid = Fluid(float(viscosity), float(pressure_viscosity), float(roughness or 0.0))
     grid = _grid(films.shape[1:], length, width, closed)
     medium = Medium(grid, fluid, float(cavitation_pressure), foundation)
@@ -151,13 +149,19 @@ def _checked_films(film: Values, time: Values) -> Array:
     if films.ndim == 2:
         films = films[:, :, np.newaxis]
     if films.ndim != 3 or films.shape[1] < 4:
-        raise refusal("no_film_array", shape=np.shape(film))
+        raise ModelError(
+            "film must be an array (x,) or (x, z) of four or more cells along x, with time (time, "
+            f"x) or (time, x, z); got shape {np.shape(film)}."
+        )
     if not (np.isfinite(films).all() and (films > 0).all()):
         raise ModelError("film must be positive and finite in every cell; fill gaps of a map.")
     if time is not None:
         times = np.asarray(time, dtype=float)
         if times.shape != films.shape[:1] or times.size < 2 or not (np.diff(times) > 0).all():
-            raise refusal("uneven_times", count=films.shape[0], shape=times.shape)
+            raise ModelError(
+                f"time must hold {films.shape[0]} increasing values, one for each film, got shape "
+                f"{times.shape}."
+            )
     warn_of_units("film", film=films)
     return films
 
@@ -166,7 +170,10 @@ def _checked_void(void_fraction: Values, film_rate: Array) -> Array:
     """The share of void in each cell."""
     void = np.asarray(void_fraction, dtype=float)
     if void.size != film_rate.size or not ((void >= 0) & (void <= 1)).all():
-        raise refusal("no_void_fraction", cells=film_rate.size, shape=void.shape)
+        raise ModelError(
+            f"void_fraction must hold values from 0 to 1 for {film_rate.size} cells, got shape "
+            f"{void.shape}."
+        )
     return void.reshape(film_rate.shape)
 
 

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from erlif.core.arrays import Array
+from erlif.core.errors import ModelError
 
 # Reduction of the flow between touching isotropic rough walls. Patir and Cheng (1978). [1]
 ROUGHNESS_AMPLITUDE = 0.9
@@ -78,3 +79,11 @@ def mobility_of(film: Array, viscosity: float, roughness: float) -> tuple[Array,
     smooth = square * film
     slope = 3 * square * (1 - missing) + smooth * missing * ROUGHNESS_DECAY / roughness
     return smooth * (1 - missing), slope
+
+
+def check_cavitation(pressure: float) -> None:
+    """Refuse cavities whose pressure [Pa] is above ambient."""
+    if pressure > 0:
+        raise ModelError(
+            f"cavitation_pressure is relative to ambient and at most 0, got {pressure:g} Pa."
+        )

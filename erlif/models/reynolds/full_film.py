@@ -16,7 +16,6 @@ import numpy as np
 
 from erlif.core.arrays import Array
 from erlif.core.errors import ModelError
-from erlif.models.refusals import refusal
 from erlif.models.reynolds.journal import Journal, Motion, turn_vectors
 
 if TYPE_CHECKING:
@@ -87,7 +86,10 @@ class FullFilm:
         """
         for name in ("axial_shape", "foundation", "roughness"):
             if getattr(journal, name) is not None:
-                raise refusal("no_full_film", name=name)
+                raise ModelError(
+                    "The orbit in a full film is that of rigid, smooth and parallel walls; the "
+                    f"joint has {name}. Use solve_journal."
+                )
         clearance, radius = journal.clearance, journal.radius
         return cls(
             journal.viscosity * journal.length * (radius / clearance) ** 3,

@@ -17,8 +17,7 @@ from erlif.models.arguments import (
     warn_of_units,
 )
 from erlif.models.mechanism import CrankRocker
-from erlif.models.refusals import refusal
-from erlif.models.reynolds.flow import Fluid
+from erlif.models.reynolds.flow import Fluid, check_cavitation
 
 
 @dataclass(frozen=True)
@@ -76,8 +75,7 @@ class Journal:
 
         # then what the numbers are to each other
         require_increasing(pin_radius=self.pin_radius, bushing_radius=self.bushing_radius)
-        if self.cavitation_pressure > 0:
-            raise refusal("tension", pressure=self.cavitation_pressure)
+        check_cavitation(self.cavitation_pressure)
         if self.axial_shape is not None:
             self._check_shape()
 
@@ -87,7 +85,10 @@ class Journal:
         if self.long:
             raise ModelError("An infinitely long bearing has no axial shape: set long=False.")
         if shape.ndim != 1 or shape.size < 2 or not np.isfinite(shape).all():
-            raise refusal("no_axial_shape", shape=shape.shape)
+            raise ModelError(
+                "axial_shape must hold two or more finite heights from end to end, got shape "
+                f"{shape.shape}."
+            )
 
     @property
     def clearance(self) -> float:
@@ -156,7 +157,10 @@ class Motion:
         for name in ("angle", "load", "load_direction"):
             value = getattr(self, name)
             if value.ndim and value.shape != self.time.shape:
-                raise refusal("not_each_time", name=name, count=self.time.size, shape=value.shape)
+                raise ModelError(
+                    f"{name} must have one value for each of the {self.time.size} times, got shape "
+                    f"{value.shape}."
+                )
             object.__setattr__(self, name, np.broadcast_to(value, self.time.shape))
         warn_of_units("load", load=self.load)
 
@@ -295,7 +299,10 @@ class Mount:
         if self.stiffness == 0:
             return 0.0
         if np.ptp(motion.load_direction) > 0:
-            raise refusal("no_free_direction")
+            raise ModelError(
+                "A pin that is held sideways needs a direction of free motion where the load "
+                "turns: give Mount(direction=...)."
+            )
         return float(motion.load_direction[0])
 
 

@@ -11,7 +11,6 @@ from erlif.core.arrays import Array
 from erlif.core.described import describe_by
 from erlif.core.errors import ModelError
 from erlif.models.arguments import require_finite, require_positive, require_single
-from erlif.models.refusals import refusal
 from erlif.models.reynolds.balance import NoConvergenceError, State, Step, advance, forces, settle
 from erlif.models.reynolds.journal import Groove, Journal, covered
 from erlif.models.reynolds.transient import UNITS, Bearing, losses
@@ -136,7 +135,10 @@ class Rotation:
             return float(np.log((np.hypot(*force) + TINY_LOAD * load) / load))
 
         if surplus(LARGEST_ECCENTRICITY) < 0:
-            raise refusal("overload", load=load, speed=self.speed, largest=LARGEST_ECCENTRICITY)
+            raise ModelError(
+                f"No film carries {load:g} N at {self.speed:g} rad/s: even at an eccentricity of "
+                f"{LARGEST_ECCENTRICITY} it carries less."
+            )
         found = scipy.optimize.brentq(surplus, 1e-9, LARGEST_ECCENTRICITY, xtol=1e-9, rtol=1e-9)
         state = self.held_at(found * clearance)
         force = self.force(state)

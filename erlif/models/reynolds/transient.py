@@ -11,7 +11,6 @@ from erlif.core.arrays import Array
 from erlif.core.described import describe_by
 from erlif.core.errors import ModelError
 from erlif.core.tables import read_table
-from erlif.models.refusals import refusal
 from erlif.models.reynolds.balance import (
     THINNEST_FILM,
     Medium,
@@ -180,7 +179,10 @@ class Bearing:
         """Cells for a joint: half of the length where both halves are alike."""
         around, along_half = (int(number) for number in cells)
         if around < 8 or around % 2 or along_half < 1:
-            raise refusal("wrong_cells", cells=tuple(cells))
+            raise ModelError(
+                "cells must be an even number of 8 or more round the joint and 1 or more along the "
+                f"axis, got {tuple(cells)}."
+            )
 
         # half of the length where the other half is its image
         edges = _edges(journal, along_half)
@@ -294,7 +296,10 @@ class TransientFilm:
         self.supply = 0.0
         if self.state.walls.centre.min() <= 0 or self.state.walls.along.min() <= 0:
             x, y, clearance = 1e6 * start[0], 1e6 * start[1], 1e6 * bearing.journal.clearance
-            raise refusal("start_outside", x=x, y=y, clearance=clearance)
+            raise ModelError(
+                f"start lies outside the clearance: displacements of {x:.4g} and {y:.4g} um leave "
+                f"no film in a clearance of {clearance:.4g} um."
+            )
         self.table = {name: np.full(motion.time.size, np.nan) for name in SERIES}
         self.record(0)
         self.first_picture = self.picture()
@@ -384,7 +389,11 @@ class TransientFilm:
         """Refuse a film that is thinner than a limit."""
         film = float(self.bearing.rigid.centre.min() - np.hypot(*self.pin()))
         if self.bearing.journal.foundation is None and film < limit:
-            raise refusal("thin_film", now=now, step=k, limit=limit * 1e6)
+            raise ModelError(
+                f"No film carries the load at {now.time:.6g} s (step {k}): under {now.load:.4g} N "
+                f"it is thinner than {limit * 1e6:.2g} um, which the cells do not resolve. Check "
+                "load and viscosity, take more cells round the joint, or end the motion earlier."
+            )
 
     def guess(self, step: Step) -> State:
         """Where the Newton steps begin: the last film, moved on as it moved before."""

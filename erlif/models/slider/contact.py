@@ -15,7 +15,6 @@ import numpy as np
 from erlif.core.arrays import Array
 from erlif.core.errors import ModelError
 from erlif.models.arguments import check_fields
-from erlif.models.refusals import refusal
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -98,7 +97,10 @@ class Wall:
             base, overlap = np.where(keep, base + step, base), np.where(keep, tried, overlap)
             missing = np.where(keep, missing_there, missing)
             energy = np.where(lower, energy_there, energy)
-        raise refusal("force_not_carried")
+        raise ModelError(
+            "The pressure on the wall does not carry the joint force: check modulus, thickness and "
+            "force, or choose more cells."
+        )
 
     def _meet(
         self, worn: Array, force: Array, bears: float, place: Array
@@ -251,7 +253,10 @@ class WornBore:
     def __init__(self, law: ContactLaw, clearance: float, worn: xr.Dataset) -> None:
         depth, pin_depth, angle = _profiles(worn)
         if not clearance > 0:
-            raise refusal("worn_without_clearance", clearance=clearance)
+            raise ModelError(
+                "clearance must be positive where the joint is worn: the stiffness of eq. 13 "
+                f"belongs to an unworn clearance, got {clearance:g} m."
+            )
         stiffness = 3 / (4 * sqrt(2)) * law.stiffness * sqrt(clearance)
         cell = 2 * np.pi / angle.size
         self.wall = Wall(clearance, cells=angle.size, area=cell, stiffness=stiffness)
@@ -328,12 +333,18 @@ def _profiles(worn: xr.Dataset) -> tuple[Array, Array, Array]:
     """Depths of bushing and pin and the angles of their cells, which go round once."""
     missing = {"depth", "pin_depth", "angle"} - set(worn.variables)
     if missing or worn["depth"].dims != ("angle",):
-        raise refusal("no_wear_profile")
+        raise ModelError(
+            "worn must be one profile of wear_slider_crank, with depth and pin_depth over angle: "
+            "choose a number of cycles with isel(cycle=-1)."
+        )
     depth, pin_depth = worn.depth.values.astype(float), worn.pin_depth.values.astype(float)
     angle, cells = worn.angle.values, depth.size
     expected = (np.arange(cells) - cells // 2) * 2 * np.pi / cells
     if cells < _FEWEST_CELLS or not np.allclose(angle, expected):
-        raise refusal("coarse_wear_profile", fewest=_FEWEST_CELLS, cells=cells)
+        raise ModelError(
+            f"worn must have {_FEWEST_CELLS} cells or more that go round the bushing once, evenly "
+            f"and with one at angle 0, got {cells}."
+        )
     if not (np.all(depth >= 0) and np.all(pin_depth >= 0)):
         raise ModelError("worn must have depths that are numbers and not negative.")
     return depth, pin_depth, angle

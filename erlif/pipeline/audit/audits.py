@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from typing import NamedTuple
 
-from erlif.core.notes import Level, Note, note_writer
+from erlif.core.notes import Level, Note, warn
 from erlif.pipeline.audit.columns import note_columns, without_single
 from erlif.pipeline.audit.crank import note_crank
 from erlif.pipeline.audit.evidence import Evidence
@@ -13,8 +13,6 @@ from erlif.pipeline.audit.files import note_copied_cameras
 from erlif.pipeline.audit.log import note_angles, note_conditions, note_speed
 from erlif.pipeline.audit.order import note_order
 from erlif.pipeline.audit.strangers import note_strangers
-
-_note = note_writer("erlif.pipeline.audit")
 
 
 class Audit(NamedTuple):
@@ -77,4 +75,8 @@ def _try(audit: Audit, evidence: Evidence) -> list[Note]:
     try:
         return list(audit.find(evidence))
     except (ArithmeticError, ValueError, IndexError) as error:
-        return [_note("failed", name=audit.name, error=error)]
+        text = (
+            f"{audit.name} could not be audited: {error}. The film is not affected; look at these "
+            "by eye, and report the failure"
+        )
+        return [warn("audit", text)]

@@ -6,10 +6,8 @@ from collections.abc import Iterable, Iterator
 
 import numpy as np
 
-from erlif.core.notes import Note, note_writer
+from erlif.core.notes import Note, warn
 from erlif.correction.saturation import Histogram
-
-_note = note_writer("erlif.pipeline.audit")
 
 _FULLY = 0.98  # share of the pixels between the darkest and the brightest per cent
 
@@ -35,7 +33,7 @@ def note_bits(histograms: Iterable[Histogram]) -> Iterator[Note]:
     """
     for camera, histogram in enumerate(histograms, 1):
         for fault in find_bit_faults(histogram):
-            yield _note("bits", camera=camera, fault=fault)
+            yield warn("bits", f"camera{camera}: {fault}")
 
 
 def find_bit_faults(histogram: Histogram) -> list[str]:

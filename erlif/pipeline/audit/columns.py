@@ -7,13 +7,11 @@ from collections.abc import Iterator
 import numpy as np
 
 from erlif.core.arrays import AnyArray, Array
-from erlif.core.notes import Note, list_some, note_writer
+from erlif.core.notes import Note, list_some, warn
 from erlif.core.products import EncoderLog
 from erlif.core.statistics import robust_std
 from erlif.core.units import count_of
 from erlif.pipeline.audit.evidence import Evidence
-
-_note = note_writer("erlif.pipeline.audit")
 
 _FEWEST = 12  # rows from which on they are compared
 
@@ -65,7 +63,12 @@ def note_columns(evidence: Evidence) -> Iterator[Note]:
                 usual = float(np.median(np.delete(values, lost)))
                 low, high = values[lost].min(), values[lost].max()
                 rows, count = list_some(lost), count_of(lost.size, "row")
-                yield _note("lost_load", count=count, rows=rows, low=low, high=high, usual=usual)
+                yield warn(
+                    "load",
+                    f"the load cell or its cable is loose: {low:.3g} to {high:.3g} N in {count} "
+                    f"({rows}), {usual:.4g} N in the others. Correct them, or take out these "
+                    "pairs; speed exponent and theory count them",
+                )
 
 
 def without_single(log: EncoderLog) -> EncoderLog:
@@ -89,17 +92,13 @@ def without_single(log: EncoderLog) -> EncoderLog:
 
 def _describe(name: str, values: Array, odd: AnyArray, unit: str, *, counted: bool) -> Note:
     shown = ", ".join(f"{values[k]:.5g}" for k in odd[:5])
-    others = np.delete(values, odd)
-    rows, which = list_some(odd), "row" if odd.size == 1 else "rows"
-    return _note(
-        "single_values",
-        subject=name,
-        which=which,
-        rows=rows,
-        values=f"{shown} {unit}".strip(),
-        low=others.min(),
-        high=f"{others.max():.5g} {unit}".strip(),
-        use="; speed exponent and theory count them" if counted else "",
+    others, unit = np.delete(values, odd), f" {unit}" if unit else ""
+    use = "; speed exponent and theory count them" if counted else ""
+    return warn(
+        name,
+        f"{'row' if odd.size == 1 else 'rows'} {list_some(odd)} of the log: {shown}{unit}, where "
+        f"all others are {others.min():.5g} to {others.max():.5g}{unit}. Correct them, or take out "
+        f"these pairs{use}",
     )
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from typing import NamedTuple
 
@@ -11,7 +11,7 @@ import numpy as np
 
 from erlif.core.arrays import AnyArray, Array
 from erlif.core.errors import ModelError
-from erlif.core.notes import Note, list_some, note_writer
+from erlif.core.notes import Note, list_some, warn
 from erlif.core.statistics import robust_std
 from erlif.io.ingest import Run
 from erlif.io.settings import CrankRockerSettings
@@ -20,8 +20,6 @@ from erlif.models.mechanism import crank_for_swing
 from erlif.pipeline.audit.evidence import Evidence
 from erlif.pipeline.audit.log import signed_steps
 from erlif.pipeline.physics.joint import build_linkage
-
-_note = note_writer("erlif.pipeline.audit")
 
 _FEWEST = 12  # readings from which on they are compared with an even turn
 
@@ -90,9 +88,14 @@ def note_crank(evidence: Evidence) -> Iterator[Note]:
         odd += [start + int(k) for k in single]
         most = max(most, float(np.abs(fit.rest[single]).max(initial=0.0)))
     if odd:
-        yield _note("odd_reading", which=_rows(len(odd)), rows=list_some(odd), most=most)
+        yield _warn_of_readings(odd, most)
     for row, size in slips[:1]:
-        yield _note("slip", row=row, size=size)
+        yield warn(
+            "encoder",
+            f"it slipped by {size:+.2f} deg at row {row}, or rows or pulses are missing there: "
+            "the readings leave the turn of an even crank. Fasten it, and correct the readings or "
+            "process the parts as two runs",
+        )
     if fits and not odd and not slips:
         yield from _note_swing(run, fits[0][1])
 
@@ -265,12 +268,16 @@ def _note_odd_steps(reading: Array) -> Iterator[Note]:
     alone = (np.abs(beside - bend[1:-1]) < _ROOM * size + 2 * np.median(np.abs(bend))).all(axis=0)
     odd = 2 + np.flatnonzero(alone & (size > np.median(np.abs(step))))
     if 0 < odd.size <= reading.size // 10:
-        which, most = _rows(odd.size), size[odd - 2].max()
-        yield _note("odd_reading", which=which, rows=list_some(odd), most=most)
+        yield _warn_of_readings(odd.tolist(), size[odd - 2].max())
 
 
-def _rows(count: int) -> str:
-    return "row" if count == 1 else "rows"
+def _warn_of_readings(odd: Sequence[int], most: float) -> Note:
+    return warn(
+        "encoder",
+        f"reading or time of {'row' if len(odd) == 1 else 'rows'} {list_some(odd)} is not that of "
+        f"an even turn, by up to {most:.3g} deg: speed and crank angle there are wrong. Correct "
+        "them, or take out these pairs",
+    )
 
 
 def _note_swing(run: Run, fit: _Turn) -> Iterator[Note]:
@@ -287,4 +294,8 @@ def _note_swing(run: Run, fit: _Turn) -> Iterator[Note]:
         with suppress(ModelError):  # no crank gives that swing with these links
             crank = 100 * crank_for_swing(fit.size * (high - low), **others)
             fitting = f", as with a crank of {crank:.3g} cm in place of {100 * links.crank:.3g} cm"
-    yield _note("swing", found=fit.size * span, span=span, fitting=fitting)
+    yield warn(
+        "encoder",
+        f"its reading swings by {fit.size * span:.2f} deg, the linkage of [mechanism] by "
+        f"{span:.2f} deg{fitting}. Correct the lengths of the links, or ticks_per_turn",
+    )

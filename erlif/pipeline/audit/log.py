@@ -9,13 +9,11 @@ import numpy as np
 import xarray as xr
 
 from erlif.core.arrays import Array
-from erlif.core.notes import Note, note_writer
+from erlif.core.notes import Note, remark, warn
 from erlif.core.products import EncoderLog
 from erlif.core.units import count_of, parse_quantity
 from erlif.io.settings import RunSettings
 from erlif.pipeline.recording.pulses import read_energies
-
-_note = note_writer("erlif.pipeline.audit")
 
 _FEWEST = 8  # rows from which on steps are compared
 
@@ -105,7 +103,12 @@ def note_mounting(log: EncoderLog, settings: RunSettings) -> Iterator[Note]:
     step = signed_steps(angle)
     ways = sorted((float(step[step > 0].sum()), -float(step[step < 0].sum())))
     if ways[0] > _TO_AND_FRO * ways[1]:
-        yield _note("to_and_fro", low=angle.min(), high=angle.max())
+        yield warn(
+            "encoder",
+            f"it is stated to be on the crank, but goes to and fro from {angle.min():.1f} to "
+            f'{angle.max():.1f} deg: speed and theory are wrong. Set mounted_on = "rocker" in '
+            "[encoder]",
+        )
 
 
 def note_motion(log: EncoderLog, located: xr.Dataset, settings: RunSettings) -> Iterator[Note]:
@@ -127,7 +130,11 @@ def note_angles(log: EncoderLog) -> Iterator[Note]:
     turns = int(np.count_nonzero(np.diff(np.sign(signed[step > 0]))))
     low, high, most = angle.min(), angle.max(), step.max()
     reversals = count_of(turns, "reversal")
-    yield _note("angles", low=low, high=high, usual=np.median(step), most=most, turns=reversals)
+    yield remark(
+        "motion",
+        f"angle from {low:.2f} to {high:.2f} deg in steps of {np.median(step):.3g} deg (median), "
+        f"{most:.3g} deg at most; {reversals}",
+    )
 
     # a trigger is missed among even steps; where an encoder turns unevenly from trigger to trigger,
     # the steps change by themselves
@@ -137,24 +144,41 @@ def note_angles(log: EncoderLog) -> Iterator[Note]:
     gaps = 2 + np.flatnonzero(even & (step[2:-2] > _GAP * usual))
     if gaps.size:
         shown = ", ".join(f"{k} and {k + 1} ({step[k]:.3g} deg)" for k in gaps[:5])
-        yield _note("gaps", places=shown)
+        yield warn(
+            "motion",
+            f"the angle jumps between frames {shown}: a trigger was missed, or rows of the log "
+            "are out of place. Compare the log with the frames there",
+        )
 
     still = step == 0
     runs = np.convolve(still, np.ones(_STUCK - 1), "valid") == _STUCK - 1
     if runs.any():
         first = int(np.argmax(runs))
-        yield _note("still", angle=angle[first], first=first, last=first + _STUCK - 1)
+        yield warn(
+            "motion",
+            f"the angle stays at {angle[first]:g} deg in frames {first} to {first + _STUCK - 1} "
+            "and perhaps longer: the encoder or its logger was stuck. Check the cable, and leave "
+            "these frames out",
+        )
 
 
 def _note_times(time: Array) -> Iterator[Note]:
     step = np.diff(time)
     usual = float(np.median(step))
     low, high = step.min(), step.max()
-    yield _note("times", first=time[0], last=time[-1], usual=usual, low=low, high=high)
+    yield remark(
+        "motion",
+        f"time from {time[0]:.6g} to {time[-1]:.6g} s, steps of {usual:.3g} s (median), {low:.3g} "
+        f"to {high:.3g} s",
+    )
     pauses = np.flatnonzero(step > _PAUSE * usual)
     if pauses.size:
         shown = ", ".join(f"{k} and {k + 1} ({step[k]:.3g} s)" for k in pauses[:5])
-        yield _note("pauses", places=shown)
+        yield warn(
+            "motion",
+            f"the recording pauses between frames {shown}. Check whether the rig stood still or "
+            "frames are missing",
+        )
 
 
 def note_speed(log: EncoderLog, located: xr.Dataset, settings: RunSettings) -> Iterator[Note]:
@@ -180,7 +204,13 @@ def note_speed(log: EncoderLog, located: xr.Dataset, settings: RunSettings) -> I
 
     # the median does not depend on the error of a reading near a dead point, nor on a wrong one
     speed = float(np.median(turned[moved] / np.diff(time)[moved])) / 6.0
-    yield _note("speed", wrong=abs(speed / stated - 1) > _SPEED, found=speed, stated=stated)
+    yield remark(
+        "motion",
+        f"the crank turns at {speed:.4g} rpm by angles and times, {stated:.4g} rpm in run.toml",
+        "Correct crank_speed, or the unit of the column of time"
+        if abs(speed / stated - 1) > _SPEED
+        else "",
+    )
 
 
 def note_conditions(log: EncoderLog, settings: RunSettings) -> Iterator[Note]:
@@ -189,12 +219,20 @@ def note_conditions(log: EncoderLog, settings: RunSettings) -> Iterator[Note]:
         values = np.asarray(log["temperature"].values, float)
         low, high, jumps = values.min(), values.max(), np.abs(np.diff(values))
         if low < _OIL[0] or high > _OIL[1]:
-            yield _note("no_temperature_of_oil", low=low, high=high)
+            yield warn(
+                "conditions",
+                f"temperature {low:.1f} to {high:.1f} degC, no oil of a rig has that. Correct the "
+                'unit, units = { temperature = "degF" } in [encoder], or the column',
+            )
         elif jumps.max(initial=0.0) > _JUMP:
             k = int(np.argmax(jumps))
-            yield _note("temperature_jump", low=low, high=high, jump=jumps[k], frame=k, next=k + 1)
+            yield warn(
+                "conditions",
+                f"temperature {low:.1f} to {high:.1f} degC, it changes by {jumps[k]:.1f} K from "
+                f"frame {k} to {k + 1}. Check the sensor and its cable",
+            )
         else:
-            yield _note("temperature", low=low, high=high)
+            yield remark("conditions", f"temperature {low:.1f} to {high:.1f} degC")
 
     if "load" in log:
         values = np.asarray(log["load"].values, float)
@@ -202,10 +240,14 @@ def note_conditions(log: EncoderLog, settings: RunSettings) -> Iterator[Note]:
         stated = None if joint is None else joint.load
         factor = 1.0 if stated is None else float(np.median(values)) / stated
         if 1 / _LOAD < factor < _LOAD:
-            yield _note("load", low=low, high=high)
+            yield remark("conditions", f"load {low:.4g} to {high:.4g} N")
         else:
-            found = {"low": low, "high": high, "factor": factor, "stated": stated}
-            yield _note("load_in_other_unit", unit=_likeliest_unit(factor), **found)
+            yield warn(
+                "conditions",
+                f"load {low:.4g} to {high:.4g} N, {factor:.2g} times the load in [joint], "
+                f'{stated:.4g} N. Correct the unit, units = {{ load = "{_likeliest_unit(factor)}" '
+                "} in [encoder], or the load in [joint]",
+            )
 
 
 def _likeliest_unit(factor: float) -> str:
@@ -230,4 +272,10 @@ def note_energy(log: EncoderLog, frames: Sequence[int], light: Array) -> Iterato
         return
     slope = float((x * y).sum()) / scatter
     std = float(np.sqrt(((y - slope * x) ** 2).sum() / max(x.size - 2, 1) / scatter))
-    yield _note("energy", wrong=slope + 3 * std < _WITHOUT_PULSE, slope=slope, std=std)
+    yield remark(
+        "conditions",
+        f"the light changes by {slope:.2f} ± {std:.2f} % per % of the pulse energy of the log",
+        "The energies belong to other pulses: check the column and its first row"
+        if slope + 3 * std < _WITHOUT_PULSE
+        else "",
+    )

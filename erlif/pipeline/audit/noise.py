@@ -11,12 +11,10 @@ from collections.abc import Iterator, Sequence
 import cv2
 import numpy as np
 
-from erlif.core.notes import Note, note_writer
+from erlif.core.notes import Note, warn
 from erlif.core.statistics import robust_rms
 from erlif.pipeline.chain import FrameChain
 from erlif.pipeline.recording.sample import Bands
-
-_note = note_writer("erlif.pipeline.audit")
 
 # Noise over that which is expected, below which counts were changed: sound frames have 1.02 to 1.1,
 # counts that were halved 0.8.
@@ -46,7 +44,12 @@ def note_noise(chain: FrameChain, sample: Sequence[Bands]) -> Iterator[Note]:
     """
     found = measure_noise(chain, sample)
     if found < _LEAST:
-        yield _note("low_noise", found=found)
+        yield warn(
+            "counts",
+            f"errors are wrong, and films may be: the counts have {found:.2f} of the noise that "
+            "gain and read noise leave. Counts were halved, averaged or smoothed after the "
+            "recording, or the gain is that of other settings. Export the raw counts",
+        )
 
 
 def measure_noise(chain: FrameChain, sample: Sequence[Bands]) -> float:

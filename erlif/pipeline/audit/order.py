@@ -7,14 +7,12 @@ from collections.abc import Iterator
 import numpy as np
 
 from erlif.core.arrays import AnyArray
-from erlif.core.notes import Note, list_some, note_writer
+from erlif.core.notes import Note, list_some, warn
 from erlif.core.units import count_of
 from erlif.pipeline.audit.energy_order import compare_energies
 from erlif.pipeline.audit.evidence import Evidence
 from erlif.pipeline.audit.film_order import compare_film, find_other_films
 from erlif.pipeline.audit.rows import Order
-
-_note = note_writer("erlif.pipeline.audit")
 
 _MOST = 3000  # frames that are compared; more would only take time
 
@@ -40,7 +38,12 @@ def note_order(evidence: Evidence) -> Iterator[Note]:
             if found is not None:
                 yield _describe(found, numbers, "the light of the pulses follows the energies")
             elif odd.size:
-                yield _note("other_pulses", pairs=_pairs(numbers[odd]))
+                yield warn(
+                    "log",
+                    f"{_pairs(numbers[odd])} of another place or of another recording: the light "
+                    "is not that of the energy in the rows, or the energies are wrong. Compare "
+                    "numbers of frames and rows",
+                )
             else:
                 yield from _note_by_film(evidence, numbers, known=True)
             return
@@ -63,7 +66,11 @@ def _note_by_film(evidence: Evidence, numbers: AnyArray, *, known: bool) -> Iter
     odd = find_other_films(drive, levels)
     odd = odd[odd > 0]  # a camera keeps nothing of a pulse before its first one
     if odd.size:
-        yield _note("other_films", pairs=_pairs(numbers[odd]))
+        yield warn(
+            "log",
+            f"{_pairs(numbers[odd])} of another place or of another recording, or the angles are "
+            "wrong: the film does not follow the speed there. Compare numbers of frames and rows",
+        )
 
 
 def _pairs(numbers: AnyArray) -> str:
@@ -74,12 +81,24 @@ def _pairs(numbers: AnyArray) -> str:
 def _describe(found: Order, numbers: AnyArray, fact: str) -> Note:
     """An order in words, and what to do."""
     if found.reverse:
-        return _note("reverse", fact=fact, left=1 - found.left)
+        return warn(
+            "log",
+            f"the frames of both cameras are in reverse order: {fact} in the other one "
+            f"({1 - found.left:.0%} of the variance). Number them in the order of the pulses",
+        )
     rows = count_of(abs(found.lag), "row")
     where = "later" if found.lag > 0 else "earlier"
     if found.since:
-        return _note(
-            "rows_from", fact=fact, rows=rows, where=where, since=numbers[found.since],
-            left=1 - found.left,
-        )  # fmt: skip
-    return _note("rows", fact=fact, rows=rows, where=where, left=1 - found.left)
+        return warn(
+            "log",
+            f"from pair {numbers[found.since]} on the rows of the pairs stand {rows} {where} in "
+            f"the log: {fact} there ({1 - found.left:.0%} of the variance). Pulses, frames or "
+            "rows are missing: find them by the numbers of frames and rows, and leave out their "
+            "partners",
+        )
+    return warn(
+        "log",
+        f"the rows of the pairs stand {rows} {where} in the log: {fact} there "
+        f"({1 - found.left:.0%} of the variance). Remove the rows or frames that have no partner "
+        "at the start",
+    )

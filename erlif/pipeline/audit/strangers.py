@@ -13,11 +13,9 @@ from itertools import pairwise
 import numpy as np
 
 from erlif.core.arrays import AnyArray, Array
-from erlif.core.notes import Note, note_writer
+from erlif.core.notes import Note, warn
 from erlif.core.units import count_of
 from erlif.pipeline.audit.evidence import Evidence, median_by_frame
-
-_note = note_writer("erlif.pipeline.audit")
 
 _FEWEST = 14  # frames from which on the change of the form is known
 
@@ -66,7 +64,12 @@ def note_strangers(evidence: Evidence) -> Iterator[Note]:
         if last > first:
             where = f"pairs {numbers[first]} to {numbers[last]} are"
         count = count_of(last - first + 1, "pair")
-        yield _note("strangers", where=where, count=count, size=size)
+        yield warn(
+            "pairs",
+            f"{where} of another run or of the fixture, or the film jumped there: its form "
+            f"changes by {size:.0f} times what it does elsewhere. Compare the files of {count} "
+            "with the recording, and leave them out",
+        )
 
 
 def _changes_itself(evidence: Evidence, row: int) -> bool:

@@ -29,7 +29,6 @@ from erlif.core.bounded import read_bounded
 from erlif.core.errors import ClusterError
 from erlif.core.speed.memory import keep_memory
 from erlif.core.version import __version__
-from erlif.pipeline.refusals import refusal
 
 _Result = TypeVar("_Result")
 
@@ -108,7 +107,10 @@ class Cluster:
         self._own: Any = None
         _check_form(scheduler)
         if importlib.util.find_spec("distributed") is None:
-            raise refusal("no_distributed")
+            raise ClusterError(
+                "Expected dask.distributed for --scheduler; it is not installed. Install it on all "
+                'machines with: pip install "erlif[cluster]"'
+            )
         # workers of our own start with the first work, so that bad input is refused at once
         if not _LOCAL.fullmatch(scheduler):
             self._connect()
@@ -227,8 +229,9 @@ class Cluster:
         try:
             self._client = self._open.enter_context(Client(address, timeout=_PATIENCE, **_OPTIONS))
         except (OSError, ValueError) as error:
-            raise refusal(
-                "no_scheduler", address=address, patience=_PATIENCE, reason=type(error).__name__
+            raise ClusterError(
+                f"Expected a scheduler of dask at {address}; there is no connection within "
+                f"{_PATIENCE} s ({type(error).__name__}). Start one with: dask scheduler"
             ) from error
 
     def _check_scheduler(self) -> None:
@@ -236,14 +239,19 @@ class Cluster:
         try:
             self._client.wait_for_workers(1, timeout=_WAIT_FOR_WORKERS)
         except TimeoutError as error:
-            raise refusal(
-                "no_workers", cluster=self, wait=_WAIT_FOR_WORKERS, command=self._start_a_worker()
+            raise ClusterError(
+                f"Expected workers at {self.scheduler}; none came within {_WAIT_FOR_WORKERS} s. "
+                f"Start one with: {self._start_a_worker()}"
             ) from error
 
         try:
             version = self._client.run_on_scheduler(_version)
         except Exception as error:  # whatever the loading of an unknown module raises there
-            raise refusal("no_erlif", version=__version__, cluster=self, error=error) from error
+            raise ClusterError(
+                f"Expected erlif {__version__} at the scheduler {self.scheduler}; it cannot be "
+                f"loaded there ({error}). Scheduler and workers need the environment of this "
+                "machine: install the same versions."
+            ) from error
         _check_version("the scheduler", version, __version__)
 
     def _start_a_worker(self) -> str:
@@ -264,7 +272,10 @@ def _read_address(path: Path) -> str:
     try:
         return str(json.loads(read_bounded(path, largest=_LARGEST_FILE))["address"])
     except (OSError, ValueError, KeyError, TypeError, RecursionError) as error:
-        raise refusal("no_scheduler_file", path=path, error=error) from error
+        raise ClusterError(
+            f"Expected a scheduler file in {path}; there is none ({error}). dask writes it with: "
+            f"dask scheduler --scheduler-file {path}"
+        ) from error
 
 
 @contextmanager
@@ -276,11 +287,16 @@ def _translated(scheduler: str) -> Iterator[None]:
     try:
         yield
     except KilledWorker as error:
-        raise refusal(
-            "workers_ended", workers=error.allowed_failures + 1, scheduler=scheduler
+        raise ClusterError(
+            f"Expected workers that finish an item; {error.allowed_failures + 1} workers of "
+            f"{scheduler} ended while they computed the same one. Their log has the reason, often "
+            "a lack of memory. The same command resumes."
         ) from error
     except (CancelledError, CommClosedError) as error:
-        raise refusal("scheduler_lost", scheduler=scheduler) from error
+        raise ClusterError(
+            f"Expected the scheduler {scheduler} until the end of the run; the connection is lost. "
+            "Finished triggers are kept; the same command resumes."
+        ) from error
 
 
 # on the workers
@@ -311,7 +327,10 @@ def _call(work: Callable[[int], _Result], name: str, version: str, item: int) ->
 
 def _check_version(place: str, version: str, expected: str) -> None:
     if version != expected:
-        raise refusal("other_version", expected=expected, place=place, version=version)
+        raise ClusterError(
+            f"Expected erlif {expected}, as here; {place} has {version}. Scheduler and workers "
+            "need the environment of this machine: install the same versions."
+        )
 
 
 def _this_worker() -> str:

@@ -12,9 +12,9 @@ from typing import ClassVar, Protocol, TypeVar
 
 from threadpoolctl import threadpool_limits
 
+from erlif.core.errors import ClusterError
 from erlif.pipeline.chain import one_thread_per_frame
 from erlif.pipeline.engines.cluster import Cluster, Collect, Work
-from erlif.pipeline.refusals import refusal
 
 _Result = TypeVar("_Result")
 
@@ -128,6 +128,9 @@ def open_engine(*, workers: int | None = None, scheduler: str | None = None) -> 
             yield Threads(workers)
         return
     if workers is not None:
-        raise refusal("threads_and_scheduler", workers=workers)
+        raise ClusterError(
+            "Expected workers for threads of this process, or scheduler for workers of dask; got "
+            f"both. With local:{workers} the scheduler starts as many workers."
+        )
     with closing(Cluster(scheduler)) as cluster:
         yield cluster

@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from erlif.core.arrays import AnyArray, Array
-from erlif.core.notes import Note, note_writer
+from erlif.core.notes import Note, warn
 from erlif.io.ingest import FramePairs, depth_warning
 from erlif.ratio import (
     NO_CELLS,
@@ -33,8 +33,6 @@ from erlif.trend import (
     Region,
     find_shift,
 )
-
-_note = note_writer("erlif.pipeline")
 
 # Frames by which a step or drift of the registration is looked for, spread over the recording.
 _FOLLOWED = 400
@@ -297,7 +295,8 @@ def describe_frame_notes(frames: Sequence[FrameResult], pairs: FramePairs) -> li
     lost = sorted(one.frame for one in frames if np.isnan(one.drift[0]))
     if lost:
         subject = f"frame pairs {', '.join(str(frame) for frame in lost)}"
-        notes.append(_note("no_texture", subject=subject))
+        text = "no common texture, as after a misfired pulse; flagged poor_registration"
+        notes.append(warn(subject, text))
     ordered = sorted(frames, key=lambda one: one.frame)
     followed = ordered[:: -(-len(ordered) // _FOLLOWED)] if ordered else []
     known = [note for note in notes if note is not None]
@@ -320,9 +319,18 @@ def _describe_focus(frames: Sequence[FrameResult]) -> list[Note]:
     own = np.nanmean(sharpness[later], axis=0) - np.nanmean(sharpness[~later], axis=0)
     camera = int(np.argmax(np.abs(own)))
     size = found.size if camera == 1 else -found.size
-    key = "focus_drifts" if found.frame is None else "focus_changed"
     size, std = 100 * float(np.expm1(size)), 100 * found.std
-    return [_note(key, subject=f"camera{camera + 1}", frame=found.frame, size=size, std=std)]
+    text = (
+        f"the sharpness over that of the other camera changes by {size:+.1f} ± {std:.1f} % from "
+        "the first to the last frame. The focus yields or the window fogs; the difference of the "
+        "cameras is removed from the ratio as one number for the run"
+        if found.frame is None
+        else f"from frame {found.frame} on, the sharpness over that of the other camera differs by "
+        f"{size:+.1f} ± {std:.1f} %: focus, aperture or window changed. The difference of the "
+        "cameras is removed from the ratio as one number for the run; process the frames before "
+        "and after as two runs"
+    )
+    return [warn(f"camera{camera + 1}", text)]
 
 
 def _describe_moves(ordered: Sequence[FrameResult]) -> list[Note]:
@@ -332,6 +340,16 @@ def _describe_moves(ordered: Sequence[FrameResult]) -> list[Note]:
     for axis, name in enumerate("xy"):
         found = find_shift(numbers, np.array([one.drift[axis] for one in ordered]))
         if found is not None and found.significant and abs(found.size) > _MOVED:
-            key = "camera_drifts" if found.frame is None else "camera_bumped"
-            notes.append(_note(key, axis=name, frame=found.frame, size=found.size, std=found.std))
+            change = f"by {found.size:+.2f} ± {found.std:.2f} px along {name}"
+            text = (
+                f"camera 2 moves against camera 1 {change} from the first to the last frame. A "
+                "mount yields or warms. Every frame is registered by itself, which removes the "
+                "displacement from the film"
+                if found.frame is None
+                else f"from frame {found.frame} on, camera 2 is displaced against camera 1 "
+                f"{change}: one of them was touched. Every frame is registered by itself, which "
+                "removes the displacement from the film; check the mounts, and focus and filters "
+                "for a change of the ratio"
+            )
+            notes.append(warn("registration", text))
     return notes

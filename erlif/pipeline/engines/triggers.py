@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 from erlif.calibration import Calibration
 from erlif.core.arrays import AnyArray
+from erlif.core.errors import ClusterError
 from erlif.core.flags import Flag, count_flags
 from erlif.core.pickling import PickledByFields
 from erlif.core.progress import Progress
@@ -22,7 +23,6 @@ from erlif.pipeline.engines.results import FrameResult, TriggerResult, share_pas
 from erlif.pipeline.film import MAPS
 from erlif.pipeline.passes import measure_film, measure_pulse
 from erlif.pipeline.plane import ObjectPlane
-from erlif.pipeline.refusals import refusal
 from erlif.ratio import PairRatio, RatioSum, smooth_ratio
 from erlif.thickness import FilmTables, flag_beyond_maximum, measure_pulse_energy
 from erlif.trend import FilmCurve, find_gap_minima, find_pin_in_blocks, summarise_blocks
@@ -216,7 +216,11 @@ class TriggerWork:
         output = (self.maps.path,) if self.maps.any_order else ()
         for path in (*self.places, *output):
             if not os.access(path, os.R_OK):
-                raise refusal("not_on_every_machine", path=path, machine=platform.node())
+                raise ClusterError(
+                    f"Expected {path} on every machine with workers; {platform.node()} cannot read "
+                    "it. Run directory and output stand on a disk that all machines share, under "
+                    "the same path."
+                )
 
 
 def run_triggers(

@@ -11,10 +11,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from erlif.core.arrays import AnyArray
+from erlif.core.errors import RegistrationError
 from erlif.core.flags import Flag
 from erlif.correction import PairLight
 from erlif.correction.light import BLOCK
-from erlif.pipeline.refusals import refusal
 from erlif.registration import CameraMap, is_steep, orient
 from erlif.registration.drift import Drift, DriftSearch
 from erlif.registration.normalise import binned
@@ -93,7 +93,10 @@ class PairDrift:
         (True, True)
         """
         if light.light.shape[1:] != self.shape:
-            raise refusal("map_of_other_shape", expected=self.shape, found=light.light.shape[1:])
+            raise RegistrationError(
+                f"The camera map was made for frames of {self.shape}, this frame has "
+                f"{light.light.shape[1:]}; register the cameras again for this region of interest."
+            )
 
         one, two = self._light(light, 0, "normal"), self._light(light, 1, self.orientation)
         return self.search.find(normalise_both(*one, *two, binning=self.search.binning))

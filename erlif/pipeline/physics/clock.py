@@ -7,17 +7,14 @@ import math
 import numpy as np
 
 from erlif.core.arrays import Array
+from erlif.core.errors import ConfigError, EncoderError
 from erlif.core.notes import Level, Note
-from erlif.core.tables import read_table
 from erlif.io.ingest import FoundStart, FramePairs
 from erlif.io.ingest.frames import read_pair
 from erlif.io.ingest.logs.resample import ContinuousLog, sample_log
 from erlif.io.settings import RunSettings
 from erlif.kinematics import find_clock_offset, locate_frames
 from erlif.pipeline.physics.joint import build_linkage, describe_encoder_settings
-from erlif.pipeline.refusals import refusal
-
-_TEXTS = read_table("erlif.pipeline", "words.toml")["clock"]
 
 # Frame pairs whose light is read.
 MOST_FRAMES = 400
@@ -66,7 +63,10 @@ def fit_start(
     """
     links = settings.linkage
     if links is None:
-        raise refusal("no_linkage")
+        raise ConfigError(
+            "Expected a crank-rocker or a slider-crank in [mechanism], because start is to be "
+            'fitted; got none. Give start = "0.25 s" in [encoder] of run.toml.'
+        )
 
     # the log at a few hundred places in a turn; its own rows may be far denser or fewer
     first, last = log.span
@@ -74,7 +74,11 @@ def fit_start(
     turns = (last - first) * links.crank_speed / (2 * math.pi)
     count = min(rows, math.ceil(turns * SAMPLES_IN_CYCLE) + 2)
     if count > MOST_SAMPLES:
-        raise refusal("long_log", most=MOST_SAMPLES // SAMPLES_IN_CYCLE, log=log, turns=turns)
+        raise EncoderError(
+            f"Expected a log of at most {MOST_SAMPLES // SAMPLES_IN_CYCLE} turns of the crank to "
+            f"fit its start; {log.file} has {turns:.0f}. Export the part of the log that belongs "
+            'to the run, or give start = "0.25 s" in [encoder] of run.toml.'
+        )
     time = log.samples["time"].values[np.linspace(0, rows - 1, count).astype(int)]
     located = locate_frames(
         sample_log(log, time),
@@ -94,16 +98,26 @@ def fit_start(
     )
     start = offset.value - float(since[frames[0]])
     turn = math.degrees(offset.std * links.crank_speed)
-    text = _TEXTS["found"].format(
-        start=start, std=offset.std, frames=len(frames), explained=offset.explained, turn=turn
+    text = (
+        f"first frame at {start:.6f} ± {offset.std:.6f} s, found from the light of {len(frames)} "
+        f"frames, of whose variance the motion explains {offset.explained:.0%}; the film is taken "
+        f"as the same at equal speed on either stroke. The crank turns by {turn:.2f} deg in the "
+        "standard deviation"
     )
     if offset.cycles > 1:
-        text += _TEXTS["cycles"].format(cycles=offset.cycles)
+        text += f"; {offset.cycles} starts, whole cycles apart, fit alike"
     if offset.half_cycle:
-        text += _TEXTS["half_cycle"]
+        text += (
+            "; half a cycle later fits as well: outward and return stroke may be exchanged, give "
+            "start in [encoder] to exclude it"
+        )
     off = abs(offset.stretch) > max(_CERTAIN * offset.stretch_std, _SMALLEST_STRETCH)
     if off:
-        text += _TEXTS["stretch"].format(stretch=offset.stretch, std=offset.stretch_std)
+        text += (
+            "; the light follows the motion better where the time between frames is "
+            f"{offset.stretch:+.2%} (± {offset.stretch_std:.2%}) longer: correct frame_rate in "
+            "[encoder], or crank_speed and links in [mechanism]"
+        )
     level = Level.WARNING if offset.half_cycle or off else Level.NOTE
     return FoundStart(start, offset.std, Note(level, log.file, text))
 

@@ -9,14 +9,15 @@ from dataclasses import replace
 import numpy as np
 
 from erlif.calibration import Calibration
-from erlif.core.notes import Note, note_writer
-from erlif.core.tables import read_table
+from erlif.core.notes import Note, remark, warn
 from erlif.pipeline.engines.results import TriggerResult
 from erlif.trend import Contact, choose_contact
 
-_note = note_writer("erlif.pipeline")
-
-_TEXTS = read_table("erlif.pipeline", "words.toml")["contact"]
+_GAPS = {
+    Contact.PLANE: "a plane film with a tilt",
+    Contact.LINE: "a gap that is curved along sliding (line contact)",
+    Contact.POINT: "a gap that is curved along and across sliding (point contact)",
+}
 
 
 def settle_contact(
@@ -63,10 +64,20 @@ def note_contact(results: Sequence[TriggerResult], contact: Contact) -> list[Not
     notes = []
     gaps = [gap for one in results for gap in one.minima.values()]
     if any(np.isfinite(gap.bend).all() for gap in gaps):
-        notes.append(_note("contact_chosen", gap=_TEXTS[contact]))
+        text = (
+            f"the minimum of {_GAPS[contact]}, as the curvatures of the maps of all triggers ask "
+            "for"
+        )
+        notes.append(remark("film_min", text))
     statistics = [one.statistics for one in results]
     count = sum(one.minimum_departs and math.isnan(one.minimum) for one in statistics)
     if count:
         total = len(results)
-        notes.append(_note("no_smooth_gap", count=count, total=total, gap=_TEXTS[contact]))
+        text = (
+            f"NaN at {count} of {total} triggers: {_GAPS[contact]} departs from their maps by more "
+            "than noise and marks. Its minimum is off by more than 0.1 um and a tenth; maps and "
+            "film_mean hold: take quantiles of the maps, or a smaller region of interest about the "
+            "thinnest film"
+        )
+        notes.append(warn("film_min", text))
     return notes

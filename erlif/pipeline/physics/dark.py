@@ -10,12 +10,10 @@ import numpy as np
 
 from erlif.calibration import Calibration
 from erlif.core.arrays import Array
-from erlif.core.notes import Note, note_writer
+from erlif.core.notes import Note, warn
 from erlif.correction import UnlitPixels
 from erlif.pipeline.engines.results import FrameResult
 from erlif.trend import Change, find_shift
-
-_note = note_writer("erlif.pipeline")
 
 # Standard deviations from which on a level is neither chance nor light.
 _SIGNIFICANT = 3.0
@@ -134,18 +132,29 @@ def describe_dark_levels(
         size, std = (one.level, one.std) if change is None else (change.size, change.std)
         sign = 1.0 if one.camera == 2 else -1.0
         per_count = sign * 1e3 / (one.light * float(calibration.slope(at)))
-        key = "off" if change is None else "drift" if change.frame is None else "step"
-        notes.append(
-            _note(
-                f"dark_{key}",
-                subject=f"camera{one.camera}",
-                frame=None if change is None else change.frame,
-                size=size,
-                std=std,
-                level=one.level,
-                share=100 * abs(size) / one.light,
-                film=at,
-                shift=per_count * size,
+        films = f"films of {at:.1f} um"
+        shift, size_and_std = f"{per_count * size:+.0f} nm", f"{size:+.1f} ± {std:.1f} DN"
+        share = f"That is {100 * abs(size) / one.light:.1f} % of the median light"
+        mean = f"{share} ({one.level:+.1f} DN above the dark frames in the mean of the run)"
+        included = "film_mean_std and film_min_std include it, the maps do not"
+        if change is None:
+            text = (
+                f"{films} are {shift} off by the dark: pixels that no light reaches read "
+                f"{size_and_std} above it. {share}: the dark frames are not those of this run. "
+                f"{included}. Record the dark again with the exposure, offset and temperature of "
+                "the run"
             )
-        )
+        elif change.frame is None:
+            text = (
+                f"{films} drift by {shift}: pixels that no light reaches change by {size_and_std} "
+                f"from the first to the last frame. {mean}. Likely: the camera warms. {included}. "
+                "Record darks before and after the run"
+            )
+        else:
+            text = (
+                f"from frame {change.frame} on {films} are {shift} off: pixels that no light "
+                f"reaches read {size_and_std} more. {mean}. Likely: offset or exposure of the "
+                f"camera was changed, or a lamp was switched on. {included}"
+            )
+        notes.append(warn(f"camera{one.camera}", text))
     return notes

@@ -10,13 +10,11 @@ import xarray as xr
 
 from erlif.calibration import Calibration
 from erlif.core.arrays import Array
-from erlif.core.tables import read_table
 from erlif.core.variables import FILM
 from erlif.io.settings import RunSettings
+from erlif.pipeline.physics.position import TERMS
 from erlif.pipeline.physics.systematics import has_dry_joint
 from erlif.trend import FilmStatistics
-
-_TEXTS = read_table("erlif.pipeline", "words.toml")["systematics"]
 
 
 def describe_errors(
@@ -45,7 +43,7 @@ def describe_errors(
         columns["film_min_error"].append(noise | minimum)
 
     known = {term for rows in columns.values() for row in rows for term in row}
-    terms = [term for term in _TEXTS["terms"] if term in known]
+    terms = [term for term in TERMS if term in known]
     values: dict[str, Any] = {"error_term": np.array(terms)}
     for name, rows in columns.items():
         whole = np.array([[row.get(term, 0.0) for row in rows] for term in terms])
@@ -81,18 +79,11 @@ def name_largest_error(
     followed = term == "temperature" and settings.temperature.coefficient is not None
     on_patch = term == "ratio" and settings.light.ratio == "correct"
     variant = "dry" if dry else "followed" if followed else "patch" if on_patch else term
-    what, cure = _TEXTS["terms"][variant]
+    what, cure = TERMS[variant]
     key = "energy" if dry else "" if followed or on_patch else term
     source = _source_of(term, key, settings, before, after)
-    return str(
-        _TEXTS["largest"].format(
-            what=what,
-            source=source,
-            error=1e3 * errors.max(),
-            film=float(film.film_mean[trigger]),
-            cure=cure,
-        )
-    )
+    size = f"{1e3 * errors.max():.0f} nm at {float(film.film_mean[trigger]):.2g} um"
+    return f"{size}: {what}. {source}{cure}"
 
 
 def _source_of(
@@ -106,9 +97,9 @@ def _source_of(
         return ""
     changed = not np.array_equal(_covariance_of(term, before), _covariance_of(term, after))
     if after.follows_run or changed:
-        return str(_TEXTS["measured"])
+        return "As the run shows it. "
     stated = key in settings.systematics.model_fields_set
-    return str(_TEXTS["declared" if stated else "default"])
+    return "As stated in [systematics]. " if stated else "Not stated in [systematics]. "
 
 
 def _covariance_of(term: str, calibration: Calibration) -> Array:

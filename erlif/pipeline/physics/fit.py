@@ -10,10 +10,9 @@ import numpy as np
 import xarray as xr
 
 from erlif.calibration import calibration_of
-from erlif.core.errors import ErlifError
-from erlif.core.notes import note_writer
+from erlif.core.errors import ConfigError, ErlifError
+from erlif.core.notes import warn
 from erlif.core.progress import Progress, ShowProgress, choose_progress, silent
-from erlif.core.tables import read_table
 from erlif.io.files import open_film, takes
 from erlif.io.settings import RunSettings
 from erlif.models.reynolds import Journal
@@ -21,7 +20,6 @@ from erlif.pipeline.physics.joint import describe_joint
 from erlif.pipeline.physics.position import clearance_std
 from erlif.pipeline.physics.predict import film_beside, is_film, read_film
 from erlif.pipeline.physics.prediction import build_journal, build_motion
-from erlif.pipeline.refusals import refusal
 from erlif.prediction import (
     Comparison,
     Estimate,
@@ -35,10 +33,6 @@ from erlif.prediction import (
 from erlif.prediction.comparison import ANY_GUIDED, STEADY
 from erlif.prediction.fit import FEWEST_TRIGGERS, LOAD_LINE_STD
 from erlif.trend import VogelLaw, viscosity_at
-
-_note = note_writer("erlif.pipeline")
-
-_TEXTS = read_table("erlif.pipeline", "words.toml")["fit"]
 
 _POSITIONS = (
     "pin_displacement",
@@ -84,7 +78,10 @@ def fit_film(path: str | Path, *, progress: ShowProgress = None) -> Comparison:
     path = Path(path)
     place = path if is_film(path) else film_beside(path)
     if place is None:
-        raise refusal("no_film_to_fit", path=path)
+        raise ConfigError(
+            f"Expected film.nc in {path} for a fit; there is none. Run erlif process {path} first, "
+            "or give the film."
+        )
     source = read_film(place)
     with open_film(place) as film:
         run = film, source.settings, source.frames
@@ -103,9 +100,13 @@ def fit_film(path: str | Path, *, progress: ShowProgress = None) -> Comparison:
         about = 1e-3 * float(seen.attrs["load_line"])
         beside["load_line"] = _place(line, about)
         if abs(line.value) > _FAR * line.std and comparison.fit.sideways == "free":
-            values = {"about": about, "place": about + line.value, "std": line.std}
-            in_mm = {name: _MILLI * value for name, value in values.items()}
-            notes = (*notes, _note("other_line", **in_mm))
+            middle = f"{_MILLI * (about + line.value):.2f}"
+            text = (
+                f"the displacements are about {_MILLI * about:.2f} mm, and the orbit has it at "
+                f'{middle} ± {_MILLI * line.std:.2f} mm. Set load_line = "{middle} mm" in '
+                "[prediction], and run erlif process again"
+            )
+            notes = (*notes, warn("load line", text))
     fit = replace(comparison.fit, estimates={**found, **beside}, notes=notes)
     return replace(comparison, fit=fit)
 
@@ -176,12 +177,16 @@ def state_physics(film: xr.Dataset, settings: RunSettings, frames: xr.Dataset) -
     except (ErlifError, ArithmeticError, ValueError, np.linalg.LinAlgError):
         return ""
     if comparison.carrier is None:
-        text = "" if comparison.candidates[0].describes else f" {_TEXTS['spring']}"
-        return comparison.verdict + text
+        text = " erlif predict FILM --fit also fits a pin on a sideways spring."
+        return comparison.verdict + ("" if comparison.candidates[0].describes else text)
     if comparison.carrier != ANY_GUIDED:
-        return str(_TEXTS["decided"].format(verdict=comparison.verdict))
+        return f"{comparison.verdict} With the fitted viscosity: erlif predict FILM --fit."
     best = next(one for one in comparison.candidates if one.name != ANY_GUIDED)
-    return str(_TEXTS["undecided"].format(best=best.name, inflation=best.inflation))
+    return (
+        "Not decided: a guided pin may agree better with the positions than the films of a free "
+        f"pin, of squeeze and of steady formulas (best: {best.name}, off by {best.inflation:.3g} "
+        "times the stated errors). Fit it with erlif predict FILM --fit."
+    )
 
 
 def _compare(
@@ -193,7 +198,10 @@ def _compare(
 ) -> Comparison:
     """The models of what may carry a film; a spring takes positions."""
     if "load" not in frames:
-        raise refusal("no_load_to_fit")
+        raise ConfigError(
+            'Expected the load for a fit of the film: add load = "50 lbf" to [joint] in run.toml, '
+            "or load_N to the log, and process the run again."
+        )
     motion = build_motion(settings, frames)
     journal = build_journal(settings, motion.viscosity)
     steady = {

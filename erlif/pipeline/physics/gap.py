@@ -7,14 +7,12 @@ from dataclasses import replace
 import numpy as np
 
 from erlif.calibration import Calibration
-from erlif.core.notes import Note, note_writer
+from erlif.core.notes import Note, remark, warn
 from erlif.pipeline.engines.results import FrameResult, shares_passed
 from erlif.pipeline.physics.position import clearance_std
 from erlif.pipeline.plane import ObjectPlane
 from erlif.ratio import cell_centres
 from erlif.trend import ErrorEstimate, LightRecord, estimate_errors
-
-_note = note_writer("erlif.pipeline")
 
 # Shift over its standard deviation from which a note is a warning.
 _SIGNIFICANT = 3.0
@@ -106,15 +104,34 @@ def describe_gap(
     list of Note
     """
     if errors is None:
-        return [_note("gap_undetermined")] if corrected else []
+        text = (
+            "the gap of this run does not determine the errors of [systematics], and nothing was "
+            "taken out. It needs [joint], a dozen frames, one calibration, the right dark, and a "
+            "ratio that neither drifts nor steps"
+        )
+        return [warn("systematics", text)] if corrected else []
     middle, film = calibration.at(0.5), np.array(errors.film)
     shift = 1e3 * float(errors.film_shift(film, middle))
     std, prior = (1e3 * float(errors.film_std(film, middle, before=n)) for n in (False, True))
-    large = abs(shift) > _SIGNIFICANT * std
-    key = "gap_significant" if large else "gap_agrees"
+    films, gap = f"films of {errors.film:.1f} um", "the gap that pin and bore must have"
+    off = f"{abs(shift):.0f} ± {std:.0f} nm too {'thick' if shift > 0 else 'thin'}"
+    before, key = f"({prior:.0f} nm before)", 'errors = "correct" in [light]'
     if corrected:
-        key = "gap_corrected"
+        note = remark("systematics", f"{gap} shows {films} {off} {before}; taken out of the films")
     elif errors.exceeds_widths(calibration):
-        key = "gap_exceeds"
-    thick = "thick" if shift > 0 else "thin"
-    return [_note(key, film=errors.film, shift=abs(shift), thick=thick, std=std, prior=prior)]
+        note = warn(
+            "systematics",
+            f"{films} are {off} by {gap}, more than [systematics] allows. Its room is {prior:.0f} "
+            "nm; film_mean_std and film_min_std include this shift, the maps do not. Check the "
+            f"radii in [joint] and the largest error, and set {key}",
+        )
+    elif abs(shift) > _SIGNIFICANT * std:
+        note = warn(
+            "systematics",
+            f"{films} are {off} by {gap} {before}. This is within the error bars. {key} takes it "
+            "out of the films; check the radii in [joint] before",
+        )
+    else:
+        text = f"{gap} shows {films} {off} {before}; {key} takes this out of the films"
+        note = remark("systematics", text)
+    return [note]

@@ -11,9 +11,8 @@ import xarray as xr
 
 from erlif.calibration import Calibration
 from erlif.core.arrays import AnyArray, Array
-from erlif.core.notes import Note, note_writer
+from erlif.core.notes import Note, remark, warn
 from erlif.core.products import References
-from erlif.core.tables import read_table
 from erlif.core.variables import FILM
 from erlif.io.ingest import FramePairs, Run
 from erlif.io.settings import LightOptions, ReferenceSettings
@@ -45,10 +44,6 @@ from erlif.trend import (
     find_ratio_change,
     fit_trend,
 )
-
-_note = note_writer("erlif.pipeline")
-
-_TEXTS = read_table("erlif.pipeline", "words.toml")
 
 # Standard deviations of its width up to which a drift of the ratio is one of the known errors.
 _MOST_RISING = 3.0
@@ -177,7 +172,14 @@ def describe_background(
     notes : list of Note
     """
     if estimate is None:
-        return {}, [_note(f"background_{'not_subtracted' if corrected else 'undetermined'}")]
+        text = "light and films of this run do not determine light that is not film"
+        needs = "needs a dozen frames and films that differ. Frames of the dry joint (background "
+        needs += "in [camera1] and [camera2]) measure it"
+        return {}, [
+            warn("background", f"nothing was subtracted: {text}. That {needs}")
+            if corrected
+            else remark("background", f"{text}: it {needs}")
+        ]
 
     variables = {
         "background": FILM["background"].fill(
@@ -193,16 +195,19 @@ def describe_background(
 
 def _describe(estimate: BackgroundEstimate, calibration: Calibration, *, corrected: bool) -> Note:
     """What was found, in one line."""
-    texts = _TEXTS["background"]
     one, two = (
-        texts["camera"].format(number=n, share=100 * share, std=100 * std)
+        f"camera {n} {100 * share:.1f} ± {100 * std:.1f} %"
         for n, (share, std) in enumerate(zip(estimate.share, estimate.std, strict=True), 1)
     )
-    shares = texts["shares"].format(one=one, two=two)
+    shares = f"{one}, {two} of the median light"
     if corrected:
-        return _note("background_subtracted", shares=shares)
+        return remark("background", f"light that is not film subtracted: {shares}")
     if not estimate.significant:
-        return _note("background_absent", detectable=100 * estimate.detectable)
+        return remark(
+            "background",
+            f"no light that is not film was found; {100 * estimate.detectable:.1f} % of the "
+            "median light in both cameras would have been significant",
+        )
 
     film = 0.5 * estimate.film  # thinner than the median, where the joint carries its load
     low = max(film, calibration.thickness_range[0])
@@ -210,7 +215,13 @@ def _describe(estimate: BackgroundEstimate, calibration: Calibration, *, correct
         1e3 * float(value(np.array(low), calibration))
         for value in (estimate.film_shift, estimate.film_shift_std)
     )
-    return _note("background", shares=shares, low=low, shift=shift, std=std)
+    return warn(
+        "background",
+        f"light and films of the run do not agree without light that is not film: {shares}. Films "
+        f"of {low:.1f} um are then off by {shift:+.0f} ± {std:.0f} nm; film_mean_std and "
+        "film_min_std include this shift, the maps do not. Photograph the dry joint (background "
+        'in [camera1] and [camera2]), or set background = "correct" in [light]',
+    )
 
 
 def subtract(chain: FrameChain, estimate: BackgroundEstimate) -> FrameChain:
@@ -301,9 +312,12 @@ def describe_bleaching(
     variables : dict of str to variable
     notes : list of Note
     """
-    texts = _TEXTS["bleaching"]
     if trend is None:
-        return {}, [_note("bleaching_undetermined")] if corrected else []
+        text = (
+            "bleaching cannot be separated from a change of the film: this takes several cycles or "
+            "a reference patch. Nothing was taken out of the ratio"
+        )
+        return {}, [warn("bleaching", text)] if corrected else []
     values = {"ratio": (trend.log_ratio, trend.log_ratio_std)}
     if np.isfinite(trend.light):
         values["light"] = trend.light, trend.light_std
@@ -317,15 +331,20 @@ def describe_bleaching(
     if not trend.significant() and not corrected:
         return variables, []
     ratio, light = (
-        texts["change"].format(change=100 * frames * change, std=100 * frames * std)
+        f"{100 * frames * change:+.2f} ± {100 * frames * std:.2f} %"
         for change, std in ((trend.log_ratio, trend.log_ratio_std), (trend.light, trend.light_std))
     )
-    light = texts["light"].format(change=light) if "light" in values else ""
-    text = texts["found"].format(source=source, change=ratio, light=light)
+    light = f", the light of camera 1 by {light}" if "light" in values else ""
+    text = f"{source}, the ratio changes by {ratio}{light} over the run, as with dyes that bleach"
     if source == "at equal triggers":
-        text += texts["or_films"]
-    key = "corrected" if corrected else "followed" if followed else "reported"
-    return variables, [_note(f"bleaching_{key}", changes=text)]
+        text += " or films that change from cycle to cycle"
+    if corrected:
+        return variables, [remark("bleaching", f"{text}; taken out of the ratio")]
+    if followed:
+        text += "; the curve between the fixtures before and after the run follows it"
+        return variables, [remark("bleaching", text)]
+    text += '; bleaching = "correct" in [light] takes the change out of the ratio'
+    return variables, [warn("bleaching", text)]
 
 
 def find_light(
@@ -421,17 +440,20 @@ def describe_course(course: Change | None, calibration: Calibration) -> list[Not
     if course is None or not course.significant:
         return []
     per_share = 1e3 / float(calibration.slope(course.film))
-    return [
-        _note(
-            "ratio_drift" if course.frame is None else "ratio_step",
-            frame=course.frame,
-            size=100 * np.expm1(course.size),
-            std=100 * course.std,
-            film=course.film,
-            shift=per_share * course.size,
-            shift_std=per_share * course.std,
-        )
-    ]
+    films = f"films of {course.film:.1f} um"
+    shift = f"{per_share * course.size:+.0f} ± {per_share * course.std:.0f} nm"
+    change = f"{100 * np.expm1(course.size):+.2f} ± {100 * course.std:.2f} %"
+    text = (
+        f"{films} drift by {shift} over the run: the ratio at equal film changes by {change}. "
+        "Likely: dyes that bleach, oil that warms, or a gain that drifts. film_mean_std and "
+        "film_min_std include the shift, the maps do not. Photograph the fixture before and after"
+        if course.frame is None
+        else f"from frame {course.frame} on {films} are {shift} off: the ratio at equal film "
+        f"differs by {change}. Likely: gain, exposure or filter of one camera. film_mean_std and "
+        "film_min_std include the shift, the maps do not. Photograph the fixture again, and "
+        "process the frames before and after as two runs"
+    )
+    return [warn("course", text)]
 
 
 def correct_light(

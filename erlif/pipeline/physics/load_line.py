@@ -10,7 +10,7 @@ import xarray as xr
 
 from erlif.calibration import Calibration, calibration_of, record_calibration
 from erlif.core.errors import ErlifError
-from erlif.core.notes import Note, note_writer
+from erlif.core.notes import Note, remark
 from erlif.io.settings import to_toml
 from erlif.pipeline.physics.prediction import build_journal, build_motion, swings
 from erlif.pipeline.plane import ObjectPlane
@@ -18,8 +18,6 @@ from erlif.prediction import FrameMotion, MeasuredMotion, fit_motion, measured_p
 from erlif.prediction.comparison import DESCRIBED
 from erlif.prediction.fit import FEWEST_TRIGGERS, LOAD_LINE_STD
 from erlif.trend import load_line_covariance
-
-_note = note_writer("erlif.pipeline")
 
 _MILLI = 1e3
 
@@ -177,9 +175,21 @@ def place_positions(
     if line.source not in ("fitted", "swing"):
         return turned, []
 
-    shift = 0.1 * view.clearance / view.radius
     error = "" if line.std is None else f" ± {line.std:.2f}"
-    return turned, [_note(f"line_{line.source}", place=line.place, error=error, shift=shift)]
+    fitted = line.source == "fitted"
+    source = (
+        "fitted to the orbit of a free pin;"
+        if fitted
+        else "the middle of the swing: the orbit does not determine it better;"
+    )
+    text = (
+        f"displacements are about the load line at {line.place:.2f}{error} mm along sliding, "
+        f"{source} 0.1 mm is {0.1 * view.clearance / view.radius:.2g} um sideways. "
+    )
+    text += (
+        "load_line in [prediction] gives another" if fitted else "Give load_line in [prediction]"
+    )
+    return turned, [remark("pin", text)]
 
 
 def turn_positions(

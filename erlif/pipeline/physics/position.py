@@ -12,7 +12,7 @@ import numpy as np
 
 from erlif.calibration import Calibration
 from erlif.core.arrays import Array
-from erlif.core.notes import Note, note_writer
+from erlif.core.notes import Note, remark, warn
 from erlif.core.tables import read_table
 from erlif.core.units import Quantity
 from erlif.core.variables import FILM
@@ -30,10 +30,8 @@ from erlif.trend import (
     judge_form,
 )
 
-_note = note_writer("erlif.pipeline")
-
-_WORDS = read_table("erlif.pipeline", "words.toml")
-_TEXTS, _SYSTEMATICS = _WORDS["pin"], _WORDS["systematics"]["terms"]
+TERMS = read_table("erlif.pipeline", "terms.toml")
+"""What each source of an error is, and what lowers it."""
 
 # Errors that frames do not show, of those that a note names.
 _LISTED = 3
@@ -145,32 +143,52 @@ def note_form(
     std = [one.covariance(calibration.full_covariance)[0, 0] ** 0.5 for one in known]
     least = float(np.nanmedian(std))
     if depth > least:
-        notes.append(_note("pin_flattened", depth=depth, least=least))
+        text = (
+            f"the load flattens pin and bushing by up to {depth:.2g} um (Hertz, b^2/2R), more than "
+            f"the standard deviation of the displacement towards the load, {least:.2g} um: it is "
+            "that of the surfaces in the image, not of the axes. Film thickness and tilts are not "
+            "affected"
+        )
+        notes.append(remark("pin", text))
     return notes
 
 
 def _note_cause(form: GapForm, view: PinView, joint: JointSettings) -> Note:
     """A deviation of the form, with its causes by likelihood."""
     imitations = [
-        _TEXTS["by_systematics"].format(what=_SYSTEMATICS[one.term][0], size=100 * one.size)
-        for one in form.imitations[:_LISTED]
+        f"{TERMS[one.term][0]} ({100 * one.size:+.1f} %)" for one in form.imitations[:_LISTED]
     ]
     if form.cause is Cause.BENDING:
-        causes = _list([_TEXTS["by_bending"], _TEXTS["by_dark"], *imitations])
-        return _note("pin_bent", bend=1e3 * form.bend, std=1e3 * form.bend_std, causes=causes)
+        by_dark = (
+            "a wrong dark, or light that is not film, which weighs most where the beam is weak: "
+            "look at the dark of this run, and photograph the dry joint"
+        )
+        causes = _list(["a bent pin or an uneven bore", by_dark, *imitations])
+        return warn(
+            "pin",
+            f"the gap is curved along the axis, {1e3 * form.bend:.2f} ± {1e3 * form.bend_std:.2f} "
+            "nm/mm2, where a straight pin has none. Maps alone do not separate the causes: "
+            f"{causes}. Position and tilts are those of the nearest straight pin",
+        )
 
     excess, (low, high) = 100 * form.excess, form.films
     change, change_std = 100 * form.excess_change, 100 * form.excess_change_std
     std = clearance_std(joint)
     if form.cause is Cause.FLATTENING:
-        own = [_TEXTS["by_flattening"]]
+        own = ["elastic flattening of the surfaces, which is of this size in a thin film"]
     elif abs(change) > SIGNIFICANT * change_std and form.cause is Cause.CALIBRATION:
-        own = [_TEXTS["by_calibration"].format(change=change, std=change_std)]
+        own = [
+            "the calibration, because the deviation changes with the film, by "
+            f"{change:+.1f} ± {change_std:.1f} %. Photograph the fixture again, and the dry joint"
+        ]
     else:
         clearance = view.clearance * (1 + form.excess)
-        radii = _TEXTS["by_radii"].format(clearance=clearance, stated=view.clearance, std=std)
+        radii = (
+            f"a clearance of {clearance:.1f} um in place of {view.clearance:.1f} um, stated to "
+            f"± {std:.2g} um by the digits of the radii"
+        )
         thick = "thick" if form.excess > 0 else "thin"
-        scale = _TEXTS["by_scale"].format(excess=abs(excess), thick=thick)
+        scale = f"films that the calibration makes {abs(excess):.1f} % too {thick}"
         own = [radii, scale] if form.cause is Cause.RADII else [scale, radii]
 
     # radii and scale are known better than the errors that frames do not show, or less well
@@ -178,7 +196,12 @@ def _note_cause(form: GapForm, view: PinView, joint: JointSettings) -> Note:
     first = bool(form.imitations) and form.imitations[0].cost < own_cost
     causes = _list([*imitations, *own] if first else [*own, *imitations])
     std = 100 * form.excess_std
-    return _note("pin_curved", excess=excess, std=std, low=low, high=high, causes=causes)
+    return warn(
+        "pin",
+        f"the curvature along sliding deviates by {excess:+.1f} ± {std:.1f} % from that of the "
+        f"radii in [joint], over films of {low:.1f} to {high:.1f} um. Maps alone do not separate "
+        f"the causes; likely, in this order: {causes}",
+    )
 
 
 def _list(causes: Sequence[str]) -> str:

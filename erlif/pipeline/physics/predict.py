@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
+from erlif.core.errors import EncoderError, OutputError
 from erlif.core.format import describe_origin, identify
 from erlif.core.progress import Progress, ShowProgress, choose_progress
 from erlif.core.variables import FRAMES, PREDICTION
@@ -39,7 +40,6 @@ from erlif.pipeline.physics.prediction import (
     swinging_joint,
 )
 from erlif.pipeline.plane import ObjectPlane
-from erlif.pipeline.refusals import refusal
 from erlif.prediction.triggers import CELLS
 
 # The map of prediction.nc.
@@ -218,12 +218,18 @@ def _read_run(run_dir: Path, allow_outside: bool) -> Source:
     film_path = film_beside(run_dir)
     if film_path is None:
         if run.settings.prediction.start_film == "fit":
-            raise refusal("no_start_film", run_dir=run_dir)
+            raise OutputError(
+                f"Expected film.nc in {run_dir}, from which the film at the first frame is found; "
+                'there is none. Make it with erlif process, or give start_film = "20 um" in '
+                "[prediction] of run.toml."
+            )
         return Source(run.settings, xr.Dataset(), frames, run.pairs.shape, hashes)
     with open_film(film_path) as film:
         if film.sizes["trigger"] != int(frames.trigger.max()) + 1:
-            raise refusal(
-                "other_triggers", path=film_path, triggers=int(frames.trigger.max()) + 1, film=film
+            raise EncoderError(
+                f"Expected {film_path} to have the triggers of the log, "
+                f"{int(frames.trigger.max()) + 1}; it has {film.sizes['trigger']}. Make it again "
+                "with erlif process --overwrite."
             )
         kept = film[[name for name in _OF_FILM if name in film]].load()
         hashes[film_path.name] = str(film.attrs.get("identity", ""))

@@ -8,16 +8,14 @@ import numpy as np
 import xarray as xr
 
 from erlif.core.arrays import Array
-from erlif.core.errors import ErlifError
-from erlif.core.notes import Note, note_writer
-from erlif.core.tables import read_table
+from erlif.core.errors import ConfigError, ErlifError
+from erlif.core.notes import Note, remark, warn
 from erlif.io.ingest import Run
 from erlif.io.settings import CrankRockerSettings, PredictionOptions, RunSettings
 from erlif.models.mechanism import CrankRocker
 from erlif.models.reynolds import Journal
 from erlif.pipeline.physics.joint import build_linkage, describe_joint
 from erlif.pipeline.plane import ObjectPlane
-from erlif.pipeline.refusals import refusal
 from erlif.prediction import (
     FrameMotion,
     View,
@@ -28,10 +26,6 @@ from erlif.prediction import (
 )
 from erlif.prediction.triggers import CELLS
 from erlif.trend import Joint, viscosity_at
-
-_note = note_writer("erlif.pipeline")
-
-_TEXTS = read_table("erlif.pipeline", "words.toml")["prediction"]
 
 # Regime whose surfaces keep their shape, as the transient prediction takes them.
 _RIGID = "isoviscous-rigid"
@@ -114,10 +108,17 @@ def swinging_joint(settings: RunSettings, what: str = "the prediction") -> Swing
         assert isinstance(linkage, CrankRocker)
         return SwingingJoint(links.crank_speed, linkage, joint)
     if links is not None and not isinstance(links, CrankRockerSettings):
-        raise refusal("other_mechanism", what=what, links=links)
+        raise ConfigError(
+            f'Expected [mechanism] of kind "crank-rocker" for {what} of an oscillating joint; this '
+            f'run has kind "{links.kind}", of which erlif has none. Use the measured film alone, '
+            "or the shapes of erlif.models.reynolds."
+        )
     needed = {"mechanism": links, "joint": settings.joint, "oil": settings.oil}
     missing = " and ".join(f"[{name}]" for name, table in needed.items() if table is None)
-    raise refusal("missing_tables", what=what, missing=missing)
+    raise ConfigError(
+        f"Expected [mechanism], [joint] and [oil] for {what} of an oscillating joint; run.toml has "
+        f"no {missing}. Add what is missing."
+    )
 
 
 def frames_of_run(run: Run, cycle: xr.Dataset) -> xr.Dataset:
@@ -295,7 +296,9 @@ def try_prediction(plane: ObjectPlane, film: xr.Dataset, frames: xr.Dataset) -> 
         return predict_run(plane, film, frames)
     # a measured film is worth more than its prediction, whatever went wrong in the latter
     except (ErlifError, ArithmeticError, ValueError, IndexError) as error:
-        return NO_PREDICTION._replace(notes=[_note("prediction_failed", error=error)])
+        return NO_PREDICTION._replace(
+            notes=[warn("[prediction]", f"the film over the cycle is not predicted: {error}")]
+        )
 
 
 def choose_theory(settings: RunSettings, steady: xr.Dataset, predicted: xr.Dataset) -> xr.Dataset:
@@ -360,7 +363,11 @@ def note_correlation(film: xr.Dataset) -> list[Note]:
     measured, predicted, steady = (speed_correlation(film[name].values, speed) for name in names)
     if not np.isfinite([measured, predicted, steady]).all():
         return []
-    return [_note("speed_correlation", measured=measured, predicted=predicted, steady=steady)]
+    text = (
+        f"minimum film and |speed| have a correlation of {measured:+.2f}; the transient prediction "
+        f"gives {predicted:+.2f}, the steady regime map {steady:+.2f}"
+    )
+    return [remark("theory", text)]
 
 
 def note_difference(film: xr.Dataset, options: PredictionOptions) -> list[Note]:
@@ -398,11 +405,24 @@ def note_difference(film: xr.Dataset, options: PredictionOptions) -> list[Note]:
     pin = describe_sideways(options)
 
     fitted = bool(film["film_predicted_min"].attrs.get("start_film_fitted", 0))
-    sizes = off.std(), 0.0 if fitted else off.mean()
+    course, level = float(off.std()), 0.0 if fitted else float(off.mean())
+    error, error_of_level = errors
     notes = []
-    for key, size, error in zip(("course", "level"), sizes, errors, strict=True):
-        if abs(size) >= max(_ERRORS * error, marked):
-            notes.append(_note(f"{key}_differs", pin=pin, size=float(size), error=error))
+    if course >= max(_ERRORS * error, marked):
+        text = (
+            f"the course of the minimum film is not that of a {pin}: it is {course:.3g} um (rms) "
+            f"off, differences are known to {error:.2g} um. Run erlif predict RUN_DIR --fit: it "
+            "fits the viscosity of a free and of a guided pin, and states which of them describes "
+            "the film, or that neither does; check the load and its unit"
+        )
+        notes.append(warn("theory", text))
+    if abs(level) >= max(_ERRORS * error_of_level, marked):
+        text = (
+            f"the minimum film is not that of a {pin}: it is {level:+.3g} um off in the mean, and "
+            f"known to {error_of_level:.2g} um. Check viscosity, load, start_film and how the pin "
+            "is held ([prediction])"
+        )
+        notes.append(warn("theory", text))
     return notes
 
 
@@ -418,7 +438,11 @@ def _why_transient(settings: RunSettings) -> str:
     crank_speed, linkage, joint = swinging_joint(settings)
     low, high = linkage.limits()
     swing, stroke = np.degrees(high - low), joint.stroke * 1e3
-    return str(_TEXTS["reason"].format(swing=swing, half=np.pi / crank_speed, stroke=stroke))
+    return (
+        f"the joint swings by {swing:.1f} deg in {np.pi / crank_speed:.3g} s and carries oil "
+        f"{stroke:.3g} mm to and fro; a steady formula describes a surface that moves one way for "
+        "long"
+    )
 
 
 def _describe_assumptions(settings: RunSettings, predicted: xr.Dataset, regime: str) -> str:
@@ -426,9 +450,13 @@ def _describe_assumptions(settings: RunSettings, predicted: xr.Dataset, regime: 
     attrs, pressure = predicted["film_predicted_min"].attrs, settings.prediction.cavitation_pressure
     source = "fitted to the measured minima" if attrs["start_film_fitted"] else "as given"
     lines = [
-        _TEXTS["start"].format(start=attrs["start_film"], source=source),
-        _TEXTS["bodies"].format(pressure=pressure * 1e-3),
+        f"minimum film of {attrs['start_film']:.3g} um at the first frame, {source}",
+        "round rigid bodies with parallel axes, flooded at the unloaded side and at the ends; the "
+        f"film ruptures at {pressure * 1e-3:.3g} kPa",
     ]
     if regime != _RIGID:
-        lines.append(_TEXTS["deflect"].format(regime=regime))
+        lines.append(
+            f"the regime map finds the {regime} regime, in which the surfaces deflect or the oil "
+            "thickens: the prediction takes the surfaces as rigid"
+        )
     return "\n".join(lines)

@@ -13,8 +13,8 @@ import xarray as xr
 
 from erlif.calibration import calibration_of
 from erlif.core.arrays import Array, Mask
+from erlif.core.errors import ConfigError, ModelError
 from erlif.core.progress import Progress, ShowProgress, choose_progress
-from erlif.core.tables import read_table
 from erlif.core.variables import PRESSURE
 from erlif.core.version import __version__
 from erlif.io.files import open_film, set_coordinates, settings_of, take
@@ -27,15 +27,12 @@ from erlif.pipeline.physics.prediction import (
     swinging_joint,
 )
 from erlif.pipeline.plane import ObjectPlane
-from erlif.pipeline.refusals import refusal
 from erlif.prediction.fit import LOAD_LINE_STD
 from erlif.prediction.gaps import LARGEST_GAP, MOST_FILLED, fill_gaps
 from erlif.prediction.pin_motion import PinMotion, find_pin_motion
 from erlif.prediction.pressure import CHANGING, CLEAR, find_pressures
 from erlif.prediction.smoothing import FEWEST
 from erlif.trend import PinView, load_line_covariance, viscosity_at
-
-_TEXTS = read_table("erlif.pipeline", "words.toml")["pressure"]
 
 # Places along sliding and along the axis at which the pressure is given.
 GRID = (48, 12)
@@ -144,7 +141,10 @@ def _view(film: xr.Dataset, settings: RunSettings) -> PinView:
     swinging_joint(settings, "the pressure")
     view = ObjectPlane(settings, (film.sizes["y"], film.sizes["x"])).view
     if view is None or "pin_displacement" not in film:
-        raise refusal("no_pin_position")
+        raise ConfigError(
+            "Expected the position of the pin in the film; there is none, because the image is "
+            "wider than half a turn of the pin. Make the film again with: erlif process RUN_DIR"
+        )
     line = film.pin_displacement.attrs.get("load_line", view.load_line)
     return replace(view, load_line=float(line))
 
@@ -155,7 +155,11 @@ def _known(film: xr.Dataset) -> Mask:
     known = np.isfinite(film.pin_displacement.values).all(axis=1)
     known = np.asarray(known & np.isfinite(cov).all(axis=(1, 2)))
     if known.sum() < FEWEST:
-        raise refusal("few_pin_positions", fewest=FEWEST, count=known.sum(), known=known)
+        raise ModelError(
+            f"Expected {FEWEST} or more triggers with a position of the pin, got {known.sum()} of "
+            f"{known.size}: the rate of the film, which makes the pressure, is not known from "
+            "fewer. Record the joint over its cycle."
+        )
     return known
 
 
@@ -353,22 +357,30 @@ def state_given(pressure: xr.Dataset) -> str:
         "viscosity": float(settings.oil.viscosity_std or 0.0),
         "clearance": _MICRO * float(settings.joint.clearance_std or 0.0),
     }
+    of = {"viscosity": "Pa s ([oil])", "clearance": "um ([joint])"}
+    tables = {"viscosity": "oil", "clearance": "joint"}
     stated = [name for name in std if std[name]]
     absent = [name for name in std if not std[name]]
     lines = []
     if stated:
-        known = " and ".join(_TEXTS[f"{name}_known"].format(std=std[name]) for name in stated)
-        lines.append(_TEXTS["errors_hold"].format(known=known))
+        known = " and ".join(f"{name} ± {std[name]:.2g} {of[name]}" for name in stated)
+        lines.append(f"The errors hold those of {known}.")
     if absent:
         given, it = " and ".join(absent), "it" if len(absent) == 1 else "them"
-        keys = " and ".join(_TEXTS[f"{name}_key"] for name in absent)
-        lines.append(_TEXTS["errors_lack"].format(given=given, it=it, keys=keys))
+        keys = " and ".join(f"{name}_std in [{tables[name]}]" for name in absent)
+        lines.append(
+            f"The pressure is that of the given {given}, without an error of {it}; {keys} would be "
+            "part of it."
+        )
 
     # the peak moves with both, whether or not an error is stated
     changes = {name: pressure[f"peak_by_{name}"].values for name in std}
     if all(np.isfinite(change).any() for change in changes.values()):
-        medians = {name: float(np.nanmedian(change)) for name, change in changes.items()}
-        lines.append(_TEXTS["changes"].format(**medians))
+        viscosity, clearance = (float(np.nanmedian(change)) for change in changes.values())
+        lines.append(
+            f"One per cent more viscosity changes the peak by {viscosity:+.2g} %, one per cent "
+            f"more clearance by {clearance:+.2g} % (medians)."
+        )
     return " ".join(lines)
 
 
@@ -390,31 +402,56 @@ def state_limits(pressure: xr.Dataset) -> str:
     lines = []
     if count:
         share = 100 * np.median(std[measured] / peak[measured])
-        lines.append(_TEXTS["measured"].format(count=count, total=total, share=share))
+        lines.append(
+            f"The pressure is measured at {count} of {total} triggers, its peak to {share:.1f} % "
+            "(median standard deviation)."
+        )
     quick = pressure.cavity_change.values > CHANGING
     closing = ~measured & (quick | np.roll(quick, 1) | np.roll(quick, -1))
     if closing.any():
-        lines.append(_TEXTS["closing"].format(**_list_triggers(closing)))
+        number, listed = _list_triggers(closing)
+        lines.append(
+            f"Cavities close or open at {number} triggers or beside them ({listed}), where the "
+            "film changes more quickly than a smooth path can follow: no pressure there. More "
+            "triggers in a cycle would help."
+        )
     history = pressure.cavity_history.values
     if np.isinf(history).any():
-        return str(_TEXTS["part_of_a_turn"].format(gap=100 * LARGEST_GAP, most=100 * MOST_FILLED))
+        return (
+            "The film has cavities, whose extent depends on the motion before, and no trigger was "
+            f"recorded over {100 * LARGEST_GAP:.0f} % or more of a turn of the crank. The motion "
+            f"of a guided pin under the logged load fills up to {100 * MOST_FILLED:.0f} % where it "
+            "describes the film; here the gap is longer, the load is not known, or it does not: no "
+            "pressure. Record the joint over its cycle, with triggers that are even in time or "
+            "crank angle; marks of the rocker leave gaps at its dead points."
+        )
     old = ~measured & ~closing & (history > CLEAR)
     if old.any():
-        lines.append(_TEXTS["old"].format(**_list_triggers(old)))
+        number, listed = _list_triggers(old)
+        lines.append(
+            f"Cavities at {number} triggers ({listed}) are older than the recording, and the pin "
+            "sinks in it: no pressure there. Record a later turn, or the turn before as well."
+        )
     unsolved = pressure.pressure_solved.values == 0
     if unsolved.any():
-        lines.append(_TEXTS["unsolved"].format(**_list_triggers(unsolved)))
+        number, listed = _list_triggers(unsolved)
+        lines.append(
+            f"At {number} triggers ({listed}) no oil can follow the measured film: it opens, "
+            "closes or jumps in a way for which the Reynolds equation has no solution. No pressure "
+            "there. erlif predict FILM --fit states whether any theory describes this film; check "
+            "load, clearance and the times of the frames."
+        )
     refused = ~measured & ~closing & ~old & ~unsolved
     if refused.any():
-        reason = _state_refusal(pressure, refused)
-        lines.append(_TEXTS["refused"].format(reason=reason, **_list_triggers(refused)))
+        reason, (number, listed) = _state_refusal(pressure, refused), _list_triggers(refused)
+        lines.append(f"No pressure is known at {number} triggers ({listed}): {reason}")
     return " ".join(lines)
 
 
-def _list_triggers(which: Mask) -> dict[str, Any]:
+def _list_triggers(which: Mask) -> tuple[int, str]:
     """Number of the triggers of a kind, and the first eight of them."""
     names = [str(k) for k in np.flatnonzero(which)]
-    return {"count": len(names), "listed": ", ".join(names[:8] + ["..."] * (len(names) > 8))}
+    return len(names), ", ".join(names[:8] + ["..."] * (len(names) > 8))
 
 
 def _state_refusal(pressure: xr.Dataset, refused: Mask) -> str:
@@ -424,7 +461,10 @@ def _state_refusal(pressure: xr.Dataset, refused: Mask) -> str:
         pressure.peak_std_shared.values[refused],
     )
     if not np.isfinite(random).any():
-        return str(_TEXTS["tilt"])
+        return (
+            "the gap that continues the image closes within the error of its tilt, or no position "
+            "was measured. A wider image along the axis or more light would help."
+        )
     rate, rate_std = (pressure[name].values[refused] for name in ("film_rate", "film_rate_std"))
 
     # the peak that the load makes is what has to be resolved
@@ -432,18 +472,28 @@ def _state_refusal(pressure: xr.Dataset, refused: Mask) -> str:
     goal = (CLEAR * pressure.peak_of_load.values[refused]) ** 2 - shared**2 - settings**2
     if (goal > 0).any():
         factor = float(np.nanmedian((random**2 / goal)[goal > 0]))
-        cure = _TEXTS["light"].format(factor=factor) if factor > 1 else _TEXTS["opens"]
+        cure = (
+            f"It needs at least {factor:.2g} times the light, or as many times the cycles or the "
+            "triggers in a cycle; the path through the positions is as smooth already as they "
+            "allow."
+            if factor > 1
+            else "Noise is not the reason, as the peak of a film that carries the load would "
+            "exceed it: this film does not close as one under its load. erlif predict FILM --fit "
+            "states whether any theory describes it."
+        )
     else:
         by_settings = np.nanmedian(settings) > np.nanmedian(shared)
-        helps = _TEXTS["settings_help" if by_settings else "calibration_helps"]
-        cure = _TEXTS["shared"].format(helps=helps)
-    return str(
-        _TEXTS["rate"].format(
-            rate=np.nanmedian(np.abs(rate)),
-            std=np.nanmedian(rate_std),
-            clear=100 * CLEAR,
-            cure=cure,
+        helps = "viscosity and clearance that are known better do"
+        if not by_settings:
+            helps = "a better calibration does"
+        cure = (
+            "Errors that all triggers share, those of calibration, surfaces, viscosity and "
+            f"clearance, are too large by themselves: more light or cycles do not help, {helps}."
         )
+    return (
+        f"the film changes by {np.nanmedian(np.abs(rate)):.2g} um/s there, known to ± "
+        f"{np.nanmedian(rate_std):.2g} um/s, and the standard deviation of the peak is above "
+        f"{100 * CLEAR:.0f} % of it. {cure}"
     )
 
 
@@ -460,16 +510,26 @@ def state_balance(pressure: xr.Dataset) -> str:
     ratio = load[measured] / logged
     cov = pressure.load_cov.values[np.ix_(measured, measured)] / np.outer(logged, logged)
     tests = weigh_loads(ratio, cov)
-    text = _TEXTS["carries"].format(ratio=100 * tests.ratio, std=100 * tests.std, used=tests.used)
+    text = (
+        f"The pressure carries {100 * tests.ratio:.1f} ± {100 * tests.std:.1f} % of the load "
+        f"(median of the {tests.used} triggers where it is known best; one standard deviation)"
+    )
     if not tests.shifted and not tests.differs and not tests.off.any():
-        return str(_TEXTS["balanced"].format(carries=text, chance=tests.chance))
+        chance = f"all triggers with their correlations: p = {tests.chance:.2g}"
+        return f"{text}: the load is balanced ({chance})."
     off = np.zeros(measured.size, bool)
     off[measured] = tests.off
     if tests.off.any():
-        total, listed = measured.sum(), _list_triggers(off)
-        text += _TEXTS["single"].format(limit=tests.limit, total=total, **listed)
+        count, listed = _list_triggers(off)
+        text += (
+            f"; it differs from the load by more than {tests.limit:.1f} standard deviations at "
+            f"{count} of {measured.sum()} triggers ({listed})"
+        )
     elif tests.differs and not tests.shifted:
-        text += _TEXTS["together"].format(chance=tests.chance)
+        text += (
+            "; over all triggers it differs from the load by more than its correlated errors allow "
+            f"(p = {tests.chance:.1g})"
+        )
     causes = _name_causes(pressure, tests.ratio, shifted=tests.shifted)
     return f"{text}. What fits: {'; '.join(causes)}."
 
@@ -528,11 +588,21 @@ def _name_causes(pressure: xr.Dataset, ratio: float, *, shifted: bool) -> list[s
     """Everything that makes a load differ by this ratio, or at single triggers alone."""
     pin = describe_sideways(settings_of(pressure).prediction)
     stated = "prediction.sideways" in str(pressure.attrs.get("settings_stated", "")).split(", ")
-    mount = _TEXTS["mount" if stated else "mount_assumed"]
-    causes = [mount.format(pin=pin, hint=_TEXTS["mount_hint"]), *_TEXTS["causes"]]
+    mount = f"{pin} in [prediction]"
+    if not stated:
+        mount = "free sideways is assumed, as [prediction] states no mount"
+    causes = [
+        f"the mount: {mount} (free and guided pins have different load lines and cavities)",
+        "load line or direction of the motion in [prediction]",
+        "clearance and length in [joint]",
+    ]
 
     # a scale moves all triggers alike, and none makes a load negative
     if shifted and ratio > 0:
-        scales = [one.format(ratio=ratio, inverse=1 / ratio) for one in _TEXTS["scales"]]
+        would = "would have to be {:.2g} times the stated one".format
+        scales = [
+            f"the load or its unit, which {would(ratio)}",
+            f"the viscosity of the oil in the gap, which {would(1 / ratio)}",
+        ]
         return [*scales, *causes]
     return causes

@@ -10,15 +10,10 @@ import numpy as np
 
 from erlif.calibration import Calibration
 from erlif.core.arrays import Array
-from erlif.core.notes import Note, note_writer
-from erlif.core.tables import read_table
+from erlif.core.notes import Note, remark, warn
 from erlif.core.variables import FILM
 from erlif.io.settings import ReferenceSettings
 from erlif.pipeline.engines.results import FrameResult, TriggerResult, share_passed, shares_passed
-
-_note = note_writer("erlif.pipeline")
-
-_TEXTS = read_table("erlif.pipeline", "words.toml")["reference"]
 
 # Standard deviations from which on a deviation is reported.
 _DEVIANT = 3.0
@@ -104,7 +99,11 @@ def describe_scale(scale: PatchScale | None) -> list[Note]:
         return []
     first, last = scale.course[0], scale.course.sum()
     std = float(np.sqrt(scale.covariance[0, 0]))
-    return [_note("patch_scale", first=100 * first, last=100 * last, std=100 * std)]
+    text = (
+        f"the ratio on the patch is {100 * first:+.2f} ± {100 * std:.2f} % from that of its film "
+        f"at the first frame and {100 * last:+.2f} % at the last; taken out of all frames"
+    )
+    return [remark("reference", text)]
 
 
 def describe_reference(
@@ -182,13 +181,19 @@ def _compare(
     """
     valid = np.isfinite(film) & (random > 0)
     if not valid.any():
-        return [_note("patch_absent")]
+        text = "the patch has no valid pixels, or its ratio lies outside the calibrated range"
+        return [warn("reference", text)]
     weight = random[valid] ** -2.0
     mean = float((weight * film[valid]).sum() / weight.sum())
     of_fixture = float(replace(calibration, systematics=None).thickness_std(known))
     std = float(np.sqrt(1 / weight.sum() + uncertainty**2 + of_fixture**2))
     off = mean - known
-    stated = _TEXTS["stated"].format(mean=mean, known=known, off=off)
+    stated = f"{mean:.3f} um measured, {known:.3f} um known, difference {off:+.3f} um"
     if abs(off) <= _DEVIANT * std:
-        return [_note("patch_agrees", stated=stated, std=std)]
-    return [_note("patch_deviates", stated=stated, times=abs(off) / std, std=std)]
+        return [remark("reference", f"{stated} with a standard deviation of {std:.3f}")]
+    text = (
+        f"{stated}, {abs(off) / std:.1f} standard deviations of {std:.3f} um. Dyes, filters or "
+        "light have changed since the fixture was photographed, or the patch is not as thick. "
+        "Calibrate again, and look for light that is not film"
+    )
+    return [warn("reference", text)]

@@ -6,10 +6,10 @@ import numpy as np
 
 from erlif.calibration import Calibration
 from erlif.core.arrays import Array
+from erlif.core.errors import ConfigError
 from erlif.io.ingest import Run
 from erlif.io.settings import TemperatureOptions
 from erlif.pipeline.chain import FrameChain
-from erlif.pipeline.refusals import refusal
 
 
 def read_warming(run: Run, calibration: Calibration) -> Array | None:
@@ -33,9 +33,17 @@ def read_warming(run: Run, calibration: Calibration) -> Array | None:
     if run.settings.temperature.coefficient is None:
         return None
     if "temperature" not in run.log:
-        raise refusal("no_oil_temperature")
+        raise ConfigError(
+            "Expected the temperature of the oil in the log, because [temperature] states how the "
+            "light changes with it; there is no column temperature. Add it to the log, name it as "
+            "temperature in [encoder], or remove [temperature]."
+        )
     if calibration.temperature is None:
-        raise refusal("no_fixture_temperature", fixture=calibration.fixture)
+        raise ConfigError(
+            "Expected the temperature of the fixture, because [temperature] states how the light "
+            f"changes with it; the calibration {calibration.fixture!r} has none. Add temperature = "
+            '"23 degC" to [fixture] in fixture.toml and calibrate again, or remove [temperature].'
+        )
     return np.asarray(run.log.temperature.values, float) - calibration.temperature
 
 

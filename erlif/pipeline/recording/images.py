@@ -15,6 +15,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from erlif.core.arrays import Array
+from erlif.core.errors import FrameError, OutputError
 from erlif.core.products import RatioImages
 from erlif.io.files import check_trigger, open_film, settings_of, takes
 from erlif.io.ingest import Run, open_run
@@ -22,7 +23,6 @@ from erlif.io.settings import RunSettings
 from erlif.pipeline.chain import FrameChain, one_thread_per_frame
 from erlif.pipeline.physics.clock import fit_start
 from erlif.pipeline.recording.prepare import prepare_with_map
-from erlif.pipeline.refusals import refusal
 from erlif.ratio import BlurDifference, RatioSum, smooth_ratio
 from erlif.registration import CameraMap
 
@@ -83,7 +83,10 @@ def restore_images(
     _check_run(run, stored)
     frames = [k for k in run.pairs.usable if stored.trigger_of[k] == trigger]
     if not frames:
-        raise refusal("no_pair_of_trigger", trigger=trigger)
+        raise FrameError(
+            f"Expected a frame pair of trigger {trigger}; all of them were left out when the film "
+            "was made. Name another trigger."
+        )
 
     chain = prepare_with_map(run, stored.camera_map, blur=stored.blur).chain
     chain = replace(chain, ratio_change=stored.ratio_change)
@@ -122,11 +125,17 @@ def _read_stored(film_path: Path, trigger: int) -> _Stored:
             # a film of an earlier version has none taken out
             excess = [registration.attrs.get(f"ratio_excess{end}", 0.0) for end in ("", "_std")]
         except KeyError as missing:
-            raise refusal("no_blur_attribute", name=missing.args[0], film=film_path) from missing
+            raise OutputError(
+                f"Expected the attribute {missing.args[0]} in the group registration of "
+                f"{film_path.name}; there is none. Make the film again with: erlif process RUN_DIR"
+            ) from missing
 
     with open_film(film_path, group="frames") as frames:
         if "file_camera1" not in frames or "file_camera2" not in frames:
-            raise refusal("no_frame_names", film=film_path)
+            raise OutputError(
+                f"Expected the names of the frames in the group frames of {film_path.name}; there "
+                "are none. Make the film again with: erlif process RUN_DIR"
+            )
         drift = np.column_stack([frames.drift_x.values, frames.drift_y.values])
         files = [[str(name) for name in frames[f"file_camera{n}"].values] for n in (1, 2)]
         energies = np.nan_to_num(frames.pulse_energy.values, nan=1.0)
@@ -154,17 +163,18 @@ def _check_run(run: Run, stored: _Stored) -> None:
     count = len(stored.trigger_of)
     total = len(run.pairs.pages[0])
     if run.pairs.shape != shape or total != count:
-        raise refusal("other_frames", count=count, shape=shape, run=run, total=total)
+        raise FrameError(
+            f"Expected the run that the film was made from, {count} frames of {shape[1]} x "
+            f"{shape[0]} px; {run.directory.name} has {total} of {run.pairs.shape[1]} x "
+            f"{run.pairs.shape[0]} px. Name the right one as run_dir."
+        )
 
     names = tuple([page.name for page in pages] for pages in run.pairs.pages)
     if names != stored.files:
-        raise refusal(
-            "other_frame_names",
-            first=stored.files[0][0],
-            last=stored.files[0][-1],
-            run=run,
-            found_first=names[0][0],
-            found_last=names[0][-1],
+        raise FrameError(
+            f"Expected the run that the film was made from, with {stored.files[0][0]} to "
+            f"{stored.files[0][-1]} of camera 1; {run.directory.name} has {names[0][0]} to "
+            f"{names[0][-1]}. Name the right one as run_dir."
         )
 
 

@@ -7,19 +7,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from erlif.core.notes import Note, note_writer
+from erlif.core.notes import Note, warn
 from erlif.core.products import References
-from erlif.core.tables import read_table
 from erlif.correction import make_references
 from erlif.pipeline.chain import FrameChain, one_thread_per_frame
 from erlif.pipeline.recording.cameras import Characterised
 from erlif.pipeline.recording.sample import Bands, compare_sharpness, sample_frames
 from erlif.ratio import NoiseEstimate, NoiseUnknowns, NoiseView, estimate_camera_noise
 from erlif.ratio.camera_noise import cell_size
-
-_note = note_writer("erlif.pipeline")
-
-_TEXTS = read_table("erlif.pipeline", "words.toml")["noise"]
 
 # Pixels from which fewer frames hold enough cells. [px]
 _LARGE = 500_000
@@ -156,23 +151,21 @@ def _describe(estimate: NoiseEstimate, unknown: NoiseUnknowns) -> list[Note]:
             continue
         what = ["gain"] * int(unknown.gain[n]) + ["read noise"] * int(unknown.read_noise[n])
         relative = 100 * noise.gain_std / noise.gain
-        precision = _TEXTS["precision"].format(relative=relative) if unknown.gain[n] else ""
+        precision = f", the gain to {relative:.0f} %" if unknown.gain[n] else ""
 
         assumed = ["shot noise"]
         if unknown.gain[n] and not np.isnan(estimate.alike):
-            assumed.append(_TEXTS["alike"].format(alike=estimate.alike))
+            assumed.append(
+                f"equal gains of both cameras with a probability of {estimate.alike:.2f}"
+            )
         if unknown.read_noise.all():
             assumed.append("one read noise [DN] for both")
-        notes.append(
-            _note(
-                "noise_estimated",
-                subject=f"camera{n + 1}",
-                what=" and ".join(what),
-                frames=estimate.frames,
-                precision=precision,
-                assumed=" and ".join(assumed),
-            )
+        text = (
+            f"{' and '.join(what)} estimated from the noise that the two cameras do not share in "
+            f"{estimate.frames} frames{precision}, assuming {' and '.join(assumed)}. Declare them, "
+            "or record darks and flats, for a better estimate"
         )
+        notes.append(warn(f"camera{n + 1}", text))
     if unknown.response[1]:
         notes.append(_describe_response(estimate, unknown))
     return notes
@@ -182,5 +175,11 @@ def _describe_response(estimate: NoiseEstimate, unknown: NoiseUnknowns) -> Note:
     """What is known of the response of the pixels without a flat."""
     cameras = "both cameras" if unknown.response[0] else "camera 2"
     spread = estimate.cameras[1].response_spread
-    key = "response_unknown" if np.isnan(spread) else "response"
-    return _note(key, cameras=cameras, spread=100 * spread)
+    text = (
+        f"without a flat, the pixel response of {cameras} is neither corrected nor part of the "
+        "uncertainty. Its spread is not known, because the cameras hardly moved against each other"
+        if np.isnan(spread)
+        else f"the pixel response of {cameras} varies by {100 * spread:.1f} %, as the drift of "
+        "camera 2 shows; without a flat this counts as noise"
+    )
+    return warn("flats", text)

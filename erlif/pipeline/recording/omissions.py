@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import xarray as xr
 
-from erlif.core.notes import Level, Note
+from erlif.core.notes import Note, remark
 from erlif.io.settings import RotationSettings, RunSettings, SinusoidalSettings
 
 _THEORY = ("film_hamrock_dowson", "film_theory", "film_regime_map")
@@ -33,7 +33,7 @@ def note_omissions(settings: RunSettings, triggers: xr.Dataset) -> list[Note]:
         for table, names, cure in _lacking(settings, triggers)
     ]
     return [
-        Note(Level.NOTE, table, f"{_absent(table, settings)}; left out: {', '.join(names)}. {cure}")
+        remark(table, f"{_absent(table, settings)}; left out: {', '.join(names)}. {cure}")
         for table, names, cure in lacking
         if names
     ]

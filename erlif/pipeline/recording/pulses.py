@@ -10,9 +10,8 @@ import numpy as np
 from erlif.calibration import Calibration
 from erlif.core.arrays import Array
 from erlif.core.errors import FrameError
-from erlif.core.notes import Note, list_some, note_writer
+from erlif.core.notes import Note, list_some, warn
 from erlif.core.products import EncoderLog
-from erlif.core.tables import read_table
 from erlif.io.ingest import FramePairs, read_pair
 from erlif.pipeline.chain import FrameChain
 from erlif.pipeline.engines.engine import Threads
@@ -20,10 +19,6 @@ from erlif.pipeline.engines.results import FrameResult
 from erlif.pipeline.passes import measure_pulse
 from erlif.ratio import PulseFault, PulseSample, find_pulse_faults
 from erlif.thickness import FilmTables
-
-_note = note_writer("erlif.pipeline")
-
-_TEXTS = read_table("erlif.pipeline.recording", "pulses.toml")
 
 # Names under which a log holds the energy of each pulse; the first one found is used.
 ENERGY_COLUMNS = ("pulse_energy", "laser_energy", "pulse_energy_mJ", "laser_energy_mJ", "laser_mJ")
@@ -133,7 +128,10 @@ def refuse_stuck_cameras(pairs: FramePairs) -> None:
         copied = copied and np.array_equal(*counts)
         stuck -= {n + 1 for n in range(2) if not np.array_equal(known[n], counts[n])}
         if not stuck and copied and np.array_equal(*read_pair(pairs, middle).counts):
-            raise PulseError(_TEXTS["both_cameras"])
+            raise PulseError(
+                "Expected two bands of light in every frame pair; both cameras show the same "
+                "image. Correct files in [camera1] or [camera2], or export the cameras again."
+            )
         if not stuck:
             return
     if len(stuck) == 2:
@@ -228,7 +226,12 @@ def _describe_unknown(fault: PulseFault, numbers: list[int]) -> Note:
     if shown:
         of_pulse = f"the pulses of pairs {list_some(shown)} are among those shown twice"
     subject = f"frame pairs {list_some([numbers[k] for k in fault.frames])}"
-    return _note("pulses_unknown", subject=subject, of_pulse=of_pulse)
+    return warn(
+        subject,
+        f"camera 2 shows another laser pulse than camera 1, and {of_pulse}: the film of these "
+        "pairs is wrong by the speckle of the laser. Check the triggering of the cameras, and "
+        "leave these pairs out",
+    )
 
 
 def _check_stuck(ordered: Sequence[FrameResult], pairs: FramePairs) -> list[Note]:
@@ -247,45 +250,70 @@ def _check_stuck(ordered: Sequence[FrameResult], pairs: FramePairs) -> list[Note
         if len(set(known)) == 1 and len(known) == len(ordered):
             raise PulseError(_one_camera(camera + 1, len(known), pairs))
         subject, count = f"camera{camera + 1}", len(known)
-        notes.append(_note("pulses_copied", subject=subject, copies=copies, count=count))
+        text = (
+            f"{copies} of {count} files are copies of others: the camera was stuck, or its export; "
+            "their maps combine two pulses"
+        )
+        notes.append(warn(subject, text))
     return notes
 
 
 def _one_camera(camera: int, count: int, pairs: FramePairs) -> str:
-    pages = pairs.pages[camera - 1]
-    names = {"first": pages[0].name, "second": pages[1].name}
-    return str(_TEXTS["one_camera"].format(count=count, camera=camera, **names))
+    one, two = pairs.pages[camera - 1][:2]
+    return (
+        f"Expected a new exposure in every frame; all {count} frames of camera{camera} are the "
+        f"same ({one.name}, {two.name}, ...): the camera or its export was stuck. Record the run "
+        "again, or export it again."
+    )
 
 
 def _one_image(count: int, names: Sequence[str]) -> str:
-    return str(_TEXTS["one_image"].format(count=count, first=names[0], second=names[1]))
+    return (
+        f"Expected a new exposure in every frame pair; all {count} pairs show the same image "
+        f"({names[0]}, {names[1]}, ...). Export the recording again, one frame for each pulse."
+    )
 
 
 def _describe_repeated(frames: list[int], count: int, pairs: FramePairs) -> Note:
     names = [pairs.pages[0][k].name for k in frames]
     if len(frames) == count > 1:
         raise PulseError(_one_image(count, names))
-    return _note("pulses_repeated", subject=f"frame pairs {list_some(frames)}")
+    return warn(
+        f"frame pairs {list_some(frames)}",
+        "they show the same image to the last count: a camera or its export was stuck, or a file "
+        "was copied. Each is used as if it were a new exposure",
+    )
 
 
 def _describe_order(fault: PulseFault, numbers: list[int], pairs: FramePairs) -> str:
     """What is wrong with the order of camera 2, and how to mend it."""
-    words: dict[str, object] = {"wrong": len(fault.frames), "count": len(numbers)}
-    if fault.kind == "late":
+    described = (
+        "the frames of camera 2 are in reverse order. Number them in the order of the pulses."
+    )
+    if fault.kind == "unknown":
+        described = (
+            f"in {len(fault.frames)} of {len(numbers)} pairs camera 2 shows another pulse, in no "
+            "simple order. Check the triggering of the cameras and the numbers of the files."
+        )
+    elif fault.kind == "late":
         number, late = abs(fault.lag), fault.lag > 0
-        words["pulses"] = "one pulse" if number == 1 else f"{number} pulses"
-        words["frames"] = "frame" if number == 1 else f"{number} frames"
-        words["which"] = "late" if late else "early"
-        words["first"], words["last"] = ("2", "1") if late else ("1", "2")
-
-    if fault.kind == "exchanged":
+        pulses = "one pulse" if number == 1 else f"{number} pulses"
+        frames = "frame" if number == 1 else f"{number} frames"
+        first, last = (2, 1) if late else (1, 2)
+        described = (
+            f"camera 2 is {pulses} {'late' if late else 'early'}. Remove the first {frames} of "
+            f"camera {first} and the last {frames} of camera {last}; where a log has a row for "
+            "each pair, remove those of the pairs lost as well."
+        )
+    elif fault.kind == "exchanged":
         one, two = pairs.pages
         pairing = [
             f"{two[numbers[k]].name} shows the pulse of {one[numbers[n]].name}"
             for k, n in zip(fault.frames, fault.partners, strict=True)
         ]
         more = [f"and {len(pairing) - _LISTED} more"] if len(pairing) > _LISTED else []
-        words["pairing"] = ", ".join([*pairing[:_LISTED], *more])
-
-    described = _TEXTS["order"][fault.kind].format(**words)
+        listed = ", ".join([*pairing[:_LISTED], *more])
+        described = (
+            f"images of camera 2 are exchanged: {listed}. Give them the numbers of their pulses."
+        )
     return f"Expected both cameras to show the same laser pulse in every frame pair; {described}"

@@ -10,12 +10,12 @@ import numpy as np
 
 from erlif.calibration import Calibration
 from erlif.core.arrays import FlagImage, Image, Mask
+from erlif.core.errors import CalibrationError, RegistrationError
 from erlif.core.flags import Flag
 from erlif.core.progress import Progress
 from erlif.correction import PairLight
 from erlif.io.settings import RegistrationOptions, RunSettings
 from erlif.pipeline.chain import FrameCorrection
-from erlif.pipeline.refusals import refusal
 from erlif.registration import (
     CameraMap,
     MapNodes,
@@ -101,7 +101,10 @@ class FixtureMap:
         """
         whole, reuse = calibration.camera_map, settings.registration.reuse
         if whole is None and reuse:
-            raise refusal("no_camera_map")
+            raise CalibrationError(
+                "Expected a camera map in the calibration, because [registration] has reuse = "
+                "true; there is none. Calibrate again, or set reuse = false."
+            )
         return cls(whole if reuse else None, None if whole is None else MapNodes.of(whole))
 
 
@@ -155,6 +158,10 @@ def _check_stored(stored: CameraMap, lit: LitPairs) -> CameraMap:
     """A stored map, if it fits the recording."""
     shape = lit.correct.pairs.shape
     if stored.shape != shape:
-        raise refusal("stored_map_of_other_shape", shape=shape, stored=stored)
+        raise RegistrationError(
+            f"Expected a stored camera map for frames of {shape}; the calibration's is for "
+            f"{stored.shape}. Calibrate with the region of interest of the run, or set reuse = "
+            "false in [registration]."
+        )
     check_map(stored, lit)
     return replace(stored, stored=True)

@@ -10,18 +10,14 @@ import numpy as np
 
 from erlif.calibration import Calibration
 from erlif.core.arrays import Array
-from erlif.core.notes import Note, note_writer
-from erlif.core.tables import read_table
+from erlif.core.errors import CalibrationError
+from erlif.core.notes import Note, warn
 from erlif.pipeline.chain import FrameChain
 from erlif.pipeline.recording.sample import Bands, ratios_of
-from erlif.pipeline.refusals import refusal
 from erlif.registration import MapNodes, compare_with_inverse
 
 _logger = logging.getLogger(__name__)
 
-_note = note_writer("erlif.pipeline")
-
-_TEXTS = read_table("erlif.pipeline", "words.toml")["misfit"]
 
 # Share of ratios that no film has from which something is wrong.
 _IMPOSSIBLE = 0.15
@@ -98,7 +94,13 @@ def _check_map(chain: FrameChain, stored: MapNodes) -> bool:
         comparison.misfit_inverse,
     )
     if comparison.inverted:
-        raise refusal("map_inverse", comparison=comparison)
+        raise CalibrationError(
+            "Expected the cameras in the order of the calibration; magnification, rotation and "
+            "distortion between them are the inverse of the calibration's: rms deviation "
+            f"{comparison.misfit_inverse:.2f} px, against {comparison.misfit:.2f} px from the "
+            "calibration's own. The cameras look swapped: exchange the files of [camera1] and "
+            "[camera2] in run.toml."
+        )
     return comparison.inverted is False
 
 
@@ -114,16 +116,32 @@ def _note_misfit(
     if not shares or np.median(shares) <= _IMPOSSIBLE:
         return Misfit()
 
-    causes = ["light", "wall", "fixture"]
+    causes = [
+        "light, exposure, filter or gain of a camera is not that of the calibration, or its dark "
+        "is wrong: compare them, and photograph the fixture again",
+        "the wall of the joint reflects more or less than that of the fixture: use one material",
+        "the profile of the fixture is not that of its images: look at direction, origin and "
+        "cameras in fixture.toml",
+    ]
     if max(abs(chain.blur.x), abs(chain.blur.y)) > _DEFOCUSED:
-        causes.insert(0, "focus")
+        focus = "one camera is out of focus, so that their textures do not cancel: focus both alike"
+        causes.insert(0, focus)
     if not in_order:
-        causes.append("exchanged")
-    listed = "; ".join(f"({n}) {_TEXTS[cause]}" for n, cause in enumerate(causes, 1))
+        causes.append(
+            "the cameras are exchanged: look at the files of [camera1], to which the reabsorbed "
+            "(580 nm) band belongs, and of [camera2]"
+        )
+    listed = "; ".join(f"({n}) {cause}" for n, cause in enumerate(causes, 1))
     low, high = np.exp(ends)
-    order = _TEXTS["in_order"] if in_order else ""
+    known = ". The cameras are not exchanged: their map is that of the calibration"
+    order = known if in_order else ""
     share = float(np.median(shares))
-    note = _note("ratios_misfit", share=share, low=low, high=high, order=order, causes=listed)
+    note = warn(
+        "ratio",
+        f"films are wrong or missing{order}: {share:.0%} of the pixels have a ratio that no film "
+        f"has, below {low:.3f} or above {high:.3f}. The scale of the ratio is in doubt by as "
+        f"much. Likely, in this order: {listed}",
+    )
     return Misfit((note,), float(np.median(sizes)))
 
 

@@ -9,10 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from erlif.core.arrays import Counts
-from erlif.core.tables import read_table
 from erlif.registration import CameraMap
-
-_TEXTS = read_table("erlif.pipeline", "words.toml")["setup"]
 
 # Intervals of a histogram over the range of the counts.
 _BINS = 64
@@ -154,16 +151,26 @@ def advise(
     """
     texts = []
     for n, (camera, sharpest) in enumerate(zip(cameras, best, strict=True), 1):
-        values = {"camera": n, "saturated": 100 * camera.saturated, "highest": 100 * camera.highest}
         if camera.saturated > _SATURATED:
-            texts.append(_TEXTS["saturated"].format(**values))
+            texts.append(
+                f"camera {n} saturates in {100 * camera.saturated:.1f} % of its pixels: halve its "
+                "gain or exposure"
+            )
         elif camera.highest < _WEAK:
             factor = _GOOD / max(camera.highest, 1e-3)
-            texts.append(_TEXTS["weak"].format(**values, factor=factor))
+            texts.append(
+                f"camera {n} uses {100 * camera.highest:.0f} % of its range: {factor:.1f} times "
+                "the gain, exposure or light would use 80 %"
+            )
         if camera.sharpness < _BLURRED * sharpest:
             share = 100 * camera.sharpness / sharpest
-            texts.append(_TEXTS["blurred"].format(camera=n, share=share))
+            texts.append(
+                f"camera {n} has {share:.0f} % of the best sharpness so far: turn its focus back"
+            )
     if found is not None and found.overlap < _OVERLAP:
         x, y = found.shift
-        texts.append(_TEXTS["overlap"].format(share=100 * found.overlap, x=x, y=y))
+        texts.append(
+            f"camera 2 sees {100 * found.overlap:.0f} % of the image of camera 1: it is "
+            f"displaced by {x:+.0f} px along x and {y:+.0f} px along y"
+        )
     return texts

@@ -20,7 +20,6 @@ from erlif.io.ingest.containment import named_files, refuse_outside
 from erlif.io.ingest.images import read_headers
 from erlif.io.settings import read_run_settings
 from erlif.pipeline.chain import one_thread_per_frame
-from erlif.pipeline.refusals import refusal
 from erlif.pipeline.watch.faults import describe_missing
 
 # Time between two looks at the whole directory, for changes that nothing reported. [s]
@@ -56,7 +55,10 @@ class Follower:
 
     def __init__(self, run_dir: Path, *, allow_outside: bool = False) -> None:
         if find_spec("watchfiles") is None:
-            raise refusal("no_watchfiles")
+            raise ErlifError(
+                "erlif watch needs watchfiles, which is not installed. Install it with: pip "
+                'install "erlif[watch]".'
+            )
         self.directory, self.settings = run_dir, read_run_settings(run_dir)
         if not allow_outside:
             refuse_outside(run_dir, named_files(self.settings))

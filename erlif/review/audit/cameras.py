@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 
 from erlif.core.arrays import AnyArray, Array, Image
-from erlif.core.notes import Note, list_some, note_writer, retitle
+from erlif.core.notes import Note, list_some, remark, retitle, warn
 from erlif.core.progress import silent
 from erlif.core.statistics import robust_std
 from erlif.io.ingest import Fixture, FramePairs, Run
@@ -20,8 +20,6 @@ from erlif.pipeline.recording.pulses import check_pulses
 from erlif.pipeline.recording.sample import Bands
 from erlif.ratio import PairRatio
 from erlif.registration import orient
-
-_note = note_writer("erlif.review.audit")
 
 # Frame pairs up to which all of them are searched for exchanged pulses.
 WHOLE = 60
@@ -187,19 +185,34 @@ def note_registration(survey: CameraSurvey) -> Iterator[Note]:
     x, y = (
         float(np.nanmedian(one)) for one in (camera_map.displacement_x, camera_map.displacement_y)
     )
-    yield _note("registration", x=x, y=y, quality=quality, overlap=overlap)
+    yield remark(
+        "registration",
+        f"camera 2 displaced by ({x:+.2f}, {y:+.2f}) px, correlation of the textures "
+        f"{quality:.2f}, {overlap:.0%} of the image seen by both cameras",
+    )
     found_again = [one for one in survey.frames if np.isfinite(one.drift).all()]
     for one in found_again[:: max(len(found_again) // SHOWN, 1)][:SHOWN]:
         drift = ", ".join(f"{value:+.2f}" for value in one.drift)
-        yield _note("drift", pair=one.frame, drift=drift)
+        yield remark("registration", f"pair {one.frame}: camera 2 moved by ({drift}) px")
 
     if overlap < _LITTLE_OVERLAP:
-        yield _note("overlap", overlap=overlap)
+        yield warn(
+            "registration",
+            f"the cameras have {overlap:.0%} of the image in common. Turn the cameras until both "
+            "show the same part of the joint",
+        )
     if quality < _WEAK:
-        yield _note("textures", quality=quality)
+        yield warn(
+            "registration",
+            f"the textures of the cameras have a correlation of {quality:.2f}: light, focus or "
+            "texture are weak. Check focus and exposure of both cameras",
+        )
     lost = [one.frame for one in survey.frames if not np.isfinite(one.drift).all()]
     if lost:
-        yield _note("lost", pairs=list_some(lost))
+        yield warn(
+            "registration",
+            f"no common texture of the cameras in pairs {list_some(lost)}. Leave these pairs out",
+        )
 
 
 def note_textures(survey: CameraSurvey) -> Iterator[Note]:
@@ -215,7 +228,12 @@ def note_textures(survey: CameraSurvey) -> Iterator[Note]:
         orientation=camera_map.settings.orientation,
     )
     if correlation > _SHARED:
-        yield _note("flats", correlation=correlation)
+        yield warn(
+            "registration",
+            f"the flats of both cameras show one texture, correlation {correlation:.2f}: they "
+            "were recorded on the joint or with the laser, and take its texture for that of the "
+            "sensors. Record flats of an evenly lit target without structure",
+        )
 
 
 def correlate_flats(
@@ -277,4 +295,4 @@ def note_pulses(
     yield from retitle("pulses", check_pulses(survey.frames, pairs, copies=not known))
     judged, count = len(survey.frames), len(pairs.usable)
     rest = "; erlif process searches all" if judged < count else ""
-    yield _note("pulses", judged=judged, count=count, rest=rest)
+    yield remark("pulses", f"{judged} of {count} pairs searched for images of other pulses{rest}")

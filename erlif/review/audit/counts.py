@@ -10,13 +10,11 @@ import cv2
 import numpy as np
 
 from erlif.core.arrays import AnyArray
-from erlif.core.notes import Level, Note, list_some, note_writer
+from erlif.core.notes import Level, Note, list_some, remark, warn
 from erlif.core.products import References
 from erlif.correction import count_pixels
 from erlif.correction.saturation import Histogram
 from erlif.io.ingest import FramePairs, depth_warning, read_pair
-
-_note = note_writer("erlif.review.audit")
 
 # Frame pairs that are read of a long recording, evenly spread over it.
 MOST_SPREAD = 24
@@ -120,10 +118,15 @@ def note_counts(survey: CountSurvey, pairs: FramePairs) -> Iterator[Note]:
         top, share = int(np.flatnonzero(histogram)[-1]), float(saturated[camera - 1])
         warning = depth_warning(top, bit_depth=bit_depth, camera=camera)
         if warning:
-            yield Note(Level.WARNING, "counts", str(warning))
+            yield warn("counts", str(warning))
             continue
         most = histogram.size - 1
-        yield _note("counts", wrong=share > BRIGHT, camera=camera, top=top, most=most, share=share)
+        yield remark(
+            "counts",
+            f"camera{camera}: highest count {top} of {most}, at most {share:.2%} of a frame "
+            "saturated",
+            "Shorten the exposure, or lower the energy of the laser" if share > BRIGHT else "",
+        )
 
 
 def note_bad_pixels(references: References) -> Iterator[Note]:
@@ -131,7 +134,13 @@ def note_bad_pixels(references: References) -> Iterator[Note]:
     for camera, bad in enumerate(references.bad.values, 1):
         share = float(bad.mean())
         # the share is stated in any case; only a large one asks for an action
-        yield _note("bad_pixels", wrong=share > MANY_BAD, camera=camera, share=share)
+        yield remark(
+            "darks and flats",
+            f"camera{camera}: {share:.2%} of the pixels are hot, noisy or dead and are flagged",
+            "Look at darks and flats for dust, light and clipping, and record them again"
+            if share > MANY_BAD
+            else "",
+        )
 
 
 def note_light(survey: CountSurvey, darks: Sequence[float]) -> Iterator[Note]:
@@ -149,11 +158,23 @@ def note_light(survey: CountSurvey, darks: Sequence[float]) -> Iterator[Note]:
         f"{100 * sharpness[:, n].max():.1f} % of the light"
         for n in range(2)
     )
-    yield _note("light", cameras=cameras)
+    yield remark("light", cameras)
     blurred = (sharpness < _BLURRED * usual_sharpness) & ~dim
-    for key, odd, share in (("missed", dim, _UNLIT), ("blurred", blurred, _BLURRED)):
+    for odd, fault in (
+        (
+            dim,
+            f"{_UNLIT:.0%} of the light of the others: the laser or a shutter missed the pulse. "
+            "Leave these pairs out",
+        ),
+        (
+            blurred,
+            f"{_BLURRED:.0%} of the fine structure of the others: they are out of focus, or were "
+            "smoothed. Check the focus, and export the frames without filters",
+        ),
+    ):
         if odd.any():
-            yield _note(key, pairs=list_some(numbers[odd.any(axis=1)]), share=share)
+            pairs = list_some(numbers[odd.any(axis=1)])
+            yield warn("light", f"frame pairs {pairs} have less than {fault}")
 
 
 def find_copies(survey: CountSurvey) -> list[tuple[int, ...]]:
@@ -180,7 +201,12 @@ def note_copies(survey: CountSurvey) -> Iterator[Note]:
     # images of both cameras that agree to the last count are one image
     same = [one.frame for one in survey.frames if one.digest[0] == one.digest[1]]
     if same:
-        yield _note("same_image", pairs=list_some(same))
+        yield Note(
+            Level.ERROR,
+            "pairs",
+            f"both cameras show the same image in frame pairs {list_some(same)}. Correct files in "
+            "[camera1] or [camera2], or export the cameras again",
+        )
 
     # a camera whose frames all have one digest has delivered one frame throughout
     stuck = [
@@ -189,6 +215,15 @@ def note_copies(survey: CountSurvey) -> Iterator[Note]:
     for frames in find_copies(survey):
         if len(frames) == len(survey.frames):
             which = "frame pairs" if len(stuck) == 2 else f"frames of {stuck[0]}"
-            yield _note("stuck", count=len(frames), which=which)
+            yield Note(
+                Level.ERROR,
+                "pairs",
+                f"all {len(frames)} {which} that were read show the same image: the camera or its "
+                "export was stuck. Export the recording again, one frame for each pulse",
+            )
         else:
-            yield _note("copies", pairs=list_some(frames))
+            yield warn(
+                "pairs",
+                f"frame pairs {list_some(frames)} show the same image: a camera or its export was "
+                "stuck, or a file was copied. Export them again, or leave out all but one",
+            )

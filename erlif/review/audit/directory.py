@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Any
 
 from erlif.calibration import read_profile
-from erlif.core.errors import ErlifError
-from erlif.core.notes import Level, Note, note_writer, retitle
+from erlif.core.errors import ConfigError, ErlifError
+from erlif.core.notes import Level, Note, remark, retitle
 from erlif.core.progress import ShowProgress, choose_progress
 from erlif.core.timing import stage
 from erlif.core.version import __version__
@@ -45,9 +45,7 @@ from erlif.review.audit.counts import (
     survey_counts,
 )
 from erlif.review.audit.pairing import PairRow, note_numbers, tabulate_pairs
-from erlif.review.refusals import refusal
 
-_note = note_writer("erlif.review.audit")
 _logger = logging.getLogger(__name__)
 
 # One part of the audit; it raises ErlifError where the input cannot be used.
@@ -205,9 +203,12 @@ def _open(directory: Path, **options: bool) -> Run | Fixture:
         return open_run(directory, find_start=fit_start, **options)
     if (directory / "fixture.toml").is_file():
         return open_fixture(directory, **options)
-    if not directory.is_dir():
-        raise refusal("no_directory", directory=directory)
-    raise refusal("no_settings", directory=directory)
+    reason = "there is no such directory. Correct the name."
+    if directory.is_dir():
+        reason = f"it holds neither. Make one from the files in it with: erlif init {directory}"
+    raise ConfigError(
+        f"Expected a run (run.toml) or a fixture (fixture.toml) in {directory}; {reason}"
+    )
 
 
 def _describe(recording: Run | Fixture) -> Note:
@@ -215,7 +216,7 @@ def _describe(recording: Run | Fixture) -> Note:
     count, name = len(recording.pairs.usable), recording.settings.name
     some = f"; counts of {MOST_SPREAD} of them, evenly spread, are examined"
     examined = some if count > MOST_SPREAD else ""
-    return _note("frames", count=count, width=width, height=height, name=name, examined=examined)
+    return remark("frames", f"{count} pairs of {width} x {height} pixels, {name!r}{examined}")
 
 
 @dataclass
@@ -263,7 +264,7 @@ class _Parts:
         odd = {frame for frames in find_copies(self.survey) for frame in frames}
         self.found.pairs = tabulate_pairs(self.recording.pairs, self.run, odd=odd)
         for row in self.found.pairs:
-            yield _note("pair", row=row)
+            yield remark("pairs", f"{row}")
         yield from note_copies(self.survey)
 
     def references(self) -> Iterator[Note]:
@@ -297,7 +298,7 @@ class _Parts:
         encoder = run.settings.encoder
         logged = encoder is not None and encoder.file is not None
         subject = "encoder log" if logged else "no encoder log"
-        yield _note("cycle", subject=subject, cycle=describe_cycle(located))
+        yield remark(subject, f"{describe_cycle(located)}")
         yield from note_motion(run.log, located, run.settings)
         yield from note_conditions(run.log, run.settings)
         numbers = [one.frame for one in self.cameras.frames]
@@ -316,4 +317,4 @@ def _note_profile(fixture: Fixture) -> Iterator[Note]:
     profile = read_profile(fixture.directory / fixture.settings.fixture.profile)
     yield from retitle("profile", profile.notes)
     low, high = profile.thickness.min(), profile.thickness.max()
-    yield _note("profile", count=profile.thickness.size, low=low, high=high)
+    yield remark("profile", f"{profile.thickness.size} points from {low:.2f} to {high:.2f} um")

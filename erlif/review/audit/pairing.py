@@ -5,11 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
-from erlif.core.notes import Note, list_some, note_writer
+from erlif.core.notes import Note, list_some, warn
 from erlif.io.ingest import FramePairs, Run
 from erlif.io.ingest.numbering import find_missing, frame_numbers
-
-_note = note_writer("erlif.review.audit")
 
 
 @dataclass(frozen=True)
@@ -95,4 +93,9 @@ def note_numbers(pairs: FramePairs) -> Iterator[Note]:
         missing = find_missing(frame_numbers(pages))
         if missing:
             numbers, first, last = list_some(missing), pages[0].name, pages[-1].name
-            yield _note("missing", camera=camera, numbers=numbers, first=first, last=last)
+            yield warn(
+                "pairs",
+                f"camera{camera}: no file has the number {numbers}, between {first} and {last}. "
+                "If these pulses were not recorded, their rows must be missing in the log too; "
+                "otherwise copy the files again",
+            )

@@ -14,8 +14,8 @@ import xarray as xr
 
 from erlif.calibration import Calibration
 from erlif.core.arrays import Array
+from erlif.core.errors import ErlifError
 from erlif.review.comparison.calibrations import quadratic
-from erlif.review.refusals import refusal
 
 # Edge of a cell, in pixels of the coarser camera. Errors of the registration are common to it.
 CELL = 8
@@ -85,13 +85,10 @@ def cell_edges(films: list[xr.Dataset], axis: str) -> Array:
     # rounding must not cost a cell that fits exactly
     count = int((high - low) / (CELL * pitch) + 1e-6) if pitch > 0 else 0
     if count < _LEAST_OVERLAP:
-        raise refusal(
-            "small_overlap",
-            least=_LEAST_OVERLAP,
-            cell=CELL,
-            axis=axis,
-            shared=max(high - low, 0.0),
-            pitch=pitch,
+        raise ErlifError(
+            f"Expected images that share {_LEAST_OVERLAP} cells of {CELL} pixels along {axis}; "
+            f"these share {max(high - low, 0.0):.2f} mm of pixels of {pitch:.3f} mm. Compare films "
+            "of larger images."
         )
     return np.asarray(low + CELL * pitch * np.arange(count + 1))
 

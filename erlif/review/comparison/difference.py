@@ -9,9 +9,9 @@ from functools import partial
 import numpy as np
 
 from erlif.core.arrays import Array, Mask
+from erlif.core.errors import ErlifError
 from erlif.review.comparison.calibrations import calibration_var
 from erlif.review.comparison.records import REPEATING, RunRecord
-from erlif.review.refusals import refusal
 
 _FULL_TURN = 360.0  # degree
 _REACH = 1.5  # median distances of triggers between which a film is interpolated
@@ -75,7 +75,10 @@ def common_angles(records: list[RunRecord]) -> Array:
     if not first.by_angle:
         counts = sorted({record.angle.size for record in records})
         if len(counts) > 1:
-            raise refusal("other_trigger_count", counts=" and ".join(map(str, counts)))
+            raise ErlifError(
+                "Expected runs with one number of triggers, as they have no crank angle; they have "
+                f"{' and '.join(map(str, counts))}. Compare runs of the same length."
+            )
         return first.angle
 
     near = np.all([weights(record.angle, first.angle)[0] for record in records], axis=0)
@@ -83,8 +86,9 @@ def common_angles(records: list[RunRecord]) -> Array:
         ranges = "; ".join(
             f"{one.name} {np.min(one.angle):.1f} to {np.max(one.angle):.1f}" for one in records
         )
-        raise refusal(
-            "few_common_angles", least=_LEAST_COMMON, common=int(near.sum()), ranges=ranges
+        raise ErlifError(
+            f"Expected runs with {_LEAST_COMMON} common crank angles or more; there are "
+            f"{int(near.sum())} (degree: {ranges}). Compare runs with triggers at the same angles."
         )
     return first.angle[near]
 

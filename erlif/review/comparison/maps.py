@@ -8,10 +8,10 @@ import xarray as xr
 from erlif.calibration import calibration_of
 from erlif.core.arrays import Array, FlagImage
 from erlif.core.described import describe
+from erlif.core.errors import ErlifError
 from erlif.io.files import describe_trigger, settings_of
 from erlif.review.comparison.calibrations import calibration_var, key_of
 from erlif.review.comparison.cells import average_cells, cell_edges
-from erlif.review.refusals import refusal
 
 # Expected share of cells that do not differ, among those stated to differ.
 FALSE_DISCOVERIES = 0.05
@@ -51,7 +51,10 @@ def difference_map(one: xr.Dataset, other: xr.Dataset, *, triggers: tuple[int, i
     (0.5, 24)
     """
     if settings_of(one).optics.x_axis != settings_of(other).optics.x_axis:
-        raise refusal("other_x_axis")
+        raise ErlifError(
+            "Expected images whose x lies along the same direction; x_axis in [optics] differs. "
+            "Compare the film statistics alone, or runs of one camera."
+        )
     edges = {f"{axis}_edges": cell_edges([one, other], axis) for axis in ("x", "y")}
     calibrations = calibration_of(one, triggers[0]), calibration_of(other, triggers[1])
     a, b = (

@@ -13,12 +13,12 @@ import xarray as xr
 
 from erlif.calibration import Calibration, calibration_of
 from erlif.core.arrays import Array
+from erlif.core.errors import ErlifError
 from erlif.io.files import region_of, settings_of
 from erlif.io.settings import RunSettings
 from erlif.pipeline.physics.joint import describe_joint
 from erlif.review.comparison.calibrations import key_of, quadratic
 from erlif.review.comparison.cells import CELL, average_cells, cell_edges, noise_inflation
-from erlif.review.refusals import refusal
 from erlif.trend import LARGEST_BEYOND, viscosity_at
 
 # Film statistics that are compared.
@@ -273,22 +273,28 @@ def refuse_unlike(records: Sequence[RunRecord]) -> None:
 be compared.
     """
     if len(records) < 2:
-        raise refusal("few_films", count=len(records))
+        raise ErlifError(
+            f"Expected two films or more; got {len(records)}. Name the films of the runs to be "
+            "compared."
+        )
     # a run compared with itself would share its noise and seem certain
     for one, other in combinations(records, 2):
         same = one.identity and one.identity == other.identity
         if same or (one.frames_key and one.frames_key == other.frames_key):
-            raise refusal("same_frames", one=one, other=other)
+            raise ErlifError(
+                f"Expected films of different runs; two of them, {one.name} and {other.name}, were "
+                "made from the same frames and share their noise. Leave one of them out."
+            )
         if _motion(one.settings) != _motion(other.settings):
-            raise refusal(
-                "other_mechanism",
-                one=one,
-                first=_words(one.settings),
-                other=other,
-                second=_words(other.settings),
+            raise ErlifError(
+                f"Expected runs of one mechanism; {one.name} has {_words(one.settings)}, "
+                f"{other.name} has {_words(other.settings)}. Compare runs of the same mechanism."
             )
         if one.by_angle != other.by_angle:
-            raise refusal("angles_in_one", one=one, other=other)
+            raise ErlifError(
+                f"Expected crank angles in all films or in none; of {one.name} and {other.name} "
+                "one has them. Compare runs with the same kind of log."
+            )
 
 
 def _motion(settings: RunSettings) -> dict[str, object]:

@@ -14,6 +14,7 @@ import xarray as xr
 
 from erlif.calibration import Calibration, open_calibration
 from erlif.core.arrays import Array
+from erlif.core.errors import ErlifError
 from erlif.core.progress import Progress, silent
 from erlif.core.version import __version__
 from erlif.io.conversion import choose_trigger
@@ -34,7 +35,6 @@ from erlif.review.comparison.difference import (
 from erlif.review.comparison.exponent import duty_parameters, fit_runs
 from erlif.review.comparison.maps import difference_map
 from erlif.review.comparison.records import STATISTICS, RunRecord, read_run, refuse_unlike
-from erlif.review.refusals import refusal
 
 # Corrected probability below which two runs are stated to differ.
 SIGNIFICANT = 0.05
@@ -139,7 +139,10 @@ def _open(film: xr.Dataset | str | Path, stack: ExitStack) -> xr.Dataset:
 def _check_pair(pair: tuple[int, int], count: int) -> tuple[int, int]:
     first, second = pair
     if first == second or min(pair) < 0 or max(pair) >= count:
-        raise refusal("no_such_pair", last=count - 1, first=first, second=second)
+        raise ErlifError(
+            f"Expected two different films from 0 to {count - 1} for the difference map; got "
+            f"{first} and {second}. Choose two of them."
+        )
     return first, second
 
 

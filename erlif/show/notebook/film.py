@@ -7,11 +7,11 @@ from typing import Any
 
 import xarray as xr
 
+from erlif.core.errors import ErlifError
 from erlif.core.flags import Flag
 from erlif.io.files import check_trigger, open_film
 from erlif.show.notebook.region import Interval, summarise_region
 from erlif.show.notebook.summary import describe_in_html, describe_in_text, list_variables
-from erlif.show.refusals import refusal
 
 
 class FilmAccessor:
@@ -58,7 +58,11 @@ class FilmAccessor:
             return dataset
         source = self._film.encoding.get("source", "")
         if not source or not Path(source).exists():
-            raise refusal("no_groups", group=group)
+            raise ErlifError(
+                f"Expected a film that was opened from its file, which holds the group {group}; "
+                "this dataset names none. Open it with erlif.open_film, or name the file: "
+                f'erlif.open_film("film.nc", group="{group}").'
+            )
         return open_film(source, group=group)
 
     def mask(self, *names: str) -> xr.DataArray:
@@ -86,7 +90,10 @@ class FilmAccessor:
         known = {str(flag.name).lower(): flag for flag in Flag}
         unknown = [name for name in names if name not in known]
         if unknown:
-            raise refusal("no_such_flag", known=", ".join(known), unknown=", ".join(unknown))
+            raise ErlifError(
+                f"Expected names of flags, {', '.join(known)}; got {', '.join(unknown)}. Choose "
+                "among them."
+            )
         # one comparison for all flags
         bits = Flag(0)
         for name in names or known:
@@ -135,7 +142,10 @@ class FilmAccessor:
         one = self._film[variable]
         if "trigger" in one.dims:
             if trigger is None:
-                raise refusal("many_maps", triggers=one.sizes["trigger"])
+                raise ErlifError(
+                    f"Expected one map, got those of {one.sizes['trigger']} triggers. Give "
+                    "trigger=, a number from 0."
+                )
             check_trigger(self._film, trigger)
             one = one.isel(trigger=trigger)
         return one.erlif.plot(**style)
@@ -144,7 +154,10 @@ class FilmAccessor:
         missing = [name for name in names if name not in self._film]
         if missing:
             present = list_variables(self._film)
-            raise refusal("no_film", missing=", ".join(missing), present=present)
+            raise ErlifError(
+                f"Expected a film with {', '.join(missing)}; the dataset holds {present}. Open a "
+                "film with erlif.open_film, or make one with erlif.process."
+            )
 
 
 _TITLE_PARTS = 2  # coordinates in a title
@@ -191,7 +204,10 @@ class MapAccessor:
             If the array is no map.
         """
         if set(self._array.dims) != {"y", "x"}:
-            raise refusal("no_map", dims=tuple(self._array.dims))
+            raise ErlifError(
+                f"Expected a map on the dims y and x, got {tuple(self._array.dims)}. Choose one "
+                "first, such as film.thickness.isel(trigger=3)."
+            )
         from erlif.show.plots.style import colour_map  # matplotlib is loaded for a figure alone
 
         # what the user gives takes precedence

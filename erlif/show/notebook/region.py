@@ -6,11 +6,10 @@ import numpy as np
 import xarray as xr
 
 from erlif.calibration import Calibration, calibration_of
-from erlif.core.errors import ConfigError
+from erlif.core.errors import ConfigError, ErlifError
 from erlif.core.products import RatioImages, ThicknessMaps
 from erlif.core.tables import read_table
 from erlif.io.files import settings_of, takes
-from erlif.show.refusals import refusal
 from erlif.trend import Contact, FilmStatistics, Region, find_region, summarise_film
 
 Interval = tuple[float, float]
@@ -91,8 +90,11 @@ def _find_region(film: xr.Dataset, x: Interval | None, y: Interval | None) -> Re
     try:
         return find_region(across, down, roi=roi)
     except ConfigError as error:
-        ends = {"right": across[-1], "bottom": down[-1]}
-        raise refusal("small_region", x=x, y=y, **ends) from error
+        raise ErlifError(
+            f"Expected a region of at least 32 x 32 pixels within x 0 to {across[-1]:.2f} mm and y "
+            f"0 to {down[-1]:.2f} mm; got x = {x}, y = {y}. Give bounds in mm that are farther "
+            "apart."
+        ) from error
 
 
 def _summarise(

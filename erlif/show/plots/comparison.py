@@ -16,12 +16,12 @@ from matplotlib.image import AxesImage
 from matplotlib.lines import Line2D
 
 from erlif.core.arrays import Array
+from erlif.core.errors import ErlifError
 from erlif.core.variables import FILM
 from erlif.show.plots import style
 from erlif.show.plots.maps import image_height, pixel_edges
 from erlif.show.plots.style import MEAN, MINIMUM, MUTED, OUTWARD, RETURN, TWO_COLUMNS, styled
 from erlif.show.plots.trend import plain_ticks
-from erlif.show.refusals import refusal
 from erlif.trend import SLOWEST
 
 _COLOURS = (OUTWARD, RETURN, MEAN, "#CC79A7", "#E69F00", "#56B4E9", MINIMUM, MUTED)
@@ -72,7 +72,10 @@ def film_against_duty(
     '1  example (1), n = 0.600 ± 0.004'
     """
     if "duty" not in comparison:
-        raise refusal("no_duty")
+        raise ErlifError(
+            "Expected runs with speed and load; one of them has none. Compare runs whose log has "
+            "them."
+        )
     ax = style.given_or_new(ax)
     ax.set(xscale="log", yscale="log")
     scale, unit = _prefixed(comparison.duty.values, str(comparison.duty.attrs["units"]))
@@ -244,7 +247,10 @@ def control_chart_of(
     2
     """
     if f"{quantity}_ratio" not in comparison:
-        raise refusal("no_chart", quantity=quantity)
+        raise ErlifError(
+            f"Expected a comparison with a control chart of the {quantity}; this one has none. "
+            "Compare runs with a reference patch, or name several calibrations."
+        )
     ax = style.given_or_new(ax)
     value, std = comparison[f"{quantity}_ratio"].values, comparison[f"{quantity}_ratio_std"].values
     centre, limit = float(comparison[f"{quantity}_centre"]), float(comparison[f"{quantity}_limit"])

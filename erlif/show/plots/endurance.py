@@ -13,11 +13,11 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
 from erlif.core.arrays import Array
+from erlif.core.errors import EnduranceError
 from erlif.core.units import count_of
 from erlif.joint.endurance import DesignComparison, EnduranceResult, FailureLoad
 from erlif.show.plots import style
 from erlif.show.plots.style import MUTED, OUTWARD, RETURN, TWO_COLUMNS, AnyFigure, pt, styled
-from erlif.show.refusals import refusal
 
 _MINUTE = 60.0
 _ROW = 1.15  # inch, height of a panel
@@ -197,7 +197,10 @@ def failure_figure(result: EnduranceResult, *, figure: AnyFigure | None = None) 
     """
     onset = result.onset
     if onset is None:
-        raise refusal("no_onset", name=result.name)
+        raise EnduranceError(
+            f"Expected a test with an onset of galling to draw; {result.name} survived. Draw "
+            "endurance_figure in its place."
+        )
     figure = style.given_figure(figure, height=_ROW * 2.4, text=0.4)
     figure.suptitle(f"{result.name}: galling {_PAUSE if onset.pause else f'at {onset.time:.1f} s'}")
     stage = result.whole[onset.stage]

@@ -14,7 +14,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from erlif.calibration import Calibration, calibration_of, open_calibration, read_profile
-from erlif.core.errors import ConfigError, ErlifError
+from erlif.core.errors import ConfigError, ErlifError, OutputError
 from erlif.core.progress import ShowProgress, choose_progress
 from erlif.io import files as stored
 from erlif.io.settings import CrankRockerSettings, read_fixture_settings, read_run_settings
@@ -32,7 +32,6 @@ from erlif.show.plots.sheet import map_sheet_figure
 from erlif.show.plots.style import ONE_COLUMN, AnyFigure, given_figure, new_figure, styled
 from erlif.show.plots.trend import speed_figure, speed_over_load
 from erlif.show.plots.triggers import has_varying_speed
-from erlif.show.refusals import refusal
 
 logger = logging.getLogger(__name__)
 
@@ -436,7 +435,9 @@ def write_figures(
     _refuse_unknown("figures as", formats, _KINDS)
     _refuse_unknown("names of figures among", only or (), DRAWN)
     if dpi is not None and not _DPI[0] <= dpi <= _DPI[1]:
-        raise refusal("resolution", least=_DPI[0], most=_DPI[1], dpi=dpi)
+        raise OutputError(
+            f"Expected a resolution from {_DPI[0]} to {_DPI[1]} dpi; got {dpi:g}. Choose one."
+        )
 
     report = choose_progress(progress)
     out_dir = Path(out_dir)
@@ -451,7 +452,10 @@ def write_figures(
         names = [name for name, reason in reasons.items() if reason is None]
         if only is not None and len(names) < len(wanted):
             missing = next(name for name in wanted if name not in names)
-            raise refusal("no_such_figure", missing=missing, reason=reasons[missing])
+            raise OutputError(
+                f"Expected a film that has the figure {missing}: {reasons[missing]}. Name others, "
+                "or none, to write what there is."
+            )
 
         # a film that lacks a part is refused before the first figure is written
         if "registration" in names:
@@ -479,5 +483,6 @@ def write_figures(
 def _refuse_unknown(what: str, names: Collection[str], known: Collection[str]) -> None:
     unknown = [name for name in names if name not in known]
     if unknown:
-        texts = {"known": ", ".join(known), "unknown": ", ".join(unknown)}
-        raise refusal("unknown_choice", what=what, **texts)
+        raise OutputError(
+            f"Expected {what} {', '.join(known)}; got {', '.join(unknown)}. Choose from these."
+        )

@@ -14,13 +14,13 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 
 from erlif.core.arrays import Array, Mask
+from erlif.core.errors import ConfigError
 from erlif.io.files import settings_of
 from erlif.io.settings import SinusoidalSettings
 from erlif.kinematics import choose_link, joint_speed
 from erlif.pipeline.physics.joint import build_linkage
 from erlif.show.plots import style, triggers
 from erlif.show.plots.style import MEAN, MINIMUM, MUTED, ONE_COLUMN, AnyFigure, pt, styled
-from erlif.show.refusals import refusal
 
 _CYCLE = np.linspace(0.0, 2 * math.pi, 721)  # crank angle every half degree [rad]
 _PANEL = 0.5  # height of a panel by the width of a column
@@ -58,7 +58,10 @@ def linkage_cycle(film: xr.Dataset) -> LinkageCycle:
     settings = settings_of(film)
     links, encoder = settings.linkage, settings.encoder
     if links is None or encoder is None:
-        raise refusal("no_linkage")
+        raise ConfigError(
+            "Expected the film of a crank-rocker or a slider-crank; its settings have no linkage. "
+            "Use film_over_cycle."
+        )
     mechanism, omega = build_linkage(links), links.crank_speed
 
     sign = -1.0 if film.encoder_angle.attrs.get("direction") == "falling" else 1.0
@@ -144,7 +147,10 @@ def _draw_joint_speed(
 def _draw_sliding_speed(ax: Axes, film: xr.Dataset, *, against_position: bool) -> list[Artist]:
     """Draw the sliding speed, with the sign of the stroke, where there is no linkage."""
     if "sliding_speed" not in film:
-        raise refusal("no_speed")
+        raise ConfigError(
+            "Expected a film with a speed; this one has none. Add [mechanism] to run.toml, or a "
+            "column of the sliding speed to the log, and process the run again."
+        )
     speed = 1e3 * film.sliding_speed.values * (film.stroke.values if "stroke" in film else 1)
     slider = settings_of(film).mechanism
     artists: list[Artist] = []

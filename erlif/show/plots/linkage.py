@@ -11,6 +11,7 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
+from erlif.core.errors import OutputError
 from erlif.io.files import refuse_existing
 from erlif.models.linkage import LinkageDesign, measure_linkage
 from erlif.models.linkage.measures import swept_box
@@ -19,7 +20,6 @@ from erlif.show.plots import style
 from erlif.show.plots.mechanism import pin_places
 from erlif.show.plots.movie import check_movie, draw_pictures, write_pictures
 from erlif.show.plots.style import MEAN, MINIMUM, MUTED, OUTWARD, RETURN, AnyFigure, pt, styled
-from erlif.show.refusals import refusal
 
 # Frames of a movie: one for every 7.5 degrees of the crank.
 POSITIONS = 48
@@ -308,7 +308,9 @@ def linkage_movie(
     path = Path(path)
     check_movie(path, frames_per_second, (".gif",))
     if positions < 2:
-        raise refusal("few_positions", positions=positions)
+        raise OutputError(
+            f"Expected a movie of 2 positions at least; got {positions}. Choose more of them."
+        )
     refuse_existing(path, overwrite=overwrite)
     angles = 2 * np.pi * np.arange(positions) / positions
     with style.in_style(None):

@@ -19,6 +19,7 @@ from matplotlib.image import AxesImage
 from matplotlib.lines import Line2D
 from PIL import Image
 
+from erlif.core.errors import OutputError
 from erlif.core.progress import ShowProgress, choose_progress
 from erlif.io.files import describe_trigger, open_film, refuse_existing, write_file
 from erlif.show.plots import maps
@@ -29,7 +30,6 @@ from erlif.show.plots.mechanism import MechanismView, draw_mechanism
 from erlif.show.plots.sheet import sheet_groups
 from erlif.show.plots.style import MEAN, MUTED, OUTWARD, RETURN, AnyFigure, pt, styled
 from erlif.show.plots.triggers import choose_abscissa
-from erlif.show.refusals import refusal
 
 # Frames of a movie at most; of more triggers, evenly chosen ones are shown.
 MOST_FRAMES = 60
@@ -199,11 +199,20 @@ def cycle_movie(
 def check_movie(path: Path, speed: float, suffixes: Sequence[str]) -> None:
     """Refuse a movie of another format or speed, and MP4 without the program that encodes it."""
     if path.suffix not in suffixes:
-        raise refusal("movie_format", known=" or ".join(suffixes), name=path.name)
+        raise OutputError(
+            f"Expected a name in {' or '.join(suffixes)} for the movie; got {path.name}. Name it "
+            "so."
+        )
     if not _SPEED[0] <= speed <= _SPEED[1]:
-        raise refusal("movie_speed", least=_SPEED[0], most=_SPEED[1], speed=speed)
+        raise OutputError(
+            f"Expected a movie of {_SPEED[0]:g} to {_SPEED[1]:g} frames per second; got {speed:g}. "
+            "Choose a speed between them."
+        )
     if path.suffix == ".mp4" and shutil.which("ffmpeg") is None:
-        raise refusal("no_ffmpeg")
+        raise OutputError(
+            "Expected the program ffmpeg for a movie in MP4; it is not installed. Install it, or "
+            "write a GIF with a name that ends in .gif."
+        )
 
 
 def write_pictures(frames: list[Image.Image], path: Path, speed: float) -> Path:
@@ -272,5 +281,8 @@ def _encode_mp4(frames: list[Image.Image], speed: float) -> bytes:
     done = subprocess.run([*command, "-f", "mp4", "-"], input=pixels, capture_output=True)
     if done.returncode != 0 or not done.stdout:
         reason = done.stderr.decode(errors="replace").strip().splitlines()[-1:] or ["no reason"]
-        raise refusal("ffmpeg_failed", reason=reason[0])
+        raise OutputError(
+            f"Expected ffmpeg to encode the movie; it gave: {reason[0]}. Install an ffmpeg with "
+            "libx264, or write a GIF with a name that ends in .gif."
+        )
     return done.stdout

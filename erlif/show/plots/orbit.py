@@ -13,9 +13,9 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Ellipse
 
 from erlif.core.arrays import Array, Mask
+from erlif.core.errors import ConfigError
 from erlif.show.plots import style, triggers
 from erlif.show.plots.style import MEAN, MINIMUM, MUTED, ONE_COLUMN, AnyFigure, pt, styled
-from erlif.show.refusals import refusal
 
 _TALL = 1.7  # height by width of three panels
 _ROOM, _LEAST_SPAN = 0.15, 0.1  # on either side of the values, of their range; its least [um]
@@ -197,7 +197,10 @@ def pin_figure(film: xr.Dataset, *, figure: AnyFigure | None = None) -> AnyFigur
 
 def _require_position(film: xr.Dataset) -> None:
     if not has_position(film):
-        raise refusal("no_position")
+        raise ConfigError(
+            "Expected a film with the position of the pin at two triggers or more; this one has "
+            "none. Give [joint] in run.toml and process the run again."
+        )
 
 
 def _displacements(film: xr.Dataset) -> tuple[Array, Array, Mask]:

@@ -10,6 +10,7 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 
 from erlif.core.arrays import Array, Image
+from erlif.core.errors import ConfigError
 from erlif.io.files import check_trigger, describe_trigger, settings_of
 from erlif.pipeline.physics.prediction import film_along_sliding
 from erlif.pipeline.plane import ObjectPlane
@@ -25,7 +26,6 @@ from erlif.show.plots.maps import (
     state_reason,
 )
 from erlif.show.plots.style import MINIMUM, OUTWARD, TWO_COLUMNS, AnyFigure, pt, styled
-from erlif.show.refusals import refusal
 from erlif.show.report.prediction import describe_correlations
 
 _TALL = 0.42  # height by width of the two panels over cycle and run
@@ -285,4 +285,7 @@ def prediction_map_figure(
 
 def _require_prediction(film: xr.Dataset) -> None:
     if not has_prediction(film):
-        raise refusal("no_prediction")
+        raise ConfigError(
+            "Expected a film with a prediction; this one has none. Give [mechanism] of kind "
+            '"crank-rocker", [joint] and [oil] in run.toml and process the run again.'
+        )

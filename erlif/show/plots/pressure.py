@@ -12,12 +12,12 @@ from matplotlib.axes import Axes
 from matplotlib.container import Container
 from matplotlib.image import AxesImage
 
+from erlif.core.errors import ConfigError
 from erlif.io.files import check_trigger, describe_trigger
 from erlif.show.plots import style
 from erlif.show.plots.maps import figure_of_maps, label_position, pixel_edges
 from erlif.show.plots.style import MEAN, MUTED, AnyFigure, pt, styled
 from erlif.show.plots.triggers import broken, choose_abscissa, draw_strokes, in_order
-from erlif.show.refusals import refusal
 
 _THIRD = 0.3  # of two columns, for each of three panels
 _AROUND = 1.05  # inch above and below the map
@@ -161,7 +161,10 @@ def best_trigger(found: xr.Dataset) -> int:
     """
     share = (found.peak_pressure_std / found.peak_pressure).values
     if not np.isfinite(share).any():
-        raise refusal("no_pressure", statement=found.attrs.get("statement", ""))
+        raise ConfigError(
+            "Expected a pressure to draw; it is known at no trigger. "
+            f"{found.attrs.get('statement', '')} Record more triggers per cycle, or more light."
+        )
     return int(np.nanargmin(share))
 
 

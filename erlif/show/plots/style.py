@@ -38,10 +38,10 @@ from matplotlib.ticker import LogLocator, NullFormatter
 from matplotlib.transforms import Bbox, ScaledTranslation
 
 from erlif.core.arrays import Array, Image
+from erlif.core.errors import OutputError
 from erlif.core.flags import FLAG_COLOURS as FLAG_COLOURS
 from erlif.io.files import PRODUCTS, takes, write_file
 from erlif.show.plots.naming import name_film
-from erlif.show.refusals import refusal
 
 
 def _read_sheet(name: str) -> dict[str, Any]:
@@ -164,7 +164,10 @@ def in_style(style: str | Path | None) -> Iterator[None]:
     from matplotlib import style as sheets
 
     if style is not None and str(style) not in STYLES and not Path(style).is_file():
-        raise refusal("no_style", known=", ".join(STYLES), style=style)
+        raise OutputError(
+            f"Expected one of the styles {', '.join(STYLES)} or a file; got {style}. Give the path "
+            "of a style sheet of matplotlib (.mplstyle)."
+        )
     named = f"erlif.show.plots.{style}" if str(style) in STYLES else style
 
     kept: dict[Any, Any] = {

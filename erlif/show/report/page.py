@@ -12,6 +12,7 @@ from markupsafe import Markup
 
 from erlif.calibration import calibration_of
 from erlif.core.arrays import Array
+from erlif.core.errors import ErlifError
 from erlif.core.notes import Level, split_notes
 from erlif.core.progress import Progress, ShowProgress, choose_progress, silent
 from erlif.core.version import __version__
@@ -19,7 +20,6 @@ from erlif.io import files
 from erlif.show.plots.files import DRAWN, FigureSource, find_source, reason_missing
 from erlif.show.plots.prediction import has_prediction, predicted_map
 from erlif.show.plots.style import in_style
-from erlif.show.refusals import refusal
 from erlif.show.report import layout, tables
 from erlif.show.report.captions import caption_of
 from erlif.show.report.maps import KeptMaps, choose_maps, embed_map
@@ -122,7 +122,10 @@ def write_report(
 def check_size(max_size: float) -> None:
     """Refuse a size that is too small for a page, in MB."""
     if not max_size >= _LEAST_SIZE:
-        raise refusal("page_size", least=_LEAST_SIZE, max_size=max_size)
+        raise ErlifError(
+            f"Expected a page of {_LEAST_SIZE:g} MB or more; got {max_size:g} MB. Give a larger "
+            "size with --max-size."
+        )
 
 
 def _check_range(film: xr.Dataset, triggers: tuple[int, int] | None) -> range:
@@ -130,7 +133,10 @@ def _check_range(film: xr.Dataset, triggers: tuple[int, int] | None) -> range:
     count = film.sizes["trigger"]
     first, last = (0, count - 1) if triggers is None else triggers
     if not 0 <= first <= last < count:
-        raise refusal("no_triggers", most=count - 1, first=first, last=last)
+        raise ErlifError(
+            f"Expected triggers from 0 to {count - 1}, the first before the last; got "
+            f"{first}-{last}. Choose them with --trigger."
+        )
     return range(first, last + 1)
 
 

@@ -9,11 +9,11 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
+from erlif.core.errors import OutputError
 from erlif.core.units import count_of
 from erlif.io.conversion import table_csv
 from erlif.io.files import replacing
 from erlif.io.settings import PlanSettings, to_toml
-from erlif.show.refusals import refusal
 from erlif.show.report.layout import TABLES, print_columns, render_text
 
 # Files of a plan's directory.
@@ -196,16 +196,27 @@ def check_plan_output(output: Path, *, overwrite: bool, source: Path | None = No
     >>> check_plan_output(Path("no such directory"), overwrite=False)
     """
     if output.name in ("", ".."):
-        raise refusal("no_directory_name", output=output)
+        raise OutputError(
+            f"Expected the name of a directory to be made; got {output}. Give its name with -o."
+        )
     if not output.exists():
         return
     if source is not None and output.resolve() in (source.resolve(), source.resolve().parent):
-        raise refusal("directory_of_the_plan", name=source.name, output=output)
+        raise OutputError(
+            f"Expected a directory other than that of {source.name}, which would be replaced with "
+            f"it; got {output}. Give another name with -o."
+        )
     if not overwrite:
-        raise refusal("directory_exists", output=output)
+        raise OutputError(
+            f"{output} exists already; use --overwrite to replace it, or give another name with -o."
+        )
     names = {path.name for path in output.iterdir()} if output.is_dir() else {output.name}
     if names - set(WRITTEN):
-        raise refusal("foreign_directory", output=output, other=min(names - set(WRITTEN)))
+        raise OutputError(
+            f"Expected {output} to be the directory of an earlier plan; it holds "
+            f"{min(names - set(WRITTEN))}, which --overwrite does not replace. Give another name "
+            "with -o."
+        )
 
 
 def write_plan(

@@ -12,9 +12,9 @@ import numpy as np
 import xarray as xr
 
 from erlif.core.arrays import AnyArray, FlagImage, Image
+from erlif.core.errors import ErlifError, FrameError
 from erlif.io import files
 from erlif.io.settings import RegionOfInterest
-from erlif.show.refusals import refusal
 from erlif.show.view.layers import LAYERS
 
 # Size of the maps that stay in memory. [byte]
@@ -118,7 +118,9 @@ class FilmReader:
         if layer in _IMAGES:
             return self._restore(layer, trigger)
         if layer not in LAYERS:
-            raise refusal("no_layer", known=", ".join(LAYERS), layer=layer)
+            raise ErlifError(
+                f"Expected a layer of {', '.join(LAYERS)}; got {layer!a}. Choose one of them."
+            )
         flags = self._read(("flags", trigger))
         return self._read((layer, trigger)), flags
 
@@ -135,7 +137,10 @@ class FilmReader:
     def _restore(self, layer: str, trigger: int) -> tuple[Image, FlagImage]:
         """A layer that is computed from the frames."""
         if self.run_dir is None:
-            raise refusal("no_run", name=self.path.name)
+            raise FrameError(
+                f"Expected the run of {self.path.name} to compute its images; there is no run.toml "
+                "beside it. Name its directory with --run-dir."
+            )
         # one computation at a time: a second request for the same trigger finds it finished
         with self._computing:
             kept = self._find((layer, trigger))
@@ -178,7 +183,10 @@ def _find_run(path: Path, run_dir: Path | None) -> Path | None:
         beside = path.resolve().parent
         return beside if (beside / "run.toml").is_file() else None
     if not (run_dir / "run.toml").is_file():
-        raise refusal("no_run_toml", run_dir=run_dir)
+        raise FrameError(
+            f"Expected a run directory with a run.toml; {run_dir} has none. Name the directory "
+            "that the film was made from with --run-dir."
+        )
     return run_dir
 
 
@@ -209,7 +217,10 @@ def open_films(paths: Sequence[Path], run_dirs: Sequence[Path] = ()) -> list[Fil
     erlif.core.errors.OutputError: Expected a film file; no such film.nc does not exist. ...
     """
     if len(run_dirs) > len(paths):
-        raise refusal("many_run_dirs", given=len(run_dirs), films=len(paths))
+        raise ErlifError(
+            f"Expected at most one --run-dir for each film; got {len(run_dirs)} for {len(paths)} "
+            "films. Name them in the order of the films."
+        )
     # films that are open are closed again where a later one cannot be opened
     readers: list[FilmReader] = []
     known: list[Path | None] = [*run_dirs, *[None] * (len(paths) - len(run_dirs))]
@@ -245,7 +256,10 @@ def check_one_grid(one: FilmReader, other: FilmReader) -> None:
 
     if not (one.shape == other.shape and np.allclose(grid(one), grid(other), rtol=1e-6)):
         first, second = (f"{each.name}, {_describe_grid(each)}" for each in (one, other))
-        raise refusal("two_grids", first=first, second=second)
+        raise ErlifError(
+            f"Expected two films on one grid for a difference; got {first}, and {second}. Choose "
+            "two of one camera and region."
+        )
 
 
 def _describe_grid(reader: FilmReader) -> str:

@@ -11,7 +11,7 @@ from threading import Event, Thread
 from typing import Any, Protocol
 
 from erlif.core.arrays import FlagImage, Image
-from erlif.show.refusals import refusal
+from erlif.core.errors import ErlifError
 from erlif.show.view.layers import LAYERS, describe_flags, palette
 from erlif.show.view.queries import Found, Request, pack_values
 from erlif.show.view.serving import open_port, require_library, serve
@@ -77,7 +77,9 @@ def readings_of(source: LiveSource) -> dict[str, Callable[[Request], Found]]:
         source.wait_for_map(request.whole("after"), _PATIENCE)
         shown = source.newest(layer.name)
         if shown is None:
-            raise refusal("no_map_yet")
+            raise ErlifError(
+                "Expected a pair that is measured; there is none yet. Wait for the first pair."
+            )
         place, title, values, flags = shown
         return pack_values(request, layer, values, flags, text=title, place=place)
 

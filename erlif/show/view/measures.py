@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from erlif.core.arrays import Array, FlagImage, Image
-from erlif.show.refusals import refusal
+from erlif.core.errors import ErlifError
 
 _LONGEST, _WIDEST = 100_000, 500  # pixels along a profile, and across its line
 
@@ -66,7 +66,10 @@ def line_profile(
     start = ((y0 - y[0]) / y[1], (x0 - x[0]) / x[1])
     end = ((y1 - y[0]) / y[1], (x1 - x[0]) / x[1])
     if np.hypot(end[0] - start[0], end[1] - start[1]) > _LONGEST or not 1 <= width <= _WIDEST:
-        raise refusal("long_line", longest=_LONGEST, widest=_WIDEST, line=line, width=width)
+        raise ErlifError(
+            f"Expected a line of at most {_LONGEST} px and a width from 1 to {_WIDEST} px; got "
+            f"{line} mm and {width} px. Draw a shorter one."
+        )
 
     # the nearest pixels, each with its own value; NaN beyond the map
     options: dict[str, Any] = {"order": 0, "mode": "constant", "cval": np.nan}
@@ -126,7 +129,12 @@ def select_region(x: Array, y: Array, region: Rectangle) -> tuple[slice, slice]:
         for axis, low, high in ((x, *region[:2]), (y, *region[2:]))
     )
     if columns.stop <= columns.start or rows.stop <= rows.start:
-        raise refusal("empty_region", x=(x[0], x[-1]), y=(y[0], y[-1]), region=region)
+        left, right, top, bottom = region
+        raise ErlifError(
+            f"Expected a region with pixels of the map, x {x[0]:.2f} to {x[-1]:.2f} mm and y "
+            f"{y[0]:.2f} to {y[-1]:.2f} mm; got x {left:.4g} to {right:.4g}, y {top:.4g} to "
+            f"{bottom:.4g}. Draw another one."
+        )
     return rows, columns
 
 

@@ -18,7 +18,6 @@ from erlif.core.statistics import central_range
 from erlif.core.tables import read_table
 from erlif.io.conversion import table_csv
 from erlif.io.files import axis_labels, driven_link, fastest_trigger
-from erlif.show.refusals import refusal
 from erlif.show.view import measures
 from erlif.show.view.exports import map_csv, map_tiff
 from erlif.show.view.films import FilmReader, check_one_grid
@@ -67,7 +66,9 @@ class Request:
         """The film of this number."""
         number = self.whole(name)
         if not 0 <= number < len(self.films):
-            raise refusal("no_film_of_number", most=len(self.films) - 1, number=number)
+            raise ErlifError(
+                f"Expected a film from 0 to {len(self.films) - 1}; got {number}. Reload the page."
+            )
         return self.films[number]
 
     def whole(self, name: str) -> int:
@@ -87,7 +88,9 @@ class Request:
         try:
             return convert(text)
         except ValueError:
-            raise refusal("bad_value", expected=expected, name=name, text=text[:80]) from None
+            raise ErlifError(
+                f"Expected {expected} as {name}; got {text[:80]!a}. Reload the page."
+            ) from None
 
 
 def _split(text: str, count: int) -> list[float]:

@@ -9,9 +9,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from erlif.core.errors import reason_of
+from erlif.core.errors import ConfigError, reason_of
 from erlif.io.files import replacing
-from erlif.show.refusals import refusal
 from erlif.show.view.measures import Rectangle
 
 _LARGEST = 2**20  # bytes of a run.toml
@@ -71,10 +70,15 @@ def propose_region(run_dir: Path | None, region: Rectangle) -> RegionChange:
     roi = { x = [1.5, 9.0], y = [2.0, 8.25] }
     """
     if run_dir is None or not (run_dir / "run.toml").is_file():
-        raise refusal("no_settings")
+        raise ConfigError(
+            "Expected a run.toml beside the film, to write the region to; there is none. Start "
+            "erlif view with --run-dir."
+        )
     path = run_dir / "run.toml"
     if path.stat().st_size > _LARGEST:
-        raise refusal("large_settings", largest=_LARGEST, path=path)
+        raise ConfigError(
+            f"Expected settings of at most {_LARGEST} bytes; {path} has more. Reduce it."
+        )
     before = path.read_bytes()
     after = _set_region(path, before, [round(value, _DIGITS) for value in region])
     texts = before.decode().splitlines(), after.decode().splitlines()
@@ -109,11 +113,17 @@ def _set_region(path: Path, before: bytes, region: list[float]) -> bytes:
         after = tomlkit.dumps(document).encode()
         settings = tomllib.loads(after.decode())
     except (TOMLKitError, ValueError, AttributeError, TypeError) as error:
-        raise refusal("unreadable_settings", path=path, reason=reason_of(error)) from error
+        raise ConfigError(
+            f"Expected {path} as a file of settings; it cannot be changed ({reason_of(error)}). "
+            "Write roi into [thickness] by hand."
+        ) from error
 
     expected.setdefault("thickness", {})["roi"] = wanted
     if settings != expected:
-        raise refusal("another_line", path=path, x=wanted["x"], y=wanted["y"])
+        raise ConfigError(
+            f"Expected that roi alone changes in {path}; more would. Write roi = {{ x = "
+            f"{wanted['x']}, y = {wanted['y']} }} into [thickness] by hand."
+        )
     return after
 
 
@@ -149,7 +159,10 @@ def write_region(change: RegionChange, *, before: str) -> None:
     roi = {x = [1.0, 2.0], y = [3.0, 4.0]}
     """
     if change.before != before:
-        raise refusal("changed_settings", path=change.path)
+        raise ConfigError(
+            f"Expected {change.path} as it was when the change was shown; it is another one now. "
+            "Write the region again."
+        )
     # a link keeps its place: the file behind it changes
     path = change.path.resolve()
     mode = path.stat().st_mode

@@ -10,8 +10,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-from erlif.core.errors import reason_of
-from erlif.show.refusals import refusal
+from erlif.core.errors import ErlifError, reason_of
 from erlif.show.view.access import AccessRule
 from erlif.show.view.films import open_films
 
@@ -32,7 +31,10 @@ def require_library() -> None:
     """
     missing = [name for name in ("tornado", "tomlkit") if find_spec(name) is None]
     if missing:
-        raise refusal("no_packages", missing=" and ".join(missing))
+        raise ErlifError(
+            f"Expected the packages of the viewer; {' and '.join(missing)} is not installed. "
+            'Install it with: pip install "erlif[view]"'
+        )
 
 
 def serve_films(
@@ -96,7 +98,10 @@ def open_port(port: int) -> socket.socket:
     try:
         listening = socket.create_server(("127.0.0.1", port))
     except OSError as error:
-        raise refusal("port_in_use", port=port, reason=reason_of(error)) from error
+        raise ErlifError(
+            f"Expected port {port} of this machine to be free ({reason_of(error)}). Choose another "
+            "one with --port, or leave it out."
+        ) from error
     listening.setblocking(False)
     return listening
 

@@ -16,7 +16,6 @@ from erlif.core.errors import EncoderError, reason_of
 from erlif.core.guarded import read_matlab
 from erlif.core.hdf5 import SIGNATURE, chunk_size, find_chunks, open_hdf5, refuse_elsewhere
 from erlif.io.ingest.logs.table import LARGEST_FILE, MOST_CELLS, LogColumn, LogTable, split_unit
-from erlif.io.refusals import refusal
 
 _TDMS = b"TDSm"
 _MATLAB_5 = b"MATLAB 5.0 MAT-file"
@@ -65,7 +64,10 @@ def read_binary_table(path: Path) -> LogTable | None:
         return None
     size = path.stat().st_size
     if size > LARGEST_FILE:
-        raise refusal("large_log", path=path, most=LARGEST_FILE / 1e6, size=size / 1e6)
+        raise EncoderError(
+            f"Expected a log of at most {LARGEST_FILE / 1e6:.0f} MB; {path.name} has "
+            f"{size / 1e6:.0f} MB. Export the part that belongs to the run."
+        )
 
     readers = {"TDMS": _read_tdms, "MATLAB": _read_matlab, "HDF5": _read_hdf5}
     try:
@@ -73,7 +75,10 @@ def read_binary_table(path: Path) -> LogTable | None:
     except EncoderError:
         raise
     except Exception as error:  # the packages raise errors of many classes for a damaged file
-        raise refusal("damaged_log", path=path, kind=kind, reason=reason_of(error)) from error
+        raise EncoderError(
+            f"Expected {path.name} to be a {kind} file; it cannot be read: {reason_of(error)}. "
+            "Export the log again."
+        ) from error
     return _make_table(path, kind, channels)
 
 
@@ -95,7 +100,10 @@ def _kind(path: Path) -> str | None:
 
 def _make_table(path: Path, kind: str, channels: list[tuple[str, str, AnyArray]]) -> LogTable:
     if not channels:
-        raise refusal("no_columns", path=path)
+        raise EncoderError(
+            f"Expected columns of numbers in {path.name}; it holds none. Export time and angle as "
+            "vectors of one length."
+        )
     length = max(values.size for _, _, values in channels)
     kept = [one for one in channels if one[2].size == length]
     remarks = [f"a {kind} file of {length} rows"]
@@ -120,7 +128,10 @@ def _texts(values: AnyArray) -> tuple[Any, Mapping[int, str]]:
 def _check_size(count: int, path: Path) -> None:
     """Refuse a file whose headers claim more numbers than are read."""
     if count > MOST_CELLS:
-        raise refusal("many_numbers", path=path, most=MOST_CELLS, count=count)
+        raise EncoderError(
+            f"Expected at most {MOST_CELLS} numbers in {path.name}; its header states {count}. "
+            "Export the part of the log that belongs to the run."
+        )
 
 
 def _vectors(name: str, values: AnyArray, unit: str = "") -> _Found:
@@ -149,7 +160,10 @@ def _read_tdms(path: Path) -> _Found:
         from nptdms import TdmsFile
         from nptdms.log import log_manager
     except ImportError as error:
-        raise refusal("no_nptdms", path=path) from error
+        raise EncoderError(
+            f"Expected the package npTDMS, which reads {path.name}; it is not installed. Install "
+            'it with: pip install "erlif[logs]"'
+        ) from error
 
     # the package logs a truncated or damaged file as a warning and reads what is left
     text, handler, level = io.StringIO(), log_manager.console_handler, log_manager.log_level

@@ -65,12 +65,15 @@ def check_values(log: xr.Dataset, columns: Mapping[str, LogColumn], table: LogTa
     for quantity in ("load", "pulse_energy"):
         if quantity in log and log[quantity].values.min() <= 0:
             n = int(np.argmin(log[quantity].values))
-            raise table.refusal(
-                f"positive_{quantity}",
-                row=table.rows[n],
-                column=columns[quantity],
-                value=log[quantity].values[n],
-                unit=log[quantity].units,
+            cure = (
+                "load cell, or leave the column out and give the load in [joint] of run.toml."
+                if quantity == "load"
+                else "meter, or leave pulse_energy out of [encoder]."
+            )
+            raise table.use.error(
+                f"Expected a positive {quantity.replace('_', ' ')} in row {table.rows[n]}, column "
+                f"{columns[quantity].name} of {table.file}; got {log[quantity].values[n]:g} "
+                f"{log[quantity].units}. Correct the zero of the {cure}"
             )
 
 
@@ -94,14 +97,11 @@ def check_time(time: Array, name: str, table: LogTable) -> None:
     still = np.flatnonzero(np.diff(time) <= 0)
     if still.size:
         n = int(still[0]) + 1
-        raise table.refusal(
-            "time_rises",
-            name=name,
-            row=table.rows[n],
-            late=time[n],
-            what="repeats" if time[n] == time[n - 1] else "comes after",
-            early=time[n - 1],
-            before=table.rows[n - 1],
+        what = "repeats" if time[n] == time[n - 1] else "comes after"
+        raise table.use.error(
+            f"Expected time to rise from row to row; row {table.rows[n]}, column {name} of "
+            f"{table.file}: {time[n]:.9g} s {what} {time[n - 1]:.9g} s of row {table.rows[n - 1]}. "
+            "Export the log with more digits and in the order of time, or take the column out."
         )
 
 
@@ -112,14 +112,11 @@ def check_temperature(temperature: Array, name: str, table: LogTable) -> None:
     """
     off = np.flatnonzero((temperature < ABSOLUTE_ZERO) | (temperature > HOTTEST))
     if off.size:
-        raise table.refusal(
-            "temperature",
-            low=ABSOLUTE_ZERO,
-            high=HOTTEST,
-            row=table.rows[off[0]],
-            name=name,
-            value=temperature[off[0]],
-            unit=table.use.unit.format(quantity="temperature", choice="degF"),
+        unit = table.use.unit.format(quantity="temperature", choice="degF")
+        raise table.use.error(
+            f"Expected a temperature from {ABSOLUTE_ZERO:g} to {HOTTEST:g} degC in row "
+            f"{table.rows[off[0]]}, column {name} of {table.file}; got {temperature[off[0]]:g} "
+            f"degC. Correct the unit, {unit}, or the value."
         )
 
 
@@ -133,12 +130,20 @@ def check_frame_numbers(number: Sequence[int], name: str, table: LogTable) -> No
     for n, (row, one) in enumerate(zip(table.rows, number, strict=True)):
         where = f"row {row}, column {name}"
         if one in seen:
-            raise table.refusal("frame_twice", where=where, frame=one, first=seen[one], name=name)
+            raise table.use.error(
+                f"Expected each frame once in {table.file}; {where}, repeats frame {one} of row "
+                f"{seen[one]}. Delete one of the two rows; or, if this is a log in time that "
+                f'counts the frames, write pulse = "{name}" in [encoder] of run.toml.'
+            )
         seen[one] = row
 
         expected = number[0] + n
         if one != expected:
-            raise table.refusal("frame_missing", expected=expected, where=where, frame=one)
+            raise table.use.error(
+                f"Expected frame {expected} in {where} of {table.file}; got {one}: a frame is "
+                "missing. Put its row back, or, if its frame files are missing too, number the "
+                "rows anew."
+            )
 
 
 def leave_out_bad_rows(
@@ -220,16 +225,19 @@ def refuse_bad_rows(table: LogTable, used: Sequence[LogColumn]) -> None:
     if not places:
         return
 
-    key = "no_number"
+    cure = table.use.bad_rows
     if _COMMA.fullmatch(got):
-        key = "quoted_comma"
+        cure = (
+            "A comma within quotes may be decimal or separate thousands: write decimal points, or "
+            "separate the columns with semicolons."
+        )
     elif len(places) == len(table.rows):
-        key = "no_number_at_all"
-    raise table.refusal(
-        key,
-        rows=count_of(len(places), "row"),
-        all=len(table.rows),
-        have="has" if len(places) == 1 else "have",
-        listed="; ".join(faults),
-        cure=table.use.bad_rows,
+        cure = (
+            "Choose another column, or export the log with numbers; times may be HH:MM:SS, with "
+            "the date before them."
+        )
+    raise table.use.error(
+        f"Expected finite numbers in {table.file}; {count_of(len(places), 'row')} of "
+        f"{len(table.rows)} {'has' if len(places) == 1 else 'have'} none: {'; '.join(faults)}. "
+        f"{cure}"
     )

@@ -82,11 +82,17 @@ def choose_column(quantity: str, name: str, table: LogTable) -> LogColumn:
     if len(near) == 1:
         return near[0]
     if near:
-        raise table.refusal("one_column", name=name, count=len(near))
+        raise table.use.error(
+            f"Expected one column {name!r} in {table.file}; there are {len(near)}. Rename one, or "
+            f"choose another; {table.listed}."
+        )
     guess = difflib.get_close_matches(name, table.names, n=1, cutoff=0.5)
     hint = f" Did you mean {guess[0]!r}?" if guess else ""
     chosen = table.use.column.format(quantity=quantity, choice=guess[0] if guess else "NAME")
-    raise table.refusal("no_such_column", name=name, quantity=quantity, hint=hint, chosen=chosen)
+    raise table.use.error(
+        f"Expected column {name!r} in {table.file}, chosen as {quantity}; {table.listed}.{hint} "
+        f"Choose one of them: {chosen}."
+    )
 
 
 def refuse_several(quantity: str, fitting: Sequence[LogColumn], table: LogTable) -> None:
@@ -106,7 +112,10 @@ def refuse_several(quantity: str, fitting: Sequence[LogColumn], table: LogTable)
     """
     listed = " and ".join(repr(column.name) for column in fitting)
     chosen = table.use.column.format(quantity=quantity, choice=fitting[0].name)
-    raise table.refusal("several_columns", quantity=quantity, listed=listed, chosen=chosen)
+    raise table.use.error(
+        f"Expected one column of {table.file} for the {quantity}; {listed} may be meant. Choose "
+        f"one: {chosen}."
+    )
 
 
 def missing_column(quantity: str, table: LogTable) -> None:
@@ -125,7 +134,10 @@ def missing_column(quantity: str, table: LogTable) -> None:
     """
     comma = "" if len(table.names) > 1 else " Separate the columns with commas, semicolons or tabs."
     chosen = table.use.column.format(quantity=quantity.partition(" ")[0], choice="NAME")
-    raise table.refusal("missing_column", quantity=quantity, comma=comma, chosen=chosen)
+    raise table.use.error(
+        f"Expected a column for the {quantity} in {table.file}; {table.listed}.{comma} Choose one: "
+        f"{chosen}."
+    )
 
 
 def find_unit(column: LogColumn, quantity: str, units: Mapping[str, str]) -> str:
@@ -175,13 +187,12 @@ def require_scale(unit: str, quantity: str, kind: str, column: LogColumn, table:
     scale = find_scale(kind, unit)
     if scale is not None:
         return scale
-    raise table.refusal(
-        "unknown_unit",
-        column=column,
-        quantity=quantity,
-        got=repr(unit) if unit else "none in its header",
-        chosen=table.use.unit.format(quantity=quantity, choice=UNITS[kind][0]),
-        units=", ".join(UNITS[kind]),
+    got = repr(unit) if unit else "none in its header"
+    chosen = table.use.unit.format(quantity=quantity, choice=UNITS[kind][0])
+    raise table.use.error(
+        f"Expected the unit of column {column.name} of {table.file}, the {quantity}; got {got}. "
+        f"Give its unit: {chosen}; units are {', '.join(UNITS[kind])}. Where it holds something "
+        "else, choose another column."
     )
 
 
@@ -276,7 +287,10 @@ def find_columns(table: LogTable, choice: ColumnChoice) -> tuple[dict[str, LogCo
     for name, (quantity, _) in CONTRACT.items():
         if quantity not in known and name in by_name and by_name[name] not in known.values():
             if (count := table.names.count(name)) > 1:
-                raise table.refusal("column_twice", name=name, count=count)
+                raise table.use.error(
+                    f"Expected each column of {table.file} once; {name} comes {count} times. "
+                    "Rename one."
+                )
             known[quantity] = by_name[name]
     for quantity, pattern in _OBVIOUS.items():
         if quantity in known:
@@ -338,7 +352,10 @@ def convert_column(
         return column.values * scale.factor + scale.offset, scale.unit
 
     if choice.ticks_per_turn is None:
-        raise table.refusal("ticks", column=column)
+        raise table.use.error(
+            f"Expected the number of ticks in a turn, because column {column.name} of {table.file} "
+            "counts ticks; got none. Write ticks_per_turn = 3600 in [encoder] of run.toml."
+        )
     return column.values * (360.0 / choice.ticks_per_turn), "degree"
 
 
@@ -391,10 +408,15 @@ def convert_columns(
         fault = _name_fault(column.name, counts)
         if fault and strict and not choice.names:
             if counts[column.name] > 1:
-                raise table.refusal("column_twice", name=column.name, count=counts[column.name])
+                raise table.use.error(
+                    f"Expected each column of {table.file} once; {column.name} comes "
+                    f"{counts[column.name]} times. Rename one."
+                )
             known = ", ".join(CONTRACT)
-            raise table.refusal(
-                "column_name", known=known, place=place, name=column.name, fault=fault
+            raise table.use.error(
+                f"Expected a column of {table.file} to be one of {known} or to have a name of its "
+                f"own that begins with a letter or digit; column {place} is {column.name!r}, "
+                f"{fault}. Rename it."
             )
         if fault:
             left_out.append(column.name)
@@ -419,4 +441,7 @@ def _check_whole(values: Array, column: LogColumn, table: LogTable) -> None:
     off = np.flatnonzero((values != np.round(values)) | (np.abs(values) > _LARGEST_EXACT))
     if off.size:
         row, value = table.rows[off[0]], values[off[0]]
-        raise table.refusal("whole_number", row=row, column=column, value=value)
+        raise table.use.error(
+            f"Expected a whole number in row {row}, column {column.name} of {table.file}; got "
+            f"{value:g}. Number the rows 0, 1, 2, ..."
+        )

@@ -8,9 +8,9 @@ import numpy as np
 import xarray as xr
 
 from erlif.core.arrays import Array
+from erlif.core.errors import EncoderError
 from erlif.core.products import EncoderLog
 from erlif.core.statistics import robust_rms
-from erlif.io.refusals import refusal
 
 # Time without rows, in usual steps, across which nothing is interpolated.
 LONGEST_GAP = 10.0
@@ -76,7 +76,11 @@ def unwrap_angle(angle: Array, file: str) -> Array:
     if jump.size and jump.max() > 1.5 * _TURN:
         n = int(np.argmax(jump)) + 1
         before, after = angle[n - 1], angle[n]
-        raise refusal("overflow", file=file, before=before, after=after, n=n, next=n + 1)
+        raise EncoderError(
+            f"Expected the encoder to move on or to start again after a turn; {file} jumps from "
+            f"{before:.2f} to {after:.2f} deg between values {n} and {n + 1}. Check ticks_per_turn "
+            "in [encoder], or take out the rows before the counter was reset."
+        )
     return np.asarray(np.unwrap(angle, period=_TURN))
 
 
@@ -104,7 +108,11 @@ def find_pulses(log: ContinuousLog, signal: Array, frames: int) -> Array:
     times = find_rises(log, signal)
     if times.size != frames:
         where = f", from {times[0]:.6g} to {times[-1]:.6g} s" if times.size else ""
-        raise refusal("pulses", log=log, pulses=times.size, where=where, frames=frames)
+        raise EncoderError(
+            f"Expected one pulse for each frame in {log.file}; it has {times.size} pulses{where}, "
+            f"the cameras have {frames} frames each. Take out the frames or the rows before the "
+            "first common pulse, or choose another column as pulse in [encoder]."
+        )
     return times
 
 
@@ -125,7 +133,11 @@ def find_rises(log: ContinuousLog, signal: Array) -> Array:
         if jump.size:
             n = int(rises[jump[0]]) + 1
             when = log.samples["time"].values[n]
-            raise refusal("count_jumps", log=log, before=signal[n - 1], after=signal[n], time=when)
+            raise EncoderError(
+                f"Expected the count of frames in {log.file} to rise by one; it rises from "
+                f"{signal[n - 1]:g} to {signal[n]:g} at {when:.6g} s. Log faster than the cameras "
+                "record."
+            )
     else:
         above = signal > (low + high) / 2
         rises = np.flatnonzero(~above[:-1] & above[1:])
@@ -191,8 +203,11 @@ def _check_inside(log: ContinuousLog, times: Array) -> None:
     outside = np.flatnonzero((times < first) | (times > last))
     if outside.size:
         k = int(outside[0])
-        places = {"time": times[k], "end": times[-1], "count": outside.size}
-        raise refusal("outside_log", log=log, first=first, last=last, frame=k, **places)
+        raise EncoderError(
+            f"Expected all frames within the log {log.file}, {first:.6g} to {last:.6g} s; frame "
+            f"{k} is at {times[k]:.6g} s, the last one at {times[-1]:.6g} s ({outside.size} "
+            "outside). Correct start or frame_rate in [encoder], or take these frames out."
+        )
 
     time = log.samples["time"].values
     step = np.diff(time)
@@ -202,7 +217,11 @@ def _check_inside(log: ContinuousLog, times: Array) -> None:
     if in_gap.size:
         k = int(in_gap[0])
         start, end = time[place[k] : place[k] + 2]
-        raise refusal("gap_of_log", log=log, start=start, end=end, frame=k, count=in_gap.size)
+        raise EncoderError(
+            f"Expected rows about every frame in {log.file}; it has none from {start:.6g} to "
+            f"{end:.6g} s, where frame {k} was taken. Take out the frames of this gap "
+            f"({in_gap.size}), or record again."
+        )
 
 
 def _slopes(time: Array, angle: Array, times: Array) -> Array:

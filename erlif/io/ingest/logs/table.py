@@ -12,7 +12,6 @@ import numpy as np
 from erlif.core.arrays import AnyArray, Array
 from erlif.core.errors import EncoderError, ErlifError
 from erlif.core.tables import read_table
-from erlif.io.refusals import refusal
 
 # Size above which the file of a log is not read: an hour of four columns at 2 kHz. [byte]
 LARGEST_FILE = 256 * 2**20
@@ -123,10 +122,6 @@ class LogTable:
     def listed(self) -> str:
         """The first names, for a message."""
         return f"its columns are {', '.join(repr(one) for one in self.names[:20] if one)}"
-
-    def refusal(self, key: str, /, **values: Any) -> ErlifError:
-        """The error that refuses this log; `key` is that of its text in refusals.toml."""
-        return refusal(key, self.use.error, table=self, **values)
 
 
 def name_patterns(log: str) -> dict[str, str]:

@@ -30,7 +30,6 @@ from erlif.io.ingest.logs.table import (
     split_unit,
 )
 from erlif.io.ingest.logs.units import is_unit
-from erlif.io.refusals import refusal
 
 # Rows at the head of a file in which separator and header are looked for.
 SAMPLE = 400
@@ -115,7 +114,7 @@ def read_text_table(path: Path, wanted: Collection[str]) -> LogTable:
     content = _read_content(path)
     encoding, spoken = _find_encoding(content)
     if b"\0" in content and not encoding.startswith("utf-16"):
-        raise refusal("no_text", path=path, reason="holds bytes of zero")
+        raise _no_text(path, "holds bytes of zero")
 
     def text() -> io.TextIOWrapper:
         return io.TextIOWrapper(io.BytesIO(content), encoding, newline="")
@@ -127,11 +126,24 @@ def read_text_table(path: Path, wanted: Collection[str]) -> LogTable:
             return _make_table(path, layout, *plain, spoken)
         builders, rows = _read_rows(text(), layout, path)
     except (UnicodeError, csv.Error) as error:
-        raise refusal("no_text", path=path, reason=f"is not: {error}") from error
+        raise _no_text(path, f"is not: {error}") from error
 
     decimal = _check_decimals(builders, path)
     columns = [builder.finish(unit) for builder, unit in zip(builders, layout.units, strict=True)]
     return _make_table(path, layout, columns, rows, decimal, spoken)
+
+
+def _no_text(path: Path, reason: str) -> EncoderError:
+    return EncoderError(
+        f"Expected {path.name} to be a CSV text file; it {reason}. Save the log as CSV in UTF-8."
+    )
+
+
+def _few_rows(path: Path, count: int) -> EncoderError:
+    return EncoderError(
+        f"Expected a header and rows of numbers in {path.name}; rows found: {count}. Export the "
+        "whole log."
+    )
 
 
 def _make_table(
@@ -157,7 +169,10 @@ def _read_content(path: Path) -> bytes:
     try:
         return read_bounded(path, largest=LARGEST_FILE)
     except OSError as error:
-        raise refusal("log_unreadable", path=path, reason=error.strerror) from error
+        raise EncoderError(
+            f"Expected the log {path.name}; it cannot be read: {error.strerror}. Correct its name; "
+            "for that of an encoder, file in [encoder] of run.toml."
+        ) from error
 
 
 def _find_encoding(content: bytes) -> tuple[str, str]:
@@ -178,7 +193,10 @@ def _rows(text: io.TextIOWrapper, separator: str, path: Path) -> Iterator[_Row]:
     def lines() -> Iterator[str]:
         while line := text.readline(LONGEST_LINE + 1):
             if len(line) > LONGEST_LINE:
-                raise refusal("long_line", path=path, most=LONGEST_LINE)
+                raise EncoderError(
+                    f"Expected rows of a table in {path.name}; a line has more than {LONGEST_LINE} "
+                    "characters. Name the file of the log."
+                )
             yield line
 
     for number, cells in enumerate(csv.reader(lines(), delimiter=separator), 1):
@@ -219,7 +237,7 @@ def _find_layout(text: io.TextIOWrapper, wanted: Collection[str], path: Path) ->
     rows = samples[separator]
     plain = [row for row in rows if not _is_comment(row[1])]
     if len(plain) < _FEWEST_ROWS and not (plain and len(rows) > len(plain)):
-        raise refusal("few_rows", path=path, count=len(plain))
+        raise _few_rows(path, len(plain))
 
     first = next((n for n, row in enumerate(plain) if _is_numeric(row[1], separator)), len(plain))
     header = _choose_header(plain, first, wanted)
@@ -227,7 +245,10 @@ def _find_layout(text: io.TextIOWrapper, wanted: Collection[str], path: Path) ->
         titles = _header_in_comment(rows, plain, first)
         if titles is None:
             number, cells = plain[0]
-            raise refusal("no_header", path=path, number=number, row=separator.join(cells))
+            raise EncoderError(
+                f"Expected a header with the names of the columns in {path.name}; row {number} is "
+                f"{separator.join(cells)!r}. Put a row such as time_s,load_N above the numbers."
+            )
         number, names = titles
         return _Layout(separator, names, [split_unit(name)[1] for name in names], number, number)
 
@@ -378,9 +399,16 @@ def _read_rows(
         while len(cells) > width and not cells[-1]:  # a separator at the end of the row
             cells.pop()
         if len(cells) != width:
-            longer = len(cells) > width and separator == ","
-            key = "decimal_commas" if longer else "row_length"
-            raise refusal(key, path=path, width=width, number=number, length=len(cells))
+            decimal = (
+                " A decimal comma makes two values of one: separate the columns with semicolons, "
+                "or write decimal points."
+                if len(cells) > width and separator == ","
+                else ""
+            )
+            raise EncoderError(
+                f"Expected {width} values in row {number} of {path.name}, as in its header; it has "
+                f"{len(cells)}.{decimal} Correct the row."
+            )
 
         place = len(rows)
         rows.append(number)
@@ -397,10 +425,13 @@ def _read_rows(
                 elif "." in cell and not builder.point:
                     builder.point = number
         if len(rows) * width > MOST_CELLS or texts > MOST_TEXTS:
-            raise refusal("many_cells", path=path, numbers=MOST_CELLS, texts=MOST_TEXTS)
+            raise EncoderError(
+                f"Expected at most {MOST_CELLS:.0f} numbers and {MOST_TEXTS:.0f} texts in "
+                f"{path.name}; it holds more. Export the part of the log that belongs to the run."
+            )
 
     if not rows:
-        raise refusal("few_rows", path=path, count=1)
+        raise _few_rows(path, 1)
     return builders, rows.tolist()
 
 
@@ -409,5 +440,9 @@ def _check_decimals(builders: Sequence[_Builder], path: Path) -> str:
     commas = [builder for builder in builders if builder.commas]
     points = [builder for builder in builders if builder.point]
     if commas and points:
-        raise refusal("decimals", path=path, commas=commas[0], points=points[0])
+        raise EncoderError(
+            f"Expected decimal commas or decimal points in {path.name}, not both; column "
+            f"{commas[0].name} has commas, row {points[0].point}, column {points[0].name} a point. "
+            "Export the log with one decimal mark."
+        )
     return "decimal commas" if commas else ""

@@ -1,5 +1,0 @@
-"""Refusals of sizing, friction and endurance, from one table of texts."""
-
-from erlif.core.refusals import refusal_writer
-
-refusal = refusal_writer("erlif.joint")

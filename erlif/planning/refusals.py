@@ -1,5 +1,0 @@
-"""Refusals of plans and spectra, from one table of texts."""
-
-from erlif.core.refusals import refusal_writer
-
-refusal = refusal_writer("erlif.planning")

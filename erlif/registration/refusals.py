@@ -1,5 +1,0 @@
-"""Refusals of images and of their registration, from one table of texts."""
-
-from erlif.core.refusals import refusal_writer
-
-refusal = refusal_writer("erlif.registration")
