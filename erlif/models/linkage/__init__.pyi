@@ -1,45 +1,16 @@
-from .design import (
-    LinkageDesign,
-    Sensitivity,
-    link_sensitivity,
-    measure_linkage,
-)
-from .measures import (
-    grashof_class,
-)
-from .motor import (
-    DrivePower,
-    choose_motor,
-    drive_power,
-)
-from .strength import (
-    beam_bending_stress,
-    fatigue_safety,
-    hole_stress,
-    open_hole_concentration,
-    pin_hole_concentration,
-    thread_stress_area,
-)
-from .synthesis import (
-    Synthesis,
-    synthesise_crank_rocker,
-)
-
-__all__ = [
-    "DrivePower",
-    "LinkageDesign",
-    "Sensitivity",
-    "Synthesis",
-    "beam_bending_stress",
-    "choose_motor",
-    "drive_power",
-    "fatigue_safety",
-    "grashof_class",
-    "hole_stress",
-    "link_sensitivity",
-    "measure_linkage",
-    "open_hole_concentration",
-    "pin_hole_concentration",
-    "synthesise_crank_rocker",
-    "thread_stress_area",
-]
+from .design import LinkageDesign as LinkageDesign
+from .design import Sensitivity as Sensitivity
+from .design import link_sensitivity as link_sensitivity
+from .design import measure_linkage as measure_linkage
+from .measures import grashof_class as grashof_class
+from .motor import DrivePower as DrivePower
+from .motor import choose_motor as choose_motor
+from .motor import drive_power as drive_power
+from .strength import beam_bending_stress as beam_bending_stress
+from .strength import fatigue_safety as fatigue_safety
+from .strength import hole_stress as hole_stress
+from .strength import open_hole_concentration as open_hole_concentration
+from .strength import pin_hole_concentration as pin_hole_concentration
+from .strength import thread_stress_area as thread_stress_area
+from .synthesis import Synthesis as Synthesis
+from .synthesis import synthesise_crank_rocker as synthesise_crank_rocker
