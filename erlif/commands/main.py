@@ -39,10 +39,6 @@ COMMANDS = {
     "Joint": ("design", "linkage", "endurance", "friction"),
 }
 
-# Commands for who works on erlif itself; help does not list them.
-HIDDEN = ("sources",)
-
-
 # Characters of the longest name of a command, and of the line beside it, at 80 columns.
 _NAME, _WIDTH = 9, 67
 
@@ -143,7 +139,7 @@ def _show_more(ctx: click.Context, option: click.Parameter, value: int) -> None:
 
 
 # each module has the name of its command; what is heavy loads when a command runs
-for name in (*chain.from_iterable(COMMANDS.values()), *HIDDEN):
+for name in chain.from_iterable(COMMANDS.values()):
     command = getattr(import_module(f"erlif.commands.{name}"), name)
     command.params.append(
         click.Option(

@@ -16,7 +16,6 @@ from . import running_in as running_in
 from . import slider as slider
 from . import slider_dynamics as slider_dynamics
 from . import slider_wear as slider_wear
-from . import sources as sources
 from . import wear as wear
 from .edges import Joint as Joint
 from .edges import Undercut as Undercut

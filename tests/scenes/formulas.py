@@ -23,7 +23,7 @@ Case = dict[str, Any]
 
 def public_names() -> Iterator[tuple[str, Any]]:
     """Functions, classes and their public methods, with a name for the report."""
-    for name in sorted(set(models.__all__) - {"arguments", "sources"}):
+    for name in sorted(set(models.__all__) - {"arguments"}):
         module = getattr(models, name)
         if not inspect.ismodule(module):
             continue

@@ -1,22 +1,23 @@
-"""Published numbers of the four sources beside those of the models: the text of docs/sources.md.
+"""Write docs/sources.md, published numbers beside those of erlif: ``python docs/make_sources.py``.
 
-The printed numbers are in sources_numbers.csv, the misprints in sources_errata.csv and what has no
-data in sources.toml beside this file; the column `model` of the first names an entry of `MODELS`,
-which computes the same number in the same unit.
+The printed numbers are in sources/numbers.csv, the misprints in sources/errata.csv and what has no
+data in sources/sources.toml; the column `model` of the first names an entry of `MODELS`, which
+computes the same number in the same unit.
 """
 
 import csv
+import tomllib
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cache
-from importlib.resources import files
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import scipy
+from jinja2 import Environment, StrictUndefined
 from scipy.constants import inch, pound_force
 
-from erlif.core.tables import fill_template, read_table
 from erlif.models import (
     bearing,
     contact,
@@ -35,7 +36,9 @@ from erlif.models.mechanism import CrankRocker, SliderCrank, crank_for_swing
 # Turn per minute. [rad/s]
 RPM = 2 * np.pi / 60
 
-_SOURCES = read_table("erlif.models", "sources.toml")
+DOCS = Path(__file__).parent
+
+_SOURCES = tomllib.loads((DOCS / "sources" / "sources.toml").read_text(encoding="utf-8"))
 
 # Author and title of each source, by its key in the tables.
 TITLES: dict[str, str] = {key: row["title"] for key, row in _SOURCES.items()}
@@ -110,21 +113,7 @@ class PublishedNumber:
 
 
 def published_numbers() -> tuple[PublishedNumber, ...]:
-    """Compute every number of sources_numbers.csv.
-
-    Returns
-    -------
-    tuple of PublishedNumber
-        In the order of the table.
-
-    Examples
-    --------
-    The swing of the rig of Farzaneh (2002) is not what the source prints:
-
-    >>> (swing,) = (number for number in published_numbers() if number.model == "swing")
-    >>> swing.printed, round(swing.computed, 2), swing.verdict
-    ('26', 24.43, '**differs**')
-    """
+    """Compute every number of sources/numbers.csv, in the order of the table."""
     return tuple(
         PublishedNumber(
             **row
@@ -136,36 +125,24 @@ def published_numbers() -> tuple[PublishedNumber, ...]:
                 "computed": float(MODELS[row["model"]]()),
             }
         )
-        for row in _table("sources_numbers.csv")
+        for row in _table("numbers.csv")
     )
 
 
 def render_sources() -> str:
-    """Write the text of docs/sources.md: published numbers, errata, and what has no data.
-
-    Returns
-    -------
-    str
-        Markdown, one section for each source.
-
-    Examples
-    --------
-    >>> render_sources().splitlines()[0]
-    '# Published numbers and what erlif computes'
-    """
-    return fill_template(
-        "erlif.models",
-        "sources.txt",
-        sources=_SOURCES,
-        numbers=published_numbers(),
-        errata=_table("sources_errata.csv"),
+    """Text of docs/sources.md: published numbers, errata, and what has no data."""
+    environment = Environment(
+        undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True, keep_trailing_newline=True
+    )
+    page = (DOCS / "sources" / "page.txt").read_text(encoding="utf-8")
+    return environment.from_string(page).render(
+        sources=_SOURCES, numbers=published_numbers(), errata=_table("errata.csv")
     )
 
 
 def _table(name: str) -> list[dict[str, Any]]:
-    return list(
-        csv.DictReader((files("erlif.models") / name).read_text(encoding="utf-8").splitlines())
-    )
+    lines = (DOCS / "sources" / name).read_text(encoding="utf-8").splitlines()
+    return list(csv.DictReader(lines))
 
 
 def _film(pressure_viscosity: float) -> Values:
@@ -271,7 +248,7 @@ def _wear(cycles: int, preload: float = 68.354) -> tuple[float, float]:
     return float(worn.volume[-1]) * 2200e3, float(worn.depth[-1]) * 1e3
 
 
-# Function for each row of sources_numbers.csv, by its column `model`, in the unit of the row.
+# Function for each row of sources/numbers.csv, by its column `model`, in the unit of the row.
 MODELS: dict[str, Callable[[], Values]] = {
     # Farzaneh (2002), sections 1.2 and 2.2.2: dimensions and film of the steel joint
     "thesis_bore": lambda: 2e3 * BUSHING,
@@ -391,3 +368,7 @@ MODELS: dict[str, Callable[[], Values]] = {
     "ptfe": lambda: 0.105 * friction.STEADY_WEAR_TORQUE_RATIO,
     "projected": lambda: contact.projected_pressure(400.0 / 0.010, pin_diameter=0.010) / 1e6,
 }
+
+
+if __name__ == "__main__":
+    (DOCS / "sources.md").write_text(render_sources(), encoding="utf-8")
