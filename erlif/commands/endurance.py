@@ -83,7 +83,6 @@ def endurance(
     """
     with large_imports():
         from erlif.io.files import refuse_existing
-        from erlif.io.settings import EnduranceSettings, read_endurance_settings
         from erlif.joint.endurance import (
             analyse_endurance,
             compare_designs,
@@ -91,6 +90,7 @@ def endurance(
             read_endurance_log,
             write_test_table,
         )
+        from erlif.joint.settings import EnduranceSettings, read_endurance_settings
         from erlif.show.plots import name_overviews, write_designs_figure, write_endurance_figures
 
     # everything that can be refused is refused before anything is written

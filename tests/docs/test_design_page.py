@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 import erlif
-from erlif.io.settings import read_design_settings
-from erlif.io.settings.design import SizingOptions
+from erlif.joint.settings import read_design_settings
+from erlif.joint.settings.design import SizingOptions
 
 DOCS = Path(__file__).parents[2] / "docs"
 ROW = re.compile(r"^\| (.+?) \| `(.+?)` \| ([0-9.]+) \| (.*?) ?\|$", re.MULTILINE)

@@ -1,7 +1,3 @@
-from .design import DesignSettings as DesignSettings
-from .design import LockOfJoint as LockOfJoint
-from .design import PartOfJoint as PartOfJoint
-from .endurance import EnduranceSettings as EnduranceSettings
 from .keys import Key as Key
 from .keys import Table as Table
 from .keys import keys_of as keys_of
@@ -9,9 +5,8 @@ from .keys import tables_of as tables_of
 from .planning import CoefficientSettings as CoefficientSettings
 from .planning import DyeSettings as DyeSettings
 from .planning import PlanSettings as PlanSettings
-from .reading import read_design_settings as read_design_settings
-from .reading import read_endurance_settings as read_endurance_settings
 from .reading import read_fixture_settings as read_fixture_settings
+from .reading import read_named as read_named
 from .reading import read_plan_settings as read_plan_settings
 from .reading import read_run_settings as read_run_settings
 from .reading import settings_of as settings_of

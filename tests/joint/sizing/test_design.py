@@ -7,7 +7,7 @@ import pytest
 
 import erlif
 from erlif.core.errors import ConfigError
-from erlif.io.settings import DesignSettings
+from erlif.joint.settings import DesignSettings
 from erlif.joint.sizing import assess_joint
 from erlif.joint.sizing.design import design, example_design, example_joint, example_joint_file
 

@@ -7,7 +7,7 @@ import tomllib
 import pytest
 from scenes.joints import assessed, designed
 
-from erlif.io.settings import DesignSettings
+from erlif.joint.settings import DesignSettings
 from erlif.joint.sizing.design import design, example_design
 from erlif.show.report import design_page, layout, make_design_page
 

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from pathlib import Path
+from typing import Annotated
 
 from pydantic import Field
 
+from erlif.io.settings.reading import read_named
 from erlif.io.settings.tables import (
     ColumnName,
     FileName,
@@ -16,10 +18,10 @@ from erlif.io.settings.tables import (
     TemperatureUnit,
     Text,
     TimeUnit,
+    TorqueUnit,
     quantity,
 )
 
-TorqueUnit = Literal["N m", "kN m", "N mm", "lbf ft", "lbf in"]
 Tare = Annotated[float, *quantity("force", "0 N", "N")]
 ColumnNames = Annotated[tuple[ColumnName, ...], Form("list of columns", ("Cell 1", "Cell 2"))]
 Patterns = Annotated[
@@ -75,3 +77,22 @@ class EnduranceSettings(Settings):
     machine: MachineSettings = MachineSettings()
     galling: GallingOptions = GallingOptions()
     designs: Patterns = Field({})
+
+
+def read_endurance_settings(path: Path) -> EnduranceSettings:
+    """Read and check the settings of endurance tests.
+
+    Errors as for `erlif.io.settings.read_run_settings`; `path` is the file, endurance.toml.
+
+    Returns
+    -------
+    EnduranceSettings
+
+    Examples
+    --------
+    >>> read_endurance_settings(Path("no.toml"))
+    Traceback (most recent call last):
+        ...
+    erlif.core.errors.ConfigError: Expected settings in no.toml; there is no such file. Give a file.
+    """
+    return read_named(path, EnduranceSettings, holds="settings", hint="Give a file.")

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from erlif.core.errors import ConfigError
-from erlif.io.settings import DesignSettings, read_design_settings
+from erlif.joint.settings import DesignSettings, read_design_settings
 
 FAULTS = tomllib.loads(Path(__file__).with_name("faults.toml").read_text(encoding="utf-8"))
 

@@ -3,7 +3,7 @@
 import pytest
 
 from erlif.core.errors import ConfigError
-from erlif.io.settings import read_endurance_settings
+from erlif.joint.settings import read_endurance_settings
 
 TEXT = """
 [columns]

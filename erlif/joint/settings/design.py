@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Annotated, Literal
 
 from annotated_types import Ge, Le
 from pydantic import Field
 
+from erlif.io.settings.reading import read_named
 from erlif.io.settings.tables import FileName, Settings, Text, quantity
 
 # wide bounds, beyond which a value is a slip and the equations leave the range of numbers
@@ -183,3 +185,23 @@ class DesignSettings(Settings):
                 f"expected a hole smaller than the pin, {self.pin.diameter * 1e3:g} mm; got "
                 f"{self.pin.hole * 1e3:g} mm"
             )
+
+
+def read_design_settings(path: Path) -> DesignSettings:
+    """Read and check a joint, the input of `erlif.joint.design`.
+
+    Errors as for `erlif.io.settings.read_run_settings`; `path` is the file, joint.toml.
+
+    Returns
+    -------
+    DesignSettings
+
+    Examples
+    --------
+    >>> read_design_settings(Path("no joint.toml"))  # doctest: +ELLIPSIS
+    Traceback (most recent call last):
+        ...
+    erlif.core.errors.ConfigError: Expected a joint in no joint.toml; there is no such file. ...
+    """
+    hint = "Make one with: erlif design --example > joint.toml"
+    return read_named(path, DesignSettings, holds="a joint", hint=hint)
