@@ -5,6 +5,7 @@ from . import contact as contact
 from . import edges as edges
 from . import film as film
 from . import fluorescence as fluorescence
+from . import four_bar as four_bar
 from . import friction as friction
 from . import linkage as linkage
 from . import mechanism as mechanism

@@ -10,7 +10,7 @@ import numpy as np
 import scipy
 
 from erlif.models.arguments import Values, check_fields, formula
-from erlif.models.linkage import measures
+from erlif.models.four_bar import measures
 from erlif.models.refusals import refusal
 
 # A full turn. [rad]

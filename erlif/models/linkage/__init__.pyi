@@ -2,7 +2,6 @@ from .design import LinkageDesign as LinkageDesign
 from .design import Sensitivity as Sensitivity
 from .design import link_sensitivity as link_sensitivity
 from .design import measure_linkage as measure_linkage
-from .measures import grashof_class as grashof_class
 from .motor import DrivePower as DrivePower
 from .motor import choose_motor as choose_motor
 from .motor import drive_power as drive_power

@@ -7,7 +7,7 @@ import numpy as np
 
 from erlif.core.arrays import Array
 from erlif.models.arguments import Values, formula, require_not_negative
-from erlif.models.linkage import measures
+from erlif.models.four_bar import measures
 from erlif.models.mechanism import CrankRocker
 
 # A stroke of the rocker, by its angle while the crank angle grows.

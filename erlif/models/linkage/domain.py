@@ -12,7 +12,7 @@ import numpy as np
 
 from erlif.core.arrays import Array
 from erlif.models.arguments import Values
-from erlif.models.linkage.measures import Links, grashof_margin
+from erlif.models.four_bar.measures import Links, grashof_margin
 from erlif.models.refusals import refusal
 
 # Distance of the search from linkages that fold flat, of the width of the interval.

@@ -14,7 +14,7 @@ from erlif.core.arrays import Array
 from erlif.core.errors import ModelError
 from erlif.core.tables import read_table
 from erlif.models.arguments import formula
-from erlif.models.linkage.measures import dead_points, rocker_rates
+from erlif.models.four_bar.measures import dead_points, rocker_rates
 from erlif.models.mechanism import CrankRocker
 
 # Watts of a horsepower of 550 ft lbf/s.

@@ -17,10 +17,10 @@ import scipy
 from erlif.core.arrays import Array
 from erlif.core.errors import ModelError
 from erlif.models.arguments import Values, formula
-from erlif.models.linkage import measures
+from erlif.models.four_bar import measures
+from erlif.models.four_bar.measures import Links, least_transmission, space
 from erlif.models.linkage.design import LinkageDesign, measure_linkage
 from erlif.models.linkage.domain import EDGE, Domain, find_domain
-from erlif.models.linkage.measures import Links, least_transmission, space
 from erlif.models.mechanism import CrankRocker
 from erlif.models.refusals import refusal
 

@@ -12,8 +12,8 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
 from erlif.io.files import refuse_existing
+from erlif.models.four_bar.measures import swept_box
 from erlif.models.linkage import LinkageDesign, measure_linkage
-from erlif.models.linkage.measures import swept_box
 from erlif.models.mechanism import CrankRocker
 from erlif.show.plots import style
 from erlif.show.plots.mechanism import pin_places

@@ -7,8 +7,8 @@ import numpy.testing as npt
 import pytest
 
 from erlif.core.errors import ModelError
-from erlif.models.linkage import grashof_class
-from erlif.models.linkage.measures import (
+from erlif.models.four_bar import grashof_class
+from erlif.models.four_bar.measures import (
     Links,
     least_transmission,
     rocker_limits,
