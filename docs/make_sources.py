@@ -18,19 +18,10 @@ import scipy
 from jinja2 import Environment, StrictUndefined
 from scipy.constants import inch, pound_force
 
-from erlif.models import (
-    bearing,
-    contact,
-    film,
-    friction,
-    linkage,
-    reaction,
-    running_in,
-    slider_wear,
-    wear,
-)
+from erlif.joint.models import bearing, friction, linkage, reaction, running_in, slider_wear, wear
+from erlif.joint.models.linkage.motor import HORSEPOWER
+from erlif.models import contact, film
 from erlif.models.arguments import Values
-from erlif.models.linkage.motor import HORSEPOWER
 from erlif.models.mechanism import CrankRocker, SliderCrank, crank_for_swing
 
 # Turn per minute. [rad/s]

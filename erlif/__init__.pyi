@@ -1,5 +1,6 @@
 from . import calibration as calibration
 from . import correction as correction
+from . import joint as joint
 from . import kinematics as kinematics
 from . import models as models
 from . import pipeline as pipeline

@@ -17,7 +17,7 @@ ERRORS = (
     "EnduranceError",
 )
 
-COMPLETED = ("erlif/io/readers/", "erlif/models/")
+COMPLETED = ("erlif/io/readers/", "erlif/models/", "erlif/joint/models/")
 """Bare reasons that the ingest completes; functions of numbers, whose condition is the step."""
 
 ELSEWHERE = (
@@ -71,6 +71,8 @@ def messages() -> list[tuple[str, str]]:
         for path in sorted(Path(erlif.__file__).parent.rglob("refusals.toml"))
         if not f"erlif/{path.parent.name}/".startswith(COMPLETED)
         for name, entry in tomllib.loads(path.read_text(encoding="utf-8")).items()
+        # the table of the joint holds refusals of its models
+        if path.parent.name != "joint" or entry.get("error", "ModelError") != "ModelError"
     ]
     for path in SOURCES:
         place = "erlif/" + path.relative_to(Path(erlif.__file__).parent).as_posix()

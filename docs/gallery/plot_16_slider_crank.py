@@ -16,11 +16,11 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import erlif
+from erlif.joint.models.reaction import SliderCrankBodies
+from erlif.joint.models.slider_dynamics import ContactLaw, simulate_slider_crank
+from erlif.joint.models.slider_wear import WearingJoint, bound_extrapolation, wear_slider_crank
 from erlif.models import contact
 from erlif.models.mechanism import SliderCrank
-from erlif.models.reaction import SliderCrankBodies
-from erlif.models.slider_dynamics import ContactLaw, simulate_slider_crank
-from erlif.models.slider_wear import WearingJoint, bound_extrapolation, wear_slider_crank
 
 linkage = SliderCrank(crank=0.0762, coupler=0.2032)
 bodies = SliderCrankBodies(

@@ -14,7 +14,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import erlif
-from erlif.models import Joint, Undercut, contact, prepare_joint, solve_joint
+from erlif.joint.models import Joint, Undercut, prepare_joint, solve_joint
+from erlif.models import contact
 
 joint = Joint(0.03336, 0.03359, 0.0533, length=0.2373, pin_length=0.3508)
 pound, steel = 4.4482, 109.9e9

@@ -54,7 +54,7 @@ def linkage(
         --coupler "44 cm" --rocker "26 cm" --ground "51 cm" -o linkage.png
     """
     with large_imports():
-        from erlif.models.linkage import synthesise_crank_rocker
+        from erlif.joint.models.linkage import synthesise_crank_rocker
         from erlif.show.report import summarise_linkages
 
     # everything that can be refused is refused before the work starts

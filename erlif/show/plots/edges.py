@@ -31,7 +31,7 @@ def contact_pressure_map(found: xr.Dataset, *, ax: Axes | None = None) -> QuadMe
     Parameters
     ----------
     found : xarray.Dataset
-        As `erlif.models.solve_contact` or `erlif.models.solve_joint` return it.
+        As `erlif.joint.models.solve_contact` or `erlif.joint.models.solve_joint` return it.
 
     Returns
     -------
@@ -40,7 +40,7 @@ def contact_pressure_map(found: xr.Dataset, *, ax: Axes | None = None) -> QuadMe
 
     Examples
     --------
-    >>> from erlif.models import solve_contact
+    >>> from erlif.joint.models import solve_contact
     >>> x = (np.arange(24) - 11.5) * 0.1
     >>> contact = solve_contact(
     ...     (x[:, None] ** 2 + x**2) / 2, spacing=0.1, contact_modulus=1e9, load=1e9
@@ -79,8 +79,8 @@ def axial_pressure(
     Parameters
     ----------
     contacts : mapping of str to xarray.Dataset
-        Contacts by their names in the legend, as `erlif.models.solve_contact` or
-        `erlif.models.solve_joint` return them.
+        Contacts by their names in the legend, as `erlif.joint.models.solve_contact` or
+        `erlif.joint.models.solve_joint` return them.
     hertz : float, optional
         Pressure of Hertz's line contact, drawn as a line. [Pa]
 
@@ -91,7 +91,7 @@ def axial_pressure(
 
     Examples
     --------
-    >>> from erlif.models import solve_contact
+    >>> from erlif.joint.models import solve_contact
     >>> x, z = (np.arange(16) - 7.5) * 1e-4, (np.arange(32) - 15.5) * 1e-3
     >>> roller = solve_contact(
     ...     x[:, None] ** 2 / 0.1 + 0 * z, spacing=(1e-4, 1e-3), contact_modulus=1e11, load=1e4
@@ -124,8 +124,8 @@ def stress_section(stress: xr.Dataset, *, ax: Axes | None = None) -> PolyCollect
     Parameters
     ----------
     stress : xarray.Dataset
-        As `erlif.models.section_stress` or `erlif.models.subsurface_stress` return it; of the
-        latter the section along the axis through the largest stress.
+        As `erlif.joint.models.section_stress` or `erlif.joint.models.subsurface_stress` return it;
+        of the latter the section along the axis through the largest stress.
 
     Returns
     -------
@@ -135,7 +135,7 @@ def stress_section(stress: xr.Dataset, *, ax: Axes | None = None) -> PolyCollect
 
     Examples
     --------
-    >>> from erlif.models import solve_contact, subsurface_stress
+    >>> from erlif.joint.models import solve_contact, subsurface_stress
     >>> x = (np.arange(24) - 11.5) * 0.1
     >>> contact = solve_contact(
     ...     (x[:, None] ** 2 + x**2) / 2, spacing=0.1, contact_modulus=1e9, load=1e9
@@ -186,7 +186,7 @@ def undercut_pressure(found: xr.Dataset, *, ax: Axes | None = None) -> list[Line
     Parameters
     ----------
     found : xarray.Dataset
-        As `erlif.models.search_undercut` returns it.
+        As `erlif.joint.models.search_undercut` returns it.
 
     Returns
     -------

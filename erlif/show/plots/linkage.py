@@ -12,8 +12,8 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
 from erlif.io.files import refuse_existing
+from erlif.joint.models.linkage import LinkageDesign, measure_linkage
 from erlif.models.four_bar.measures import swept_box
-from erlif.models.linkage import LinkageDesign, measure_linkage
 from erlif.models.mechanism import CrankRocker
 from erlif.show.plots import style
 from erlif.show.plots.mechanism import pin_places
@@ -77,7 +77,7 @@ def linkage_positions(
     Parameters
     ----------
     design : LinkageDesign
-        From `erlif.models.linkage`.
+        From `erlif.joint.models.linkage`.
     crank_angle : float, optional
         Where it is drawn; default: half-way through the rising stroke. [rad]
 

@@ -30,7 +30,7 @@ def joint_force(simulations: Mapping[str, xr.Dataset], *, ax: Axes | None = None
     Parameters
     ----------
     simulations : mapping of str to xarray.Dataset
-        Names and results of `erlif.models.slider_dynamics.simulate_slider_crank`.
+        Names and results of `erlif.joint.models.slider_dynamics.simulate_slider_crank`.
 
     Returns
     -------
@@ -67,7 +67,7 @@ def joint_wear(worn: xr.Dataset, *, ax: Axes | None = None) -> list[Line2D]:
     Parameters
     ----------
     worn : xarray.Dataset
-        As `erlif.models.slider_wear.wear_slider_crank` returns it.
+        As `erlif.joint.models.slider_wear.wear_slider_crank` returns it.
 
     Returns
     -------
@@ -115,10 +115,11 @@ def extrapolation_error(
     Parameters
     ----------
     found : xarray.Dataset
-        As `erlif.models.slider_wear.bound_extrapolation` returns it.
+        As `erlif.joint.models.slider_wear.bound_extrapolation` returns it.
     fine : xarray.Dataset, optional
         The end of a run with a far smaller factor, from which the error is counted: one cycle of
-        `erlif.models.slider_wear.wear_slider_crank`. Default: the limit that `found` estimates.
+        `erlif.joint.models.slider_wear.wear_slider_crank`. Default: the limit that `found`
+        estimates.
 
     Returns
     -------
@@ -127,7 +128,7 @@ def extrapolation_error(
 
     Examples
     --------
-    >>> from erlif.models.slider_wear import bound_extrapolation
+    >>> from erlif.joint.models.slider_wear import bound_extrapolation
     >>> def wear(factor):
     ...     value = ("cycle", [0.0, 1.0 + 1e-5 * factor])
     ...     return xr.Dataset({"worn_volume": value, "greatest_depth": value})

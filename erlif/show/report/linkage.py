@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from erlif.models.linkage import LinkageDesign, Synthesis, link_sensitivity
+from erlif.joint.models.linkage import LinkageDesign, Synthesis, link_sensitivity
 from erlif.show.report.layout import TABLES, print_columns
 
 # Columns of links and motion, which stand before those of transmission and space.
@@ -18,7 +18,7 @@ def summarise_linkages(found: Synthesis) -> str:
     Parameters
     ----------
     found : Synthesis
-        From `erlif.models.linkage.synthesise_crank_rocker`.
+        From `erlif.joint.models.linkage.synthesise_crank_rocker`.
 
     Returns
     -------
@@ -28,7 +28,7 @@ def summarise_linkages(found: Synthesis) -> str:
 
     Examples
     --------
-    >>> from erlif.models.linkage import synthesise_crank_rocker
+    >>> from erlif.joint.models.linkage import synthesise_crank_rocker
     >>> links = {"coupler": 0.44, "rocker": 0.26, "ground": 0.51}
     >>> print(summarise_linkages(synthesise_crank_rocker(swing=0.45, **links)).splitlines()[0])
     1 crank-rocker meets the targets.

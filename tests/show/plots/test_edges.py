@@ -6,7 +6,7 @@ import pytest
 import xarray as xr
 from scenes.pictures import picture, without_texts
 
-from erlif.models import solve_contact, subsurface_stress
+from erlif.joint.models import solve_contact, subsurface_stress
 from erlif.show import plots
 
 

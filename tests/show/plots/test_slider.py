@@ -6,7 +6,7 @@ import pytest
 import xarray as xr
 from scenes.pictures import picture, without_texts
 
-from erlif.models.slider_wear import bound_extrapolation
+from erlif.joint.models.slider_wear import bound_extrapolation
 from erlif.show import plots
 
 
