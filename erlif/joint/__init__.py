@@ -3,5 +3,5 @@
 import lazy_loader
 
 __getattr__, __dir__, __all__ = lazy_loader.attach(
-    __name__, submodules=["endurance", "friction", "models", "settings", "sizing"]
+    __name__, submodules=["endurance", "friction", "models", "rig", "settings", "sizing"]
 )

@@ -6,7 +6,7 @@ from click.testing import CliRunner
 
 import erlif.show.plots
 from erlif.commands.main import main
-from erlif.rig import EnduranceRig, simulate_endurance, write_endurance_log
+from erlif.joint.rig import EnduranceRig, simulate_endurance, write_endurance_log
 
 GIVEN = ("--radius", "33.36 mm", "--arm", "30 cm")
 

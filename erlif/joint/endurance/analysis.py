@@ -234,7 +234,7 @@ def analyse_endurance(
 
     Examples
     --------
-    >>> from erlif.rig import simulate_endurance
+    >>> from erlif.joint.rig import simulate_endurance
     >>> log, truth = simulate_endurance(rng=np.random.default_rng(5))
     >>> cells = log[["cell_1", "cell_2"]].to_dataarray("cell")
     >>> log = xr.Dataset({"cells": cells, "arm_force": log.arm})

@@ -16,7 +16,7 @@ from erlif.calibration import Calibration, calibration_of
 from erlif.core.flags import FLAG_ATTRS
 from erlif.io.files import open_netcdf, write_dataset
 from erlif.joint.endurance import EnduranceResult, analyse_endurance
-from erlif.rig import EnduranceRig, simulate_endurance
+from erlif.joint.rig import EnduranceRig, simulate_endurance
 
 _STORED = Path(__file__).with_name("example.nc")
 

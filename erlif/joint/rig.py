@@ -17,7 +17,7 @@ from scipy.constants import pound_force
 from scipy.signal import lfilter
 
 from erlif.core.arrays import Array
-from erlif.rig.refusals import refusal
+from erlif.joint.refusals import refusal
 
 if TYPE_CHECKING:
     import xarray as xr  # loaded when a test is simulated: the commands import this stage

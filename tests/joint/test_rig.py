@@ -8,7 +8,7 @@ import pytest
 import scipy.stats
 
 from erlif.core.errors import ModelError
-from erlif.rig import EnduranceRig, simulate_endurance, write_endurance_log
+from erlif.joint.rig import EnduranceRig, simulate_endurance, write_endurance_log
 
 QUIET = EnduranceRig(
     noise=0.0, cell_noise=0.0, cell_error=0.0, stage_scatter=0.0, drift=0.0, running_in=0.0
