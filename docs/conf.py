@@ -175,7 +175,6 @@ STAGES = (
     "calibration",
     "thickness",
     "planning",
-    "joint.sizing",
     "kinematics",
     "trend",
     "prediction",
@@ -183,8 +182,6 @@ STAGES = (
     "review.audit",
     "io.conversion",
     "review.comparison",
-    "joint.friction",
-    "joint.endurance",
     "io.files",
     "show.plots",
     "show.report",
@@ -192,6 +189,13 @@ STAGES = (
     "show.view",
     "io.settings",
     "rig",
+    "joint.sizing",
+    "joint.friction",
+    "joint.endurance",
+    "joint.plots",
+    "joint.report",
+    "joint.settings",
+    "joint.rig",
 )
 """Stages whose exported names are documented, in the order of the pipeline."""
 

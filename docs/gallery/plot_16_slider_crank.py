@@ -70,13 +70,13 @@ simplified = wear(21_400)
 error = bound_extrapolation(4000, wear=wear)
 
 fig, axes = plt.subplots(3, figsize=(5, 8.5), layout="constrained")
-erlif.plots.joint_force(forces, ax=axes[0])
-erlif.plots.joint_wear(general, ax=axes[1])
+erlif.joint.plots.joint_force(forces, ax=axes[0])
+erlif.joint.plots.joint_wear(general, ax=axes[1])
 for k in (1, 2):
     depth = 1e3 * simplified.depth[k, ::6]
     axes[1].plot(np.degrees(depth.angle), depth, "k.", markersize=2, label="rod lengthened")
 axes[1].legend(*[part[:3] for part in axes[1].get_legend_handles_labels()])
-erlif.plots.extrapolation_error(error, fine=wear(125).isel(cycle=-1), ax=axes[2])
+erlif.joint.plots.extrapolation_error(error, fine=wear(125).isel(cycle=-1), ax=axes[2])
 plt.show()
 
 # %%

@@ -32,9 +32,9 @@ def design(
       erlif design joint.toml -o joint.html
     """
     with large_imports():
+        from erlif.joint.report import list_materials, summarise_design
         from erlif.joint.sizing.design import design as size
         from erlif.joint.sizing.design import example_joint_file
-        from erlif.show.report import list_materials, summarise_design
 
     if example:
         click.echo(example_joint_file(), nl=False)
@@ -53,7 +53,7 @@ def design(
     designed = size(source)
     click.echo(wrap(summarise_design(designed, brief=not verbosity())))
     if output is not None:
-        from erlif.show.report import write_design_page, write_design_table
+        from erlif.joint.report import write_design_page, write_design_table
 
         write = write_design_table if output.suffix == ".csv" else write_design_page
         click.echo(f"\nwritten: {write(designed, output, overwrite=overwrite)}")

@@ -90,8 +90,8 @@ def endurance(
             read_endurance_log,
             write_test_table,
         )
+        from erlif.joint.plots import name_overviews, write_designs_figure, write_endurance_figures
         from erlif.joint.settings import EnduranceSettings, read_endurance_settings
-        from erlif.show.plots import name_overviews, write_designs_figure, write_endurance_figures
 
     # everything that can be refused is refused before anything is written
     given = read_endurance_settings(settings) if settings else EnduranceSettings()

@@ -71,7 +71,7 @@ def friction(
             read_torque_log,
             write_friction_table,
         )
-        from erlif.show.plots import write_reversal_figure
+        from erlif.joint.plots import write_reversal_figure
 
     if (radius is None) == (diameter is None):
         raise click.UsageError(

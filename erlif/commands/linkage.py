@@ -55,7 +55,7 @@ def linkage(
     """
     with large_imports():
         from erlif.joint.models.linkage import synthesise_crank_rocker
-        from erlif.show.report import summarise_linkages
+        from erlif.joint.report import summarise_linkages
 
     # everything that can be refused is refused before the work starts
     if output is not None:
@@ -78,7 +78,7 @@ def linkage(
         return
 
     with large_imports():
-        from erlif.show.plots import write_linkage
+        from erlif.joint.plots import write_linkage
     best = synthesis.designs[0] if synthesis.designs else synthesis.nearest
     assert best is not None  # without a design there is a nearest one
     click.echo(f"written: {write_linkage(best, output, overwrite=overwrite)}")

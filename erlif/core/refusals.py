@@ -24,7 +24,7 @@ def refusal_writer(package: str) -> Callable[..., errors.ErlifError]:
 
     Examples
     --------
-    >>> refusal_writer("erlif.show")("few_positions", positions=1)
+    >>> refusal_writer("erlif.joint")("few_positions", positions=1)
     OutputError('Expected a movie of 2 positions at least; got 1. Choose more of them.')
     """
 

@@ -3,7 +3,7 @@
 from click.testing import CliRunner
 
 from erlif.commands.main import main
-from erlif.show.report import design_page
+from erlif.joint.report import design_page
 
 
 def test_the_example_works_as_it_is_printed(tmp_path, command, refused, monkeypatch):

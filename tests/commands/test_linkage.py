@@ -12,7 +12,7 @@ def test_the_crank_of_the_thesis_for_26_degrees(command, tmp_path, monkeypatch):
         path.write_text(f"{design.linkage.crank:.6f}", encoding="utf-8")
         return path
 
-    monkeypatch.setattr("erlif.show.plots.write_linkage", written)
+    monkeypatch.setattr("erlif.joint.plots.write_linkage", written)
     speeds = ("--rocker-speed", "24 rpm", "-o", path)
     result = command("linkage", *LINKS, "--swing", "26 deg", *speeds)
     assert "1 crank-rocker meets the targets." in result.stdout

@@ -16,7 +16,7 @@ TABLES = sorted(Path(erlif.__file__).parent.rglob("refusals.toml"))
 
 
 def test_the_caller_may_choose_the_class():
-    write = refusal_writer("erlif.show")
+    write = refusal_writer("erlif.joint")
     assert type(write("few_positions", positions=1)) is OutputError
     assert type(write("few_positions", ConfigError, positions=1)) is ConfigError
     with pytest.raises(KeyError, match="positions"):

@@ -1,12 +1,6 @@
 from .check_page import write_check_page as write_check_page
 from .comparison import write_comparison_page as write_comparison_page
 from .comparison import write_pair_table as write_pair_table
-from .design import list_materials as list_materials
-from .design import summarise_design as summarise_design
-from .design_page import make_design_page as make_design_page
-from .design_page import write_design_page as write_design_page
-from .design_page import write_design_table as write_design_table
-from .linkage import summarise_linkages as summarise_linkages
 from .page import write_report as write_report
 from .plan import check_plan_output as check_plan_output
 from .plan import summarise_plan as summarise_plan

@@ -6,18 +6,23 @@ import math
 import re
 from collections.abc import Iterable, Sequence
 from pathlib import Path
+from typing import Any
 
 from markupsafe import Markup
 
+from erlif.core.tables import read_table
 from erlif.core.version import __version__
 from erlif.io.conversion import table_csv
+from erlif.joint.plots.design import design_figure, design_margins_figure
+from erlif.joint.report import design as words
 from erlif.joint.sizing import BearingDesign, Step
-from erlif.show.plots.design import design_figure, design_margins_figure
-from erlif.show.report import design as words
 from erlif.show.report import layout
-from erlif.show.report.captions import CAPTIONS
+from erlif.show.report.captions import Caption
 
 _MOST_ROWS = 12  # numbers in the table of sensitivities
+
+_PACKAGE = "erlif.joint.report"
+_CAPTIONS = {name: Caption(**row) for name, row in read_table(_PACKAGE, "captions.toml").items()}
 
 
 def write_design_page(
@@ -115,7 +120,7 @@ def _result(design: BearingDesign) -> Markup:
     found, joint = words.verdict(design), design.joint
     given: list[tuple[str, str]] = [
         (one["title"], _signs(f"{words.plain(value * one.get('scale', 1))}{one.get('unit', '')}"))
-        for name, one in layout.TABLES["inputs"].items()
+        for name, one in words.TABLES["inputs"].items()
         if (value := getattr(joint, name)) is not None
     ]
     if joint.bushing.wear is not None:
@@ -126,8 +131,7 @@ def _result(design: BearingDesign) -> Markup:
     # signs of print stand on the page; the terminal keeps plain ones
     sizes = [(title, _signs(value), source) for title, value, source in words.dimensions(design)]
     texts = {"exceeded": found.exceeded, "sentences": found.sentences, "notes": design.notes}
-    return layout.render_part(
-        "design.html",
+    return _render(
         "result",
         verdict=_signs(found.head),
         **{name: [_signs(line) for line in lines] for name, lines in texts.items()},
@@ -150,8 +154,7 @@ def _step_table(design: BearingDesign) -> Markup:
     # a narrow window shows the first columns, which matter most
     head = ("Step", "Margin", "State", "Present", "Allowed", "Source", "Quantity")
     file = _steps_csv(design.assessment.steps)
-    return layout.render_part(
-        "design.html",
+    return _render(
         "steps",
         bases=[(step.title, step.basis) for step in design.assessment.steps if step.basis],
         link=layout.download_link(file, name=layout.file_name(design.name, "steps.csv")),
@@ -196,7 +199,7 @@ def _steps_csv(steps: Sequence[Step]) -> str:
 
 def _figures(design: BearingDesign) -> list[layout.PageFigure]:
     drawn = {"margins": design_margins_figure(design), "joint": design_figure(design)}
-    return [layout.embed_figure(name, figure, CAPTIONS[name]) for name, figure in drawn.items()]
+    return [layout.embed_figure(name, figure, _CAPTIONS[name]) for name, figure in drawn.items()]
 
 
 def _reasons(design: BearingDesign) -> Markup:
@@ -219,7 +222,7 @@ def _reasons(design: BearingDesign) -> Markup:
         )
         title = Markup("{} ({}): {}").format(step.title, step.equation, _signs(ending))
         steps.append((title, step.key, not step.holds, step.reason, layout.Table(rows)))
-    return layout.render_part("design.html", "reasons", steps=steps)
+    return _render("reasons", steps=steps)
 
 
 def _number(name: str, value: float, unit: str) -> str:
@@ -233,8 +236,7 @@ def _sensitivity(design: BearingDesign) -> Markup:
         return Markup()
     shown = sensitivities[:_MOST_ROWS]
     rows = [(one.name, f"+{one.by}", _signs(f"{100 * one.change:+.2g} points")) for one in shown]
-    return layout.render_part(
-        "design.html",
+    return _render(
         "sensitivity",
         title=weakest.title,
         equation=weakest.equation,
@@ -258,7 +260,7 @@ def _substitutes(design: BearingDesign) -> Markup:
     if not rows:
         return Markup()
     head = ("Bushing", "Margin", "Weakest limit of the sliding surface", "Hardness", "Not known")
-    return layout.render_part("design.html", "bushings", rows=layout.Table(rows, head, numbers=[1]))
+    return _render("bushings", rows=layout.Table(rows, head, numbers=[1]))
 
 
 def _materials(design: BearingDesign) -> Markup:
@@ -275,8 +277,8 @@ def _materials(design: BearingDesign) -> Markup:
         rows.append((part, one.name, *strength, *numbers))
     # one material may serve several parts
     sources = {one.name: one.source for one in parts.values()}
-    table = layout.Table(rows, layout.TABLES["columns"]["materials"], numbers=range(2, 7))
-    return layout.render_part("design.html", "materials", rows=table, sources=sources.items())
+    table = layout.Table(rows, words.TABLES["columns"]["materials"], numbers=range(2, 7))
+    return _render("materials", rows=table, sources=sources.items())
 
 
 def _settings(design: BearingDesign) -> Markup:
@@ -284,4 +286,9 @@ def _settings(design: BearingDesign) -> Markup:
     name = layout.file_name(design.name, "joint.toml")
     media = "application/toml"
     link = layout.download_link(design.settings, name=name, label="Save as TOML", media=media)
-    return layout.render_part("design.html", "joint", link=link, settings=design.settings)
+    return _render("joint", link=link, settings=design.settings)
+
+
+def _render(part: str, **content: Any) -> Markup:
+    """Fill one section of the page."""
+    return layout.render_part("design.html", part, _PACKAGE, **content)

@@ -15,9 +15,9 @@ from matplotlib.lines import Line2D
 from erlif.core.arrays import Array
 from erlif.core.units import count_of
 from erlif.joint.endurance import DesignComparison, EnduranceResult, FailureLoad
+from erlif.joint.refusals import refusal
 from erlif.show.plots import style
 from erlif.show.plots.style import MUTED, OUTWARD, RETURN, TWO_COLUMNS, AnyFigure, pt, styled
-from erlif.show.refusals import refusal
 
 _MINUTE = 60.0
 _ROW = 1.15  # inch, height of a panel
@@ -51,7 +51,7 @@ def load_profile(result: EnduranceResult, *, ax: Axes | None = None) -> list[Art
 
     Examples
     --------
-    >>> from erlif.show.plots.example import example_test
+    >>> from erlif.joint.plots.example import example_test
     >>> line, *_ = load_profile(example_test())
     >>> line.axes.get_ylabel()
     'load [kN]'
@@ -82,7 +82,7 @@ def friction_over_test(result: EnduranceResult, *, ax: Axes | None = None) -> li
 
     Examples
     --------
-    >>> from erlif.show.plots.example import example_test
+    >>> from erlif.joint.plots.example import example_test
     >>> line, *_ = friction_over_test(example_test())
     >>> line.axes.get_ylabel()
     'friction coefficient'
@@ -110,7 +110,7 @@ def quantity_over_test(
 
     Examples
     --------
-    >>> from erlif.show.plots.example import example_test
+    >>> from erlif.joint.plots.example import example_test
     >>> line, *_ = quantity_over_test(example_test(), "vibration")
     >>> line.axes.get_ylabel()
     'vibration [g]'
@@ -151,7 +151,7 @@ def endurance_figure(result: EnduranceResult, *, figure: AnyFigure | None = None
 
     Examples
     --------
-    >>> from erlif.show.plots.example import example_test
+    >>> from erlif.joint.plots.example import example_test
     >>> len(endurance_figure(example_test()).axes)
     5
     """
@@ -191,7 +191,7 @@ def failure_figure(result: EnduranceResult, *, figure: AnyFigure | None = None) 
 
     Examples
     --------
-    >>> from erlif.show.plots.example import example_test
+    >>> from erlif.joint.plots.example import example_test
     >>> [ax.get_ylabel() for ax in failure_figure(example_test()).axes]
     ['torque [N m]', 'friction coefficient']
     """
@@ -244,7 +244,7 @@ def name_figures(result: EnduranceResult, *, overview: str = "") -> list[str]:
 
     Examples
     --------
-    >>> from erlif.show.plots.example import example_test
+    >>> from erlif.joint.plots.example import example_test
     >>> name_figures(example_test(galls=False))
     ['example.png', 'example_load.png', 'example_friction.png', 'example_temperature.png']
     """

@@ -7,8 +7,8 @@ from PIL import Image
 from scenes.pictures import picture, without_texts
 
 from erlif.core.errors import OutputError
-from erlif.show import plots
-from erlif.show.plots.linkage import pin_places
+from erlif.joint import plots
+from erlif.joint.plots.linkage import pin_places
 
 LINKS = np.array([0.055, 0.44, 0.26, 0.51])  # m, Farzaneh (2002), appendix A.2
 
@@ -66,3 +66,12 @@ def test_a_movie_is_one_turn(design, tmp_path):
 @picture
 def test_picture_of_a_linkage(design):
     return without_texts(plots.linkage_figure(design))
+
+
+@pytest.mark.parametrize(
+    ("name", "options", "message"),
+    [("turn.mp4", {}, r"a name in \.gif"), ("one.gif", {"positions": 1}, "2 positions at least")],
+)
+def test_a_movie_that_cannot_be_made_is_refused(name, options, message):
+    with pytest.raises(OutputError, match=message):
+        plots.linkage_movie(plots.example_linkage(), name, **options)

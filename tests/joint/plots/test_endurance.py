@@ -7,7 +7,7 @@ from scenes.pictures import picture, without_texts
 import erlif.show.plots.style
 from erlif.core.errors import EnduranceError
 from erlif.joint.endurance import FailureLoad, compare_designs
-from erlif.show.plots import (
+from erlif.joint.plots import (
     designs_figure,
     endurance_figure,
     failure_figure,
@@ -15,7 +15,7 @@ from erlif.show.plots import (
     name_overviews,
     write_endurance_figures,
 )
-from erlif.show.plots.example import example_test
+from erlif.joint.plots.example import example_test
 
 
 def test_onset_and_stages_are_marked():

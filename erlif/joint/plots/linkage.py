@@ -13,13 +13,13 @@ from matplotlib.lines import Line2D
 
 from erlif.io.files import refuse_existing
 from erlif.joint.models.linkage import LinkageDesign, measure_linkage
+from erlif.joint.refusals import refusal
 from erlif.models.four_bar.measures import swept_box
 from erlif.models.mechanism import CrankRocker
 from erlif.show.plots import style
 from erlif.show.plots.mechanism import pin_places
 from erlif.show.plots.movie import check_movie, draw_pictures, write_pictures
 from erlif.show.plots.style import MEAN, MINIMUM, MUTED, OUTWARD, RETURN, AnyFigure, pt, styled
-from erlif.show.refusals import refusal
 
 # Frames of a movie: one for every 7.5 degrees of the crank.
 POSITIONS = 48

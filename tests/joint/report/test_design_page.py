@@ -7,9 +7,10 @@ import tomllib
 import pytest
 from scenes.joints import assessed, designed
 
+from erlif.joint.report import design_page, make_design_page
+from erlif.joint.report.design import TABLES
 from erlif.joint.settings import DesignSettings
 from erlif.joint.sizing.design import design, example_design
-from erlif.show.report import design_page, layout, make_design_page
 
 
 @pytest.fixture(scope="module")
@@ -54,7 +55,7 @@ def test_the_saved_table_has_the_steps_with_their_margins(page, read_page):
 
 
 def test_the_page_lists_every_input_and_states_what_safety_leaves_out(page):
-    for title in layout.TABLES["inputs"].values():
+    for title in TABLES["inputs"].values():
         assert f'<th scope="row">{title["title"]}</th>' in page
     assert "5e-08 mm³/(N m), your own" in page
     assert "Half swing</th><td>25°</td>" in page

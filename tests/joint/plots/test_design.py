@@ -5,8 +5,7 @@ import pytest
 from scenes.joints import designed, designed_without_motion
 from scenes.pictures import picture, without_texts
 
-from erlif.joint.sizing.design import example_design
-from erlif.show.plots import (
+from erlif.joint.plots import (
     design_figure,
     design_margins,
     design_margins_figure,
@@ -15,6 +14,7 @@ from erlif.show.plots import (
     design_temperature,
     design_wear,
 )
+from erlif.joint.sizing.design import example_design
 
 
 def test_bars_are_what_is_used_of_the_limits():

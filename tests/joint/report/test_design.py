@@ -2,8 +2,8 @@
 
 from scenes.joints import designed, designed_without_motion
 
+from erlif.joint.report import list_materials, summarise_design
 from erlif.joint.sizing import read_materials
-from erlif.show.report import list_materials, summarise_design
 
 
 def test_what_is_wrong_or_not_known_is_named():

@@ -6,8 +6,8 @@ import pytest
 import xarray as xr
 from scenes.pictures import picture, without_texts
 
+from erlif.joint import plots
 from erlif.joint.models import solve_contact, subsurface_stress
-from erlif.show import plots
 
 
 @pytest.fixture

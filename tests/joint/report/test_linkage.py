@@ -3,7 +3,7 @@
 import numpy as np
 
 from erlif.joint.models.linkage import synthesise_crank_rocker
-from erlif.show.report import summarise_linkages
+from erlif.joint.report import summarise_linkages
 
 LINKS = {"crank": 0.055, "rocker": 0.26, "ground": 0.51}
 

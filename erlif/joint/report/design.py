@@ -6,9 +6,13 @@ import math
 from collections.abc import Mapping
 from typing import NamedTuple
 
+from erlif.core.tables import read_table
 from erlif.core.units import count_of
 from erlif.joint.sizing import ROUNDING, BearingDesign, Material, Step
-from erlif.show.report.layout import TABLES, print_columns, render_text
+from erlif.show.report.layout import print_columns, render_text
+
+# What tables name: titles, columns and their order.
+TABLES = read_table("erlif.joint.report", "tables.toml")
 
 _ASSUMED = ": assumption"  # as the table of materials writes it
 _SMALL = 0.01
@@ -76,6 +80,7 @@ def summarise_design(design: BearingDesign, *, brief: bool = False) -> str:
         steps, apart = ([(row[0], *row[2:5]) for row in rows] for rows in (steps, apart))
     return render_text(
         "design.txt",
+        "erlif.joint.report",
         design=design,
         verdict=verdict(design),
         dimension_title=dimension_title(design),

@@ -7,7 +7,7 @@ import xarray as xr
 from scenes.pictures import picture, without_texts
 
 from erlif.joint.friction import analyse_friction
-from erlif.show.plots import friction_over_reversals
+from erlif.joint.plots import friction_over_reversals
 
 
 @pytest.fixture(scope="module")

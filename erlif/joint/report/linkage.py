@@ -5,8 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+from erlif.core.tables import read_table
 from erlif.joint.models.linkage import LinkageDesign, Synthesis, link_sensitivity
-from erlif.show.report.layout import TABLES, print_columns
+from erlif.show.report.layout import print_columns
+
+_COLUMNS = read_table("erlif.joint.report", "tables.toml")["columns"]
 
 # Columns of links and motion, which stand before those of transmission and space.
 _MOTION = 8
@@ -35,7 +38,7 @@ def summarise_linkages(found: Synthesis) -> str:
     """
     # without a solution the nearest linkage stands in the table
     designs = found.designs or (() if found.nearest is None else (found.nearest,))
-    heads = (TABLES["columns"][name] for name in ("linkages", "units_of_linkages"))
+    heads = (_COLUMNS[name] for name in ("linkages", "units_of_linkages"))
     rows = [*heads, *(_cells(design) for design in designs)]
     tables = [_table([row[:_MOTION] for row in rows]), _table([row[_MOTION:] for row in rows])]
     blocks = [
