@@ -39,6 +39,9 @@ COMMANDS = {
     "Joint": ("design", "linkage", "endurance", "friction"),
 }
 
+# Folder of the commands of the joint, which nothing else of erlif names.
+_JOINT = "erlif.joint.commands"
+
 # Characters of the longest name of a command, and of the line beside it, at 80 columns.
 _NAME, _WIDTH = 9, 67
 
@@ -140,7 +143,8 @@ def _show_more(ctx: click.Context, option: click.Parameter, value: int) -> None:
 
 # each module has the name of its command; what is heavy loads when a command runs
 for name in chain.from_iterable(COMMANDS.values()):
-    command = getattr(import_module(f"erlif.commands.{name}"), name)
+    folder = _JOINT if name in COMMANDS["Joint"] else "erlif.commands"
+    command = getattr(import_module(f"{folder}.{name}"), name)
     command.params.append(
         click.Option(
             ["-v", "--verbose"],

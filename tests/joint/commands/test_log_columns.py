@@ -3,7 +3,7 @@
 import click
 import pytest
 
-from erlif.commands.log_columns import choose_columns, column_pairs
+from erlif.joint.commands.log_columns import choose_columns, column_pairs
 
 
 def test_columns_and_units_become_the_choice_of_the_reader():

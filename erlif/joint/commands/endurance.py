@@ -10,14 +10,14 @@ from typing import TYPE_CHECKING, Literal
 import click
 
 from erlif.commands.lines import describe_written, verbosity, wrap
-from erlif.commands.log_columns import (
+from erlif.commands.options import LENGTH, OVERWRITE, PATH, Quantity, output_option
+from erlif.core.speed.imports import large_imports
+from erlif.joint.commands.log_columns import (
     choose_columns,
     column_pairs,
     describe_reading,
     log_options,
 )
-from erlif.commands.options import LENGTH, OVERWRITE, PATH, Quantity, output_option
-from erlif.core.speed.imports import large_imports
 
 if TYPE_CHECKING:
     from erlif.joint.endurance import EnduranceResult

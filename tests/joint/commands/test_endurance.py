@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-import erlif.show.plots
+import erlif.joint.plots
 from erlif.commands.main import main
 from erlif.joint.rig import EnduranceRig, simulate_endurance, write_endurance_log
 
@@ -52,7 +52,7 @@ def test_settings_and_designs(tmp_path, monkeypatch, command):
     """Figures of single tests are drawn above; here only their names count."""
     drawn = []
     monkeypatch.setattr(
-        erlif.plots,
+        erlif.joint.plots,
         "write_endurance_figures",
         lambda result, folder, overview: drawn.append((result.name, overview)) or [],
     )

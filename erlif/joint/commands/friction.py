@@ -8,9 +8,9 @@ from typing import Any
 import click
 
 from erlif.commands.lines import describe_written, wrap
-from erlif.commands.log_columns import choose_columns, describe_reading, log_options
 from erlif.commands.options import LENGTH, OVERWRITE, PATH, Quantity, output_option
 from erlif.core.speed.imports import large_imports
+from erlif.joint.commands.log_columns import choose_columns, describe_reading, log_options
 
 _SHARE = click.FloatRange(min=0, max=1)
 
