@@ -55,7 +55,7 @@ def prose(source: str) -> list[tuple[int, str]]:
 
 
 def exported(package: Path) -> set[tuple[Path, str]]:
-    """Functions in the ``__all__`` of a folder, and the public ones of models."""
+    """Functions that a folder exports, and the public ones of models."""
     found: set[tuple[Path, str]] = set()
     for init in package.rglob("__init__.py"):
         # a face that loads its modules when they are used has its names in a stub
@@ -68,6 +68,14 @@ def exported(package: Path) -> set[tuple[Path, str]]:
             for element in ast.walk(node.value)
             if isinstance(element, ast.Constant)
         }
+        if stub.exists():
+            names |= {
+                alias.asname
+                for node in tree.body
+                if isinstance(node, ast.ImportFrom)
+                for alias in node.names
+                if alias.asname
+            }
         for path in init.parent.glob("*.py"):
             public = init.parent.name == "models"
             for node in ast.parse(path.read_text(encoding="utf-8")).body:

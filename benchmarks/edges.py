@@ -26,8 +26,7 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from erlif.models.contact import conformal_radius, hertz_ellipse, hertz_line, winkler_contact
-from erlif.models.edges import (
+from erlif.joint.models.edges import (
     Joint,
     Undercut,
     edge_exponent,
@@ -38,7 +37,8 @@ from erlif.models.edges import (
     solve_contact,
     solve_joint,
 )
-from erlif.models.edges.cylinders import Section, compute_compliance
+from erlif.joint.models.edges.cylinders import Section, compute_compliance
+from erlif.models.contact import conformal_radius, hertz_ellipse, hertz_line, winkler_contact
 
 POUND = 4.4482216
 STEEL = 200e9 / 2 / (1 - 0.3**2)

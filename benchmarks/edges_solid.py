@@ -1,4 +1,4 @@
-"""The finite elements of Farzaneh (2002), chapter 3, beside `erlif.models.edges`.
+"""The finite elements of Farzaneh (2002), chapter 3, beside `erlif.joint.models.edges`.
 
 python benchmarks/edges_solid.py straight    straight and undercut bushing
 python benchmarks/edges_solid.py lobes       lobes under each reading of the load
@@ -7,7 +7,7 @@ python benchmarks/edges_solid.py search      the undercuts of a test, all comput
 A quarter of the joint in linear tetrahedra, 4 mm long where it touches and 10 mm elsewhere, about
 25,000 of them. The outside of the bushing is held; the middle and the plane of the load are planes
 of symmetry. Nodes of pin and bushing face one another, and none overlaps; the pressure of a node is
-its force over its area. No code of `erlif.models.edges` is used.
+its force over its area. No code of `erlif.joint.models.edges` is used.
 """
 
 from __future__ import annotations

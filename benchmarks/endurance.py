@@ -19,7 +19,7 @@ import numpy as np
 import xarray as xr
 
 from erlif.joint.endurance import analyse_endurance
-from erlif.rig import EnduranceRig, simulate_endurance
+from erlif.joint.rig import EnduranceRig, simulate_endurance
 
 RISE = 0.05
 """Rise of friction by galling. [1]"""

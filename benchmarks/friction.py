@@ -15,7 +15,7 @@ import numpy as np
 from scipy.signal import lfilter
 
 from erlif.joint.friction.reversals import spread_of_line
-from erlif.models.clearance_fit import fit_clearances
+from erlif.joint.models.clearance_fit import fit_clearances
 from erlif.models.contact import winkler_contact
 
 PAIR = 20

@@ -3,7 +3,7 @@
 Exudyn assembles bodies, joints and loads in redundant coordinates with Lagrange
 multipliers and integrates them by the generalised alpha method, while erlif uses the fewest
 coordinates. The script writes tests/reference/slider_crank_exudyn.csv, to which the tests hold
-`erlif.models.slider_dynamics`. It needs the package ``exudyn`` (1.13.6 was used), which is no
+`erlif.joint.models.slider_dynamics`. It needs the package ``exudyn`` (1.13.6 was used), which is no
 dependency of erlif. A run takes half a minute.
 """
 

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from erlif.rig import EnduranceRig, simulate_endurance, write_endurance_log
+from erlif.joint.rig import EnduranceRig, simulate_endurance, write_endurance_log
 
 FOLDER = Path(__file__).parent / "endurance"
 

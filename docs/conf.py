@@ -175,7 +175,6 @@ STAGES = (
     "calibration",
     "thickness",
     "planning",
-    "joint.sizing",
     "kinematics",
     "trend",
     "prediction",
@@ -183,8 +182,6 @@ STAGES = (
     "review.audit",
     "io.conversion",
     "review.comparison",
-    "joint.friction",
-    "joint.endurance",
     "io.files",
     "show.plots",
     "show.report",
@@ -192,6 +189,13 @@ STAGES = (
     "show.view",
     "io.settings",
     "rig",
+    "joint.sizing",
+    "joint.friction",
+    "joint.endurance",
+    "joint.plots",
+    "joint.report",
+    "joint.settings",
+    "joint.rig",
 )
 """Stages whose exported names are documented, in the order of the pipeline."""
 
@@ -199,24 +203,25 @@ ELSEWHERE = {
     "erlif.joint.endurance": (
         "LogColumns",
         "measure_friction",
+        "read_torque_log",
     )
 }
 """Names that a stage exports and another one describes."""
 
 MODELS = (
-    "bearing",
-    "contact",
-    "edges",
-    "film",
-    "fluorescence",
-    "friction",
-    "mechanism",
-    "oil",
-    "reaction",
-    "reynolds",
-    "slider_dynamics",
-    "slider_wear",
-    "wear",
+    "models.contact",
+    "models.film",
+    "models.fluorescence",
+    "models.mechanism",
+    "models.oil",
+    "models.reynolds",
+    "joint.models.bearing",
+    "joint.models.edges",
+    "joint.models.friction",
+    "joint.models.reaction",
+    "joint.models.slider_dynamics",
+    "joint.models.slider_wear",
+    "joint.models.wear",
 )
 
 
@@ -242,7 +247,7 @@ def is_documented(thing: object) -> bool:
 def write_api_pages(app: Sphinx) -> None:
     """Write one page for each stage from its ``__all__``, so that no exported name is missing."""
     folder = Path(app.srcdir) / "api"
-    for name in [*STAGES, *(f"models.{model}" for model in MODELS)]:
+    for name in (*STAGES, *MODELS):
         full = f"erlif.{name}"
         names = "\n".join(f"   {each}" for each in exported(full))
         text = (

@@ -6,12 +6,13 @@ there is none.
 """
 
 import csv
+import tomllib
 from dataclasses import dataclass
 from pathlib import Path
 
-from erlif.models.sources import TITLES
-
 DOCS = Path(__file__).parent
+
+SOURCES = tomllib.loads((DOCS / "sources" / "sources.toml").read_text(encoding="utf-8"))
 
 
 @dataclass(frozen=True)
@@ -19,7 +20,7 @@ class CoverageRow:
     """An equation, table, figure or procedure of a source."""
 
     source: str
-    """Key of the source in `erlif.models.sources.TITLES`."""
+    """Key of the source in `SOURCES`."""
     item: str
     """Number in the source."""
     content: str
@@ -65,9 +66,9 @@ def render_coverage() -> str:
         f"{len(rows)} rows: {held} are held by erlif, {len(rows) - held} are not, with the reason.",
         "",
     ]
-    for source, title in TITLES.items():
+    for source, about in SOURCES.items():
         lines += [
-            f"## {title}",
+            f"## {about['title']}",
             "",
             "| item | content | erlif | checked against | tests | note |",
             "|" + "---|" * 6,

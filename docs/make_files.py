@@ -26,8 +26,6 @@ from erlif.core.variables import (
     Variable,
 )
 from erlif.io.settings import (
-    DesignSettings,
-    EnduranceSettings,
     FixtureSettings,
     Key,
     PlanSettings,
@@ -38,8 +36,9 @@ from erlif.io.settings import (
     keys_of,
     tables_of,
 )
-from erlif.io.settings.design import PartOfJoint
 from erlif.io.settings.toml import toml_value
+from erlif.joint.settings import DesignSettings, EnduranceSettings
+from erlif.joint.settings.design import PartOfJoint
 
 DOCS = Path(__file__).parent
 

@@ -25,13 +25,27 @@ ORDER = (
     "trend",
     "prediction",
     "planning",
-    "joint",
     "pipeline",
     "review",
     "show",
     "commands",
+    "joint",
 )
 """The stages in the order of docs/architecture.md: each may import those before it."""
+
+NAMING = {"erlif.commands.main", "erlif.models.arguments"}
+"""What names the joint: the door, which loads its commands, and the place at which models warn."""
+
+JOINT_USES = {
+    "erlif.commands.lines",
+    "erlif.commands.options",
+    "erlif.show.plots.mechanism",
+    "erlif.show.plots.movie",
+    "erlif.show.plots.style",
+    "erlif.show.report.captions",
+    "erlif.show.report.layout",
+}
+"""What the joint draws, writes and reads options with, beside core, io and models."""
 
 
 def modules() -> dict[str, Path]:
@@ -87,14 +101,35 @@ def test_imports_go_to_earlier_stages_only():
     assert not late
 
 
-def test_only_figures_and_commands_know_the_joint_on_a_desk():
+def test_nothing_of_the_film_knows_the_joint():
     others = [
         f"{name} imports {other}"
-        for name in STAGED
+        for name in MODULES
         for other in imports(name)
-        if stage(other) == "joint" and stage(name) not in ("joint", "show", "commands")
+        if f"{other}.".startswith("erlif.joint.") and not f"{name}.".startswith("erlif.joint.")
     ]
     assert not others
+
+
+def test_one_door_names_the_joint():
+    naming = {
+        name
+        for name, path in MODULES.items()
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(node, ast.Constant) and str(node.value).startswith("erlif.joint")
+        if not name.startswith("erlif.joint")
+    }
+    assert naming == NAMING
+
+
+def test_the_joint_knows_little_of_the_film():
+    used = {
+        other
+        for name in MODULES
+        for other in imports(name)
+        if name.startswith("erlif.joint") and stage(other) not in ("joint", "core", "io", "models")
+    }
+    assert used == JOINT_USES
 
 
 def test_a_module_imports_another_stage_by_its_public_names():

@@ -16,7 +16,7 @@ ERRORS = (
     *("EnduranceError", "table.use.error"),
 )
 
-COMPLETED = ("erlif/io/readers/", "erlif/models/")
+COMPLETED = ("erlif/io/readers/", "erlif/models/", "erlif/joint/models/")
 """Bare reasons that the ingest completes; functions of numbers, whose condition is the step."""
 
 ELSEWHERE = (

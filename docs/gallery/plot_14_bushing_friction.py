@@ -10,9 +10,9 @@ to 4/pi of the torque of a loose one, an interference more (Colbert et al. 2009,
 import matplotlib.pyplot as plt
 import numpy as np
 
+from erlif.joint.models.friction import STEADY_WEAR_TORQUE_RATIO
+from erlif.joint.models.running_in import run_in_bushing
 from erlif.models.contact import winkler_contact, winkler_load
-from erlif.models.friction import STEADY_WEAR_TORQUE_RATIO
-from erlif.models.running_in import run_in_bushing
 
 fig, (chart, running) = plt.subplots(1, 2, figsize=(8.5, 3.8), layout="constrained")
 

@@ -16,11 +16,11 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import erlif
+from erlif.joint.models.reaction import SliderCrankBodies
+from erlif.joint.models.slider_dynamics import ContactLaw, simulate_slider_crank
+from erlif.joint.models.slider_wear import WearingJoint, bound_extrapolation, wear_slider_crank
 from erlif.models import contact
 from erlif.models.mechanism import SliderCrank
-from erlif.models.reaction import SliderCrankBodies
-from erlif.models.slider_dynamics import ContactLaw, simulate_slider_crank
-from erlif.models.slider_wear import WearingJoint, bound_extrapolation, wear_slider_crank
 
 linkage = SliderCrank(crank=0.0762, coupler=0.2032)
 bodies = SliderCrankBodies(
@@ -70,13 +70,13 @@ simplified = wear(21_400)
 error = bound_extrapolation(4000, wear=wear)
 
 fig, axes = plt.subplots(3, figsize=(5, 8.5), layout="constrained")
-erlif.plots.joint_force(forces, ax=axes[0])
-erlif.plots.joint_wear(general, ax=axes[1])
+erlif.joint.plots.joint_force(forces, ax=axes[0])
+erlif.joint.plots.joint_wear(general, ax=axes[1])
 for k in (1, 2):
     depth = 1e3 * simplified.depth[k, ::6]
     axes[1].plot(np.degrees(depth.angle), depth, "k.", markersize=2, label="rod lengthened")
 axes[1].legend(*[part[:3] for part in axes[1].get_legend_handles_labels()])
-erlif.plots.extrapolation_error(error, fine=wear(125).isel(cycle=-1), ax=axes[2])
+erlif.joint.plots.extrapolation_error(error, fine=wear(125).isel(cycle=-1), ax=axes[2])
 plt.show()
 
 # %%

@@ -14,7 +14,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import erlif
-from erlif.models import Joint, Undercut, contact, prepare_joint, solve_joint
+from erlif.joint.models import Joint, Undercut, prepare_joint, solve_joint
+from erlif.models import contact
 
 joint = Joint(0.03336, 0.03359, 0.0533, length=0.2373, pin_length=0.3508)
 pound, steel = 4.4482, 109.9e9
@@ -46,7 +47,7 @@ hertz = contact.hertz_ellipse(
 fig, ((profile, lobe), (deep, thick)) = plt.subplots(2, 2, figsize=(8.5, 7), layout="constrained")
 line = contact.hertz_line(100e3 * pound / joint.length, radius=radius, contact_modulus=steel)
 ends = {"straight": found[0, 9.3], "undercut": found[20, 9.3]}
-erlif.plots.axial_pressure(ends, hertz=line.pressure, ax=profile)
+erlif.joint.plots.axial_pressure(ends, hertz=line.pressure, ax=profile)
 
 lobe.plot(loads, hertz.pressure / 1e6, "--", label="Hertz")
 lobe.plot(loads, [one.peak_pressure / 1e6 for one in pressed], label="cell of 0.4 mm")

@@ -13,10 +13,10 @@ from sample import ENDURANCE
 
 import erlif
 
-columns = erlif.endurance.LogColumns(arm_force="Third cell [N]")
+columns = erlif.joint.endurance.LogColumns(arm_force="Third cell [N]")
 tests = {
-    path.stem: erlif.analyse_endurance(
-        erlif.read_endurance_log(path, columns), pin_radius=0.03336, arm=0.3
+    path.stem: erlif.joint.analyse_endurance(
+        erlif.joint.read_torque_log(path, columns), pin_radius=0.03336, arm=0.3
     )
     for path in sorted(ENDURANCE.glob("*.csv"))
 }
@@ -28,7 +28,7 @@ fig, (curve, loads) = plt.subplots(1, 2, figsize=(8.5, 3.8), layout="constrained
 # at 4380 s.
 
 test = tests["uncut_1"]
-erlif.plots.friction_over_test(test, ax=curve)
+erlif.joint.plots.friction_over_test(test, ax=curve)
 minute = 60.0
 curve.set(xlim=(3700 / minute, 4500 / minute), title="uncut_1")
 print(f"onset at {test.onset.time:.1f} s, {test.onset.earliest:.1f} to {test.onset.latest:.1f} s")
@@ -46,7 +46,7 @@ for place, group in enumerate(failures.values()):
         filled = "full" if failure.failed else "none"
         marker = {"fmt": "o", "color": "k", "fillstyle": filled}
         loads.errorbar(failure.load / 1e3, place + height, xerr=error, **marker)
-ratio = erlif.compare_designs(failures["uncut"], failures["undercut"])
+ratio = erlif.joint.compare_designs(failures["uncut"], failures["undercut"])
 loads.set(
     yticks=range(len(failures)),
     yticklabels=failures,

@@ -39,9 +39,8 @@ COMMANDS = {
     "Joint": ("design", "linkage", "endurance", "friction"),
 }
 
-# Commands for who works on erlif itself; help does not list them.
-HIDDEN = ("sources",)
-
+# Folder of the commands of the joint, which nothing else of erlif names.
+_JOINT = "erlif.joint.commands"
 
 # Characters of the longest name of a command, and of the line beside it, at 80 columns.
 _NAME, _WIDTH = 9, 67
@@ -143,8 +142,9 @@ def _show_more(ctx: click.Context, option: click.Parameter, value: int) -> None:
 
 
 # each module has the name of its command; what is heavy loads when a command runs
-for name in (*chain.from_iterable(COMMANDS.values()), *HIDDEN):
-    command = getattr(import_module(f"erlif.commands.{name}"), name)
+for name in chain.from_iterable(COMMANDS.values()):
+    folder = _JOINT if name in COMMANDS["Joint"] else "erlif.commands"
+    command = getattr(import_module(f"{folder}.{name}"), name)
     command.params.append(
         click.Option(
             ["-v", "--verbose"],

@@ -1,7 +1,8 @@
-"""The joint on a desk and in a test log: sizing, friction, endurance."""
+"""The joint on a desk and in a test log: models, sizing, friction, endurance, their figures.
+
+Nothing of the film imports it (docs/architecture.md).
+"""
 
 import lazy_loader
 
-__getattr__, __dir__, __all__ = lazy_loader.attach(
-    __name__, submodules=["endurance", "friction", "sizing"]
-)
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -1,4 +1,4 @@
-"""Theory of the joint: SI numbers in, SI numbers out.
+"""Theory that films and joints share: SI numbers in, SI numbers out.
 
 Every formula takes floats, lists, numpy arrays or xarray DataArrays, broadcasts, and returns the
 same kind: a float for floats. Angles are in radians, temperatures in kelvin. A value at which an

@@ -1,93 +1,21 @@
-from . import (
-    arguments,
-    bearing,
-    clearance_fit,
-    contact,
-    edges,
-    film,
-    fluorescence,
-    friction,
-    linkage,
-    mechanism,
-    oil,
-    oil_fit,
-    reaction,
-    reynolds,
-    running_in,
-    slider,
-    slider_dynamics,
-    slider_wear,
-    sources,
-    wear,
-)
-from .edges import (
-    Joint,
-    Undercut,
-    edge_exponent,
-    lundberg_profile,
-    prepare_joint,
-    search_undercut,
-    section_stress,
-    solve_contact,
-    solve_joint,
-    subsurface_stress,
-)
-from .reynolds import (
-    Groove,
-    Journal,
-    Motion,
-    Mount,
-    crank_motion,
-    journal_coefficients,
-    lobe_shape,
-    pin_shape,
-    roller_shape,
-    solve_film,
-    solve_journal,
-    steady_journal,
-)
-
-__all__ = [
-    "Groove",
-    "Joint",
-    "Journal",
-    "Motion",
-    "Mount",
-    "Undercut",
-    "arguments",
-    "bearing",
-    "clearance_fit",
-    "contact",
-    "crank_motion",
-    "edge_exponent",
-    "edges",
-    "film",
-    "fluorescence",
-    "friction",
-    "journal_coefficients",
-    "linkage",
-    "lobe_shape",
-    "lundberg_profile",
-    "mechanism",
-    "oil",
-    "oil_fit",
-    "pin_shape",
-    "prepare_joint",
-    "reaction",
-    "reynolds",
-    "roller_shape",
-    "running_in",
-    "search_undercut",
-    "section_stress",
-    "slider",
-    "slider_dynamics",
-    "slider_wear",
-    "solve_contact",
-    "solve_film",
-    "solve_joint",
-    "solve_journal",
-    "sources",
-    "steady_journal",
-    "subsurface_stress",
-    "wear",
-]
+from . import arguments as arguments
+from . import contact as contact
+from . import film as film
+from . import fluorescence as fluorescence
+from . import four_bar as four_bar
+from . import mechanism as mechanism
+from . import oil as oil
+from . import oil_fit as oil_fit
+from . import reynolds as reynolds
+from .reynolds import Groove as Groove
+from .reynolds import Journal as Journal
+from .reynolds import Motion as Motion
+from .reynolds import Mount as Mount
+from .reynolds import crank_motion as crank_motion
+from .reynolds import journal_coefficients as journal_coefficients
+from .reynolds import lobe_shape as lobe_shape
+from .reynolds import pin_shape as pin_shape
+from .reynolds import roller_shape as roller_shape
+from .reynolds import solve_film as solve_film
+from .reynolds import solve_journal as solve_journal
+from .reynolds import steady_journal as steady_journal

@@ -632,7 +632,7 @@ def depth_of_caller() -> int:
     """
     depth, frame = 1, sys._getframe(1)  # level 1 is the function that warns
     while frame.f_back is not None and frame.f_globals.get("__name__", "").startswith(
-        ("erlif.models.", "erlif.joint.sizing.")
+        ("erlif.models.", "erlif.joint.models.", "erlif.joint.sizing.")
     ):
         depth, frame = depth + 1, frame.f_back
     return depth

@@ -11,7 +11,7 @@ import scipy
 
 from erlif.core.errors import ModelError
 from erlif.models.arguments import Values, check_fields, formula
-from erlif.models.linkage import measures
+from erlif.models.four_bar import measures
 
 # A full turn. [rad]
 TURN = 2 * np.pi

@@ -9,8 +9,6 @@ from pathlib import Path
 import pytest
 from scenes.scripts import load_script
 
-from erlif.models.sources import TITLES
-
 ROOT = Path(__file__).parents[2]
 
 
@@ -24,9 +22,9 @@ def test_committed_document_is_the_rendering(page):
     assert committed == page.render_coverage(), "python docs/make_coverage.py"
 
 
-def faults(row):
+def faults(row, sources):
     """What a row names that does not exist, or leaves without a reason."""
-    if row.source not in TITLES:
+    if row.source not in sources:
         yield "source"
     if not (bool(row.models) == bool(row.tests) == bool(row.against)) or not (
         row.models or row.note
@@ -47,7 +45,9 @@ def faults(row):
 
 def test_each_row_is_held_and_checked_or_has_a_reason(page):
     # a list: several rows may have one item
-    found = [(row.source, row.item, list(faults(row))) for row in page.coverage_rows()]
+    found = [
+        (row.source, row.item, list(faults(row, page.SOURCES))) for row in page.coverage_rows()
+    ]
     assert not [row for row in found if row[2]]
 
 
@@ -79,6 +79,6 @@ def _span(first: str, last: str) -> list[str]:
 
 def test_every_number_of_a_source_has_its_row(page):
     rows = page.coverage_rows()
-    for source in TITLES:
+    for source in page.SOURCES:
         items = Counter(n for row in rows if row.source == source for n in expand(row.item))
         assert items == Counter(expand(", ".join(PRINTED[source]))), source

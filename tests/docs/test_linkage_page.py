@@ -6,14 +6,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from erlif.models.linkage import (
+from erlif.joint.models.linkage import (
     drive_power,
     link_sensitivity,
     measure_linkage,
     pin_hole_concentration,
     synthesise_crank_rocker,
 )
-from erlif.models.linkage.measures import speed_ratio
+from erlif.models.four_bar.measures import speed_ratio
 from erlif.models.mechanism import CrankRocker
 
 PAGE = (Path(__file__).parents[2] / "docs" / "linkage.md").read_text(encoding="utf-8")

@@ -4,9 +4,14 @@ import pkgutil
 import subprocess
 import sys
 
+import erlif.joint.models
 import erlif.models
 
-MODULES = [f"erlif.models.{module.name}" for module in pkgutil.iter_modules(erlif.models.__path__)]
+MODULES = [
+    f"{package.__name__}.{module.name}"
+    for package in (erlif.models, erlif.joint.models)
+    for module in pkgutil.iter_modules(package.__path__)
+]
 
 
 def run(code):
@@ -17,8 +22,8 @@ def run(code):
 
 def test_modules_are_not_loaded_before_their_use():
     code = (
-        "import sys, erlif.models\n"
-        "print([name for name in sys.modules if name.startswith('erlif.models.')])\n"
+        "import sys, erlif.models, erlif.joint.models\n"
+        "print([name for name in sys.modules if '.models.' in name and 'erlif' in name])\n"
         "print('numpy' in sys.modules)"
     )
     assert run(code).split() == ["[]", "False"]

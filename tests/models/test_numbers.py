@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from scenes.formulas import (
+    MODULES,
     assert_broadcasts,
     assert_infinity_is_named,
     assert_missing_values_pass,
@@ -21,11 +22,10 @@ from scenes.formulas import (
     public_names,
 )
 
-from erlif import models
 from erlif.core.errors import ModelError
+from erlif.joint.models.reaction import SliderCrankBodies
 from erlif.models import fluorescence
 from erlif.models.mechanism import CrankRocker, SliderCrank
-from erlif.models.reaction import SliderCrankBodies
 
 TABLE = tomllib.loads(
     (Path(__file__).parents[1] / "reference" / "formulas.toml").read_text(encoding="utf-8")
@@ -44,7 +44,7 @@ OBJECTS = {
 """Arguments that are no numbers."""
 
 CASES = {
-    getattr(getattr(models, module), name): OBJECTS.get(name, {}) | case
+    getattr(MODULES[module], name): OBJECTS.get(name, {}) | case
     for module, formulas in TABLE.items()
     for name, case in formulas.items()
 }

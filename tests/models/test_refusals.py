@@ -12,20 +12,21 @@ import pytest
 import xarray as xr
 
 from erlif.core.errors import ModelError
-from erlif.models import bearing, contact, film, friction, linkage, oil, wear
-from erlif.models import edges as e
+from erlif.joint.models import bearing, friction, linkage, wear
+from erlif.joint.models import edges as e
+from erlif.joint.models.clearance_fit import fit_clearances
+from erlif.joint.models.linkage.domain import find_domain
+from erlif.joint.models.reaction import SliderCrankBodies
+from erlif.joint.models.running_in import run_in_bushing
+from erlif.joint.models.slider.contact import ContactLaw, WornBore
+from erlif.joint.models.slider_dynamics import simulate_slider_crank
+from erlif.joint.models.slider_wear import WearingJoint, bound_extrapolation, wear_slider_crank
+from erlif.models import contact, film, oil
 from erlif.models import reynolds as r
-from erlif.models.clearance_fit import fit_clearances
-from erlif.models.linkage.domain import find_domain
 from erlif.models.mechanism import CrankRocker, SliderCrank, crank_for_swing
 from erlif.models.oil_fit import fit_viscosity, sae_oil
-from erlif.models.reaction import SliderCrankBodies
 from erlif.models.reynolds.full_film import FullFilm, follow_full_film
 from erlif.models.reynolds.journal import as_mount
-from erlif.models.running_in import run_in_bushing
-from erlif.models.slider.contact import ContactLaw, WornBore
-from erlif.models.slider_dynamics import simulate_slider_crank
-from erlif.models.slider_wear import WearingJoint, bound_extrapolation, wear_slider_crank
 
 pytestmark = pytest.mark.filterwarnings("ignore::erlif.core.errors.UnitWarning")
 

@@ -9,6 +9,7 @@ from scenes.rig import QUICK, digest
 
 from erlif import rig
 from erlif.core.errors import OutputError
+from erlif.joint import rig as joint_rig
 from erlif.rig import simulate
 
 
@@ -48,7 +49,7 @@ def test_existing_output_is_refused_and_kept(tmp_path, monkeypatch):
 
 def test_rig_shares_no_code_with_the_measurement():
     """A rig that used the code of the inversion could not find its mistakes."""
-    for path in Path(rig.__file__).parent.glob("*.py"):
+    for path in (*Path(rig.__file__).parent.glob("*.py"), Path(joint_rig.__file__)):
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
             names = [node.module or ""] if isinstance(node, ast.ImportFrom) else []
             names += [alias.name for alias in node.names] if isinstance(node, ast.Import) else []

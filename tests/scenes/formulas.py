@@ -17,16 +17,23 @@ import xarray as xr
 
 from erlif import models
 from erlif.core.errors import ModelError
+from erlif.joint import models as joint_models
 
 Case = dict[str, Any]
 
 
+MODULES = {
+    name: getattr(package, name)
+    for package in (models, joint_models)
+    for name in sorted(set(package.__all__) - {"arguments"})
+    if inspect.ismodule(getattr(package, name))
+}
+"""Modules of the models, those of the joint included, by their names."""
+
+
 def public_names() -> Iterator[tuple[str, Any]]:
     """Functions, classes and their public methods, with a name for the report."""
-    for name in sorted(set(models.__all__) - {"arguments", "sources"}):
-        module = getattr(models, name)
-        if not inspect.ismodule(module):
-            continue
+    for name, module in MODULES.items():
         own = (
             key
             for key, value in vars(module).items()

@@ -4,7 +4,7 @@ import math
 import tomllib
 from dataclasses import replace
 
-from erlif.io.settings import DesignSettings
+from erlif.joint.settings import DesignSettings
 from erlif.joint.sizing import Joint, Lock, Material, assess_joint, read_materials
 from erlif.joint.sizing.design import design, example_joint, example_joint_file
 

@@ -2,9 +2,9 @@
 
 import numpy as np
 
+from erlif.joint.models.reaction import SliderCrankBodies
+from erlif.joint.models.slider_dynamics import ContactLaw
 from erlif.models.mechanism import SliderCrank
-from erlif.models.reaction import SliderCrankBodies
-from erlif.models.slider_dynamics import ContactLaw
 
 MASSES = {"rod_mass": 0.8175, "rod_inertia": 5500e-6, "slider_mass": 5.5487}
 SPRUNG = MASSES | {"spring_stiffness": 525.4}

@@ -43,11 +43,6 @@ UNKNOWN = PRESSURE.assign(peak_pressure=float("nan") * PRESSURE.peak_pressure)
         ),
         (lambda: plots.cycle_movie(FILM, "a.avi"), ".gif or .mp4"),
         (lambda: plots.cycle_movie(FILM, "c.gif", frames_per_second=0), "0.1 to 60"),
-        (lambda: plots.linkage_movie(plots.example_linkage(), "turn.mp4"), r"a name in \.gif"),
-        (
-            lambda: plots.linkage_movie(plots.example_linkage(), "one.gif", positions=1),
-            "2 positions at least",
-        ),
     ],
 )
 def test_a_figure_that_cannot_be_drawn_is_refused(draw, message):

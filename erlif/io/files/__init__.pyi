@@ -1,60 +1,35 @@
-from .compression import MapVariable, round_map
-from .contents import (
-    axis_labels,
-    check_trigger,
-    describe_trigger,
-    driven_link,
-    fastest_trigger,
-    flag_shares,
-    has_identity,
-    motion_of,
-    region_of,
-    settings_of,
-)
-from .coordinates import set_coordinates
-from .film import describe_hashes, open_film, reading_film, write_dataset, write_film
-from .labels import label_films, refuse_repeated
-from .netcdf import fix_text, has_group, open_netcdf
-from .netcdf_maps import NetcdfMaps
-from .replacement import refuse_existing, replacing, replacing_set, write_file
-from .unfinished import MapStore, PartialFilm, remove_remains
-from .wanted import PRODUCTS, take, takes
-from .zarr_maps import ZarrMaps
-
-__all__ = [
-    "PRODUCTS",
-    "MapStore",
-    "MapVariable",
-    "NetcdfMaps",
-    "PartialFilm",
-    "ZarrMaps",
-    "axis_labels",
-    "check_trigger",
-    "describe_hashes",
-    "describe_trigger",
-    "driven_link",
-    "fastest_trigger",
-    "fix_text",
-    "flag_shares",
-    "has_group",
-    "has_identity",
-    "label_films",
-    "motion_of",
-    "open_film",
-    "open_netcdf",
-    "reading_film",
-    "refuse_existing",
-    "refuse_repeated",
-    "region_of",
-    "remove_remains",
-    "replacing",
-    "replacing_set",
-    "round_map",
-    "set_coordinates",
-    "settings_of",
-    "take",
-    "takes",
-    "write_dataset",
-    "write_file",
-    "write_film",
-]
+from .compression import MapVariable as MapVariable
+from .compression import round_map as round_map
+from .contents import axis_labels as axis_labels
+from .contents import check_trigger as check_trigger
+from .contents import describe_trigger as describe_trigger
+from .contents import driven_link as driven_link
+from .contents import fastest_trigger as fastest_trigger
+from .contents import flag_shares as flag_shares
+from .contents import has_identity as has_identity
+from .contents import motion_of as motion_of
+from .contents import region_of as region_of
+from .contents import settings_of as settings_of
+from .coordinates import set_coordinates as set_coordinates
+from .film import describe_hashes as describe_hashes
+from .film import open_film as open_film
+from .film import reading_film as reading_film
+from .film import write_dataset as write_dataset
+from .film import write_film as write_film
+from .labels import label_films as label_films
+from .labels import refuse_repeated as refuse_repeated
+from .netcdf import fix_text as fix_text
+from .netcdf import has_group as has_group
+from .netcdf import open_netcdf as open_netcdf
+from .netcdf_maps import NetcdfMaps as NetcdfMaps
+from .replacement import refuse_existing as refuse_existing
+from .replacement import replacing as replacing
+from .replacement import replacing_set as replacing_set
+from .replacement import write_file as write_file
+from .unfinished import MapStore as MapStore
+from .unfinished import PartialFilm as PartialFilm
+from .unfinished import remove_remains as remove_remains
+from .wanted import PRODUCTS as PRODUCTS
+from .wanted import take as take
+from .wanted import takes as takes
+from .zarr_maps import ZarrMaps as ZarrMaps

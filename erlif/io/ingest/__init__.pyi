@@ -1,50 +1,26 @@
-from .encoder_log import read_encoder_log
-from .frames import (
-    FramePairs,
-    PairCounts,
-    format_notes,
-    read_frames,
-    read_pair,
-    skipped_notes,
-)
-from .hashes import (
-    InputChangedError,
-    hash_files_beside_frames,
-    hash_inputs,
-    refuse_changed,
-    sign_inputs,
-    stamp_inputs,
-)
-from .images import Page, depth_warning, natural_key, read_reference_pages
-from .recording import Fixture, FoundStart, Run, open_fixture, open_run
-from .run_table import RunEntry, read_run_table
-from .selection import Selection, select_counts
-
-__all__ = [
-    "Fixture",
-    "FoundStart",
-    "FramePairs",
-    "InputChangedError",
-    "Page",
-    "PairCounts",
-    "Run",
-    "RunEntry",
-    "Selection",
-    "depth_warning",
-    "format_notes",
-    "hash_files_beside_frames",
-    "hash_inputs",
-    "natural_key",
-    "open_fixture",
-    "open_run",
-    "read_encoder_log",
-    "read_frames",
-    "read_pair",
-    "read_reference_pages",
-    "read_run_table",
-    "refuse_changed",
-    "select_counts",
-    "sign_inputs",
-    "skipped_notes",
-    "stamp_inputs",
-]
+from .encoder_log import read_encoder_log as read_encoder_log
+from .frames import FramePairs as FramePairs
+from .frames import PairCounts as PairCounts
+from .frames import format_notes as format_notes
+from .frames import read_frames as read_frames
+from .frames import read_pair as read_pair
+from .frames import skipped_notes as skipped_notes
+from .hashes import InputChangedError as InputChangedError
+from .hashes import hash_files_beside_frames as hash_files_beside_frames
+from .hashes import hash_inputs as hash_inputs
+from .hashes import refuse_changed as refuse_changed
+from .hashes import sign_inputs as sign_inputs
+from .hashes import stamp_inputs as stamp_inputs
+from .images import Page as Page
+from .images import depth_warning as depth_warning
+from .images import natural_key as natural_key
+from .images import read_reference_pages as read_reference_pages
+from .recording import Fixture as Fixture
+from .recording import FoundStart as FoundStart
+from .recording import Run as Run
+from .recording import open_fixture as open_fixture
+from .recording import open_run as open_run
+from .run_table import RunEntry as RunEntry
+from .run_table import read_run_table as read_run_table
+from .selection import Selection as Selection
+from .selection import select_counts as select_counts

@@ -1,4 +1,4 @@
-"""run.toml, fixture.toml, plan.toml and joint.toml as frozen, checked tables with descriptions."""
+"""run.toml, fixture.toml and plan.toml as frozen, checked tables with descriptions."""
 
 import lazy_loader
 

@@ -1,131 +1,62 @@
-from .design import DesignSettings, LockOfJoint, PartOfJoint
-from .endurance import EnduranceSettings
-from .keys import Key, Table, keys_of, tables_of
-from .planning import CoefficientSettings, DyeSettings, PlanSettings
-from .reading import (
-    read_design_settings,
-    read_endurance_settings,
-    read_fixture_settings,
-    read_plan_settings,
-    read_run_settings,
-    settings_of,
-)
-from .schema import json_schema
-from .tables import (
-    Angle,
-    CameraSettings,
-    Counts,
-    CrankRockerSettings,
-    Electrons,
-    EncoderSettings,
-    FileName,
-    FixtureProfile,
-    FixtureSettings,
-    FixtureSystematics,
-    Force,
-    Form,
-    Frequency,
-    Gain,
-    Interval,
-    JointSettings,
-    Length,
-    LightOptions,
-    MaterialSettings,
-    MechanismSettings,
-    OilSettings,
-    OpticsSettings,
-    PredictionOptions,
-    Pressure,
-    PressureViscosity,
-    ReferenceSettings,
-    RegionOfInterest,
-    RegistrationOptions,
-    RotationSettings,
-    RunName,
-    RunSettings,
-    Settings,
-    SinusoidalSettings,
-    SliderCrankSettings,
-    Speed,
-    SystematicsOptions,
-    Temperature,
-    TemperatureDifference,
-    TemperatureOptions,
-    Text,
-    ThicknessOptions,
-    Viscosity,
-    VogelSettings,
-    Wavelength,
-)
-from .template import GAP, write_example, write_template
-from .toml import stated_keys, to_toml
-
-__all__ = [
-    "GAP",
-    "Angle",
-    "CameraSettings",
-    "CoefficientSettings",
-    "Counts",
-    "CrankRockerSettings",
-    "DesignSettings",
-    "DyeSettings",
-    "Electrons",
-    "EncoderSettings",
-    "EnduranceSettings",
-    "FileName",
-    "FixtureProfile",
-    "FixtureSettings",
-    "FixtureSystematics",
-    "Force",
-    "Form",
-    "Frequency",
-    "Gain",
-    "Interval",
-    "JointSettings",
-    "Key",
-    "Length",
-    "LightOptions",
-    "LockOfJoint",
-    "MaterialSettings",
-    "MechanismSettings",
-    "OilSettings",
-    "OpticsSettings",
-    "PartOfJoint",
-    "PlanSettings",
-    "PredictionOptions",
-    "Pressure",
-    "PressureViscosity",
-    "ReferenceSettings",
-    "RegionOfInterest",
-    "RegistrationOptions",
-    "RotationSettings",
-    "RunName",
-    "RunSettings",
-    "Settings",
-    "SinusoidalSettings",
-    "SliderCrankSettings",
-    "Speed",
-    "SystematicsOptions",
-    "Table",
-    "Temperature",
-    "TemperatureDifference",
-    "TemperatureOptions",
-    "Text",
-    "ThicknessOptions",
-    "Viscosity",
-    "VogelSettings",
-    "Wavelength",
-    "json_schema",
-    "keys_of",
-    "read_design_settings",
-    "read_endurance_settings",
-    "read_fixture_settings",
-    "read_plan_settings",
-    "read_run_settings",
-    "settings_of",
-    "stated_keys",
-    "tables_of",
-    "to_toml",
-    "write_example",
-    "write_template",
-]
+from .keys import Key as Key
+from .keys import Table as Table
+from .keys import keys_of as keys_of
+from .keys import tables_of as tables_of
+from .planning import CoefficientSettings as CoefficientSettings
+from .planning import DyeSettings as DyeSettings
+from .planning import PlanSettings as PlanSettings
+from .reading import read_fixture_settings as read_fixture_settings
+from .reading import read_named as read_named
+from .reading import read_plan_settings as read_plan_settings
+from .reading import read_run_settings as read_run_settings
+from .reading import settings_of as settings_of
+from .schema import json_schema as json_schema
+from .tables import Angle as Angle
+from .tables import CameraSettings as CameraSettings
+from .tables import Counts as Counts
+from .tables import CrankRockerSettings as CrankRockerSettings
+from .tables import Electrons as Electrons
+from .tables import EncoderSettings as EncoderSettings
+from .tables import FileName as FileName
+from .tables import FixtureProfile as FixtureProfile
+from .tables import FixtureSettings as FixtureSettings
+from .tables import FixtureSystematics as FixtureSystematics
+from .tables import Force as Force
+from .tables import Form as Form
+from .tables import Frequency as Frequency
+from .tables import Gain as Gain
+from .tables import Interval as Interval
+from .tables import JointSettings as JointSettings
+from .tables import Length as Length
+from .tables import LightOptions as LightOptions
+from .tables import MaterialSettings as MaterialSettings
+from .tables import MechanismSettings as MechanismSettings
+from .tables import OilSettings as OilSettings
+from .tables import OpticsSettings as OpticsSettings
+from .tables import PredictionOptions as PredictionOptions
+from .tables import Pressure as Pressure
+from .tables import PressureViscosity as PressureViscosity
+from .tables import ReferenceSettings as ReferenceSettings
+from .tables import RegionOfInterest as RegionOfInterest
+from .tables import RegistrationOptions as RegistrationOptions
+from .tables import RotationSettings as RotationSettings
+from .tables import RunName as RunName
+from .tables import RunSettings as RunSettings
+from .tables import Settings as Settings
+from .tables import SinusoidalSettings as SinusoidalSettings
+from .tables import SliderCrankSettings as SliderCrankSettings
+from .tables import Speed as Speed
+from .tables import SystematicsOptions as SystematicsOptions
+from .tables import Temperature as Temperature
+from .tables import TemperatureDifference as TemperatureDifference
+from .tables import TemperatureOptions as TemperatureOptions
+from .tables import Text as Text
+from .tables import ThicknessOptions as ThicknessOptions
+from .tables import Viscosity as Viscosity
+from .tables import VogelSettings as VogelSettings
+from .tables import Wavelength as Wavelength
+from .template import GAP as GAP
+from .template import write_example as write_example
+from .template import write_template as write_template
+from .toml import stated_keys as stated_keys
+from .toml import to_toml as to_toml

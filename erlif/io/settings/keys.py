@@ -1,7 +1,8 @@
 """The keys of a settings file, described: form, unit, default, bounds and meaning of each.
 
 Messages, the template of `erlif init`, the JSON schema and docs/settings.md are made from these.
-Form, bounds and default are those of the type of a field; its meaning stands in keys.toml.
+Form, bounds and default are those of the type of a field; its meaning stands in keys.toml
+beside the module of the table.
 """
 
 from __future__ import annotations
@@ -200,7 +201,10 @@ def meaning_of(kind: type[Settings], name: str) -> tuple[str, Any]:
     '60 um'
     """
     for one in kind.__mro__:  # a pin has the keys of any part
-        text = read_table("erlif.io.settings", "keys.toml").get(one.__name__, {}).get(name)
+        if not issubclass(one, Settings):
+            break
+        package = one.__module__.rpartition(".")[0]
+        text = read_table(package, "keys.toml").get(one.__name__, {}).get(name)
         if text is not None:
             return " ".join(text["meaning"].split()), text.get("example")
     return "", None

@@ -1,4 +1,4 @@
-"""run.toml, fixture.toml, plan.toml, joint.toml, checked: one message has all faults and gaps."""
+"""run.toml, fixture.toml, plan.toml, checked: one message has all faults and gaps."""
 
 from __future__ import annotations
 
@@ -15,8 +15,6 @@ from pydantic_core import ErrorDetails
 
 from erlif.core.bounded import read_bounded
 from erlif.core.errors import ConfigError
-from erlif.io.settings.design import DesignSettings
-from erlif.io.settings.endurance import EnduranceSettings
 from erlif.io.settings.keys import Key, keys_of, tables_in
 from erlif.io.settings.planning import PlanSettings
 from erlif.io.settings.tables import FixtureSettings, MechanismSettings, RunSettings, Settings
@@ -104,46 +102,7 @@ def read_plan_settings(path: Path) -> PlanSettings:
     erlif.core.errors.ConfigError: Expected a plan in no plan.toml; there is no such file. Make ...
     """
     hint = "Make one with: erlif plan --example > plan.toml"
-    return _read_named(path, PlanSettings, holds="a plan", hint=hint)
-
-
-def read_design_settings(path: Path) -> DesignSettings:
-    """Read and check a joint, the input of `erlif.design`.
-
-    Errors as for `read_run_settings`; `path` is the file, joint.toml.
-
-    Returns
-    -------
-    DesignSettings
-
-    Examples
-    --------
-    >>> read_design_settings(Path("no joint.toml"))  # doctest: +ELLIPSIS
-    Traceback (most recent call last):
-        ...
-    erlif.core.errors.ConfigError: Expected a joint in no joint.toml; there is no such file. ...
-    """
-    hint = "Make one with: erlif design --example > joint.toml"
-    return _read_named(path, DesignSettings, holds="a joint", hint=hint)
-
-
-def read_endurance_settings(path: Path) -> EnduranceSettings:
-    """Read and check the settings of endurance tests.
-
-    Errors as for `read_run_settings`; `path` is the file, endurance.toml.
-
-    Returns
-    -------
-    EnduranceSettings
-
-    Examples
-    --------
-    >>> read_endurance_settings(Path("no.toml"))
-    Traceback (most recent call last):
-        ...
-    erlif.core.errors.ConfigError: Expected settings in no.toml; there is no such file. Give a file.
-    """
-    return _read_named(path, EnduranceSettings, holds="settings", hint="Give a file.")
+    return read_named(path, PlanSettings, holds="a plan", hint=hint)
 
 
 def settings_of(
@@ -186,8 +145,36 @@ def settings_of(
     return read(path), folder or path.parent
 
 
-def _read_named(path: Path, kind: type[_Settings], *, holds: str, hint: str) -> _Settings:
-    """Settings of a file that the user names."""
+def read_named(path: Path, kind: type[_Settings], *, holds: str, hint: str) -> _Settings:
+    """Read and check a settings file that the user names.
+
+    Parameters
+    ----------
+    path : Path
+    kind : type of Settings
+        Class of the file.
+    holds : str
+        What the file holds, for the message where there is none.
+    hint : str
+        How to make one.
+
+    Returns
+    -------
+    settings
+        Of the class `kind`.
+
+    Raises
+    ------
+    ConfigError
+        As for `read_run_settings`.
+
+    Examples
+    --------
+    >>> read_named(Path("no.toml"), PlanSettings, holds="a plan", hint="Give a file.")
+    Traceback (most recent call last):
+        ...
+    erlif.core.errors.ConfigError: Expected a plan in no.toml; there is no such file. Give a file.
+    """
     if not path.is_file():
         what = "it is a directory" if path.is_dir() else "there is no such file"
         raise ConfigError(f"Expected {holds} in {path}; {what}. {hint}")

@@ -263,6 +263,7 @@ AngleUnit = Literal["deg", "rad", "mrad", "turn", "tick"]
 TimeUnit = Literal["s", "ms", "us", "ns", "min", "h"]
 ForceUnit = Literal["N", "kN", "mN", "lbf", "kgf"]
 TemperatureUnit = Literal["degC", "K", "degF"]
+TorqueUnit = Literal["N m", "kN m", "N mm", "lbf ft", "lbf in"]
 SpeedUnit = Literal["rad/s", "rpm", "deg/s", "rev/s", "m/s", "mm/s"]
 PulseEnergyUnit = Literal["mJ", "J", "uJ", "V", "1"]
 

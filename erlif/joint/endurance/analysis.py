@@ -209,7 +209,7 @@ def analyse_endurance(
     Parameters
     ----------
     log : xarray.Dataset
-        From `erlif.read_endurance_log`.
+        From `erlif.joint.read_torque_log`.
     pin_radius, arm, torque_ratio, tare
         As for `erlif.joint.friction.measure_friction`.
     calibration : float
@@ -234,7 +234,7 @@ def analyse_endurance(
 
     Examples
     --------
-    >>> from erlif.rig import simulate_endurance
+    >>> from erlif.joint.rig import simulate_endurance
     >>> log, truth = simulate_endurance(rng=np.random.default_rng(5))
     >>> cells = log[["cell_1", "cell_2"]].to_dataarray("cell")
     >>> log = xr.Dataset({"cells": cells, "arm_force": log.arm})

@@ -79,7 +79,7 @@ def check_other_sensors(test: xr.Dataset, stage: Stage, onset: Onset) -> tuple[S
 
     Examples
     --------
-    >>> from erlif.show.plots.example import example_test
+    >>> from erlif.joint.plots.example import example_test
     >>> result = example_test()
     >>> found = check_other_sensors(result.test, result.loaded[-1], result.onset)
     >>> [(sensor.name, sensor.confirms) for sensor in found]

@@ -52,7 +52,7 @@ def describe_test(result: EnduranceResult) -> list[str]:
     Parameters
     ----------
     result : EnduranceResult
-        From `erlif.analyse_endurance`.
+        From `erlif.joint.analyse_endurance`.
 
     Returns
     -------
@@ -60,7 +60,7 @@ def describe_test(result: EnduranceResult) -> list[str]:
 
     Examples
     --------
-    >>> from erlif.show.plots.example import example_test
+    >>> from erlif.joint.plots.example import example_test
     >>> print(describe_test(example_test())[0])
     example: 6 stages and 6 idle runs in 4424 s
     """
@@ -108,7 +108,7 @@ def describe_tests(results: Sequence[EnduranceResult]) -> list[str]:
 
     Examples
     --------
-    >>> from erlif.show.plots.example import example_test
+    >>> from erlif.joint.plots.example import example_test
     >>> for line in describe_tests([example_test()])[:2]:
     ...     print(line)
     test          galling  onset (95 %)                 load at failure   survived
@@ -153,7 +153,7 @@ def describe_designs(found: DesignComparison) -> list[str]:
     Parameters
     ----------
     found : DesignComparison
-        From `erlif.compare_designs`.
+        From `erlif.joint.compare_designs`.
 
     Returns
     -------
@@ -187,7 +187,7 @@ def write_test_table(found: Sequence[EnduranceResult], output: Path) -> Path:
     Examples
     --------
     >>> import tempfile
-    >>> from erlif.show.plots.example import example_test
+    >>> from erlif.joint.plots.example import example_test
     >>> path = Path(tempfile.mkdtemp(), "endurance.csv")
     >>> write_test_table([example_test()], path).read_text().splitlines()[1][:12]
     'example,6,1,'

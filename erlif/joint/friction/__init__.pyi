@@ -1,20 +1,9 @@
-from .coefficient import measure_friction
-from .log import QUANTITIES, SEVERAL, LogColumns, read_torque_log
-from .reversals import (
-    ReversalSeries,
-    analyse_friction,
-    describe_friction,
-    write_friction_table,
-)
-
-__all__ = [
-    "QUANTITIES",
-    "SEVERAL",
-    "LogColumns",
-    "ReversalSeries",
-    "analyse_friction",
-    "describe_friction",
-    "measure_friction",
-    "read_torque_log",
-    "write_friction_table",
-]
+from .coefficient import measure_friction as measure_friction
+from .log import QUANTITIES as QUANTITIES
+from .log import SEVERAL as SEVERAL
+from .log import LogColumns as LogColumns
+from .log import read_torque_log as read_torque_log
+from .reversals import ReversalSeries as ReversalSeries
+from .reversals import analyse_friction as analyse_friction
+from .reversals import describe_friction as describe_friction
+from .reversals import write_friction_table as write_friction_table

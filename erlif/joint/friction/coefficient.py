@@ -7,7 +7,7 @@ import xarray as xr
 
 from erlif.core.arrays import Array
 from erlif.core.errors import EnduranceError
-from erlif.models.friction import friction_coefficient
+from erlif.joint.models.friction import friction_coefficient
 
 _REVERSES = 0.3  # of the larger torque: a smaller one against it is noise about zero
 _ENDS = (5.0, 95.0)  # percentiles of the torque, which single jerks do not shift
@@ -36,7 +36,7 @@ def measure_friction(
     arm : float, optional
         Distance of the arm's load cell from the axis; needed where the log has its force. [m]
     torque_ratio : float
-        T* of the pressure distribution, see `erlif.models.friction.friction_coefficient`. [1]
+        T* of the pressure distribution, see `erlif.joint.models.friction.friction_coefficient`. [1]
     tare : float
         Reading of the cells together without load. [N]
 

@@ -18,7 +18,7 @@ from erlif.io.conversion import table_csv
 from erlif.io.files import write_file
 from erlif.joint.friction.coefficient import doubt_friction, require_option, torque_of
 from erlif.joint.friction.stretches import Stretch, find_stretches, variation_within
-from erlif.models.friction import friction_coefficient
+from erlif.joint.models.friction import friction_coefficient
 
 # Correlations of neighbours that are tried, and a prior by which the intervals of 30 pairs hold
 # their share for friction without correlation and for that over a sixth of the log alike.
@@ -221,10 +221,10 @@ def analyse_friction(
 
     Notes
     -----
-    The coefficient is torque over load and radius, mu'. The true one is smaller by the torque
-    ratio of the contact, see `erlif.models.friction` and `erlif.models.running_in`. The standard
-    deviation of a mean counts the scatter of the pairs about a straight line and its correlation
-    over several pairs, not that of the samples.
+    The coefficient is torque over load and radius, mu'. The true one is smaller by the torque ratio
+    of the contact, see `erlif.joint.models.friction` and `erlif.joint.models.running_in`. The
+    standard deviation of a mean counts the scatter of the pairs about a straight line and its
+    correlation over several pairs, not that of the samples.
 
     Examples
     --------

@@ -1,33 +1,20 @@
-from .assessment import Assessment, assess_joint
-from .design import BearingDesign
-from .heat import FRICTION
-from .joint import DIMENSIONS, Dimensions, Joint, Lock, dimensions_of
-from .materials import Material, read_materials
-from .practice import round_up
-from .sensitivity import Sensitivity, Substitute, sensitivities, substitutes
-from .size import size_joint
-from .state import JointState
-from .steps import ROUNDING, Step
-
-__all__ = [
-    "DIMENSIONS",
-    "FRICTION",
-    "ROUNDING",
-    "Assessment",
-    "BearingDesign",
-    "Dimensions",
-    "Joint",
-    "JointState",
-    "Lock",
-    "Material",
-    "Sensitivity",
-    "Step",
-    "Substitute",
-    "assess_joint",
-    "dimensions_of",
-    "read_materials",
-    "round_up",
-    "sensitivities",
-    "size_joint",
-    "substitutes",
-]
+from .assessment import Assessment as Assessment
+from .assessment import assess_joint as assess_joint
+from .design import BearingDesign as BearingDesign
+from .heat import FRICTION as FRICTION
+from .joint import DIMENSIONS as DIMENSIONS
+from .joint import Dimensions as Dimensions
+from .joint import Joint as Joint
+from .joint import Lock as Lock
+from .joint import dimensions_of as dimensions_of
+from .materials import Material as Material
+from .materials import read_materials as read_materials
+from .practice import round_up as round_up
+from .sensitivity import Sensitivity as Sensitivity
+from .sensitivity import Substitute as Substitute
+from .sensitivity import sensitivities as sensitivities
+from .sensitivity import substitutes as substitutes
+from .size import size_joint as size_joint
+from .state import JointState as JointState
+from .steps import ROUNDING as ROUNDING
+from .steps import Step as Step

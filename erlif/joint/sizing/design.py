@@ -15,15 +15,8 @@ from typing import Any
 from erlif.core.errors import ConfigError, UnitWarning
 from erlif.core.tables import read_table
 from erlif.core.units import Quantity
-from erlif.io.settings import (
-    DesignSettings,
-    LockOfJoint,
-    PartOfJoint,
-    read_design_settings,
-    settings_of,
-    to_toml,
-    write_example,
-)
+from erlif.io.settings import settings_of, to_toml, write_example
+from erlif.joint.settings import DesignSettings, LockOfJoint, PartOfJoint, read_design_settings
 from erlif.joint.sizing.assessment import Assessment, assess_joint
 from erlif.joint.sizing.joint import DIMENSIONS, Joint, Lock, dimensions_of
 from erlif.joint.sizing.materials import Material, read_materials

@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 from functools import partial
 
+from erlif.joint.models.bearing import RECOMMENDED_HOUSING, RECOMMENDED_PLAY, least_eyebar_diameter
 from erlif.joint.sizing.heat import missing_motion, name_missing
 from erlif.joint.sizing.joint import Dimensions, known
 from erlif.joint.sizing.state import JointState
 from erlif.joint.sizing.steps import Result
-from erlif.models.bearing import RECOMMENDED_HOUSING, RECOMMENDED_PLAY, least_eyebar_diameter
 
 # Friction in the press fit for which the push-out force is stated; it grows in proportion. [1]
 PUSH_OUT_FRICTION = 0.1

@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
+from erlif.joint.models.wear import pressure_velocity, steady_bushing_wear
 from erlif.joint.sizing.joint import Joint, known
 from erlif.joint.sizing.state import JointState
 from erlif.joint.sizing.steps import Result, margin_below
-from erlif.models.wear import pressure_velocity, steady_bushing_wear
 
 # Friction coefficients of grease-lubricated oscillating joints, section 2.1.14. [1]
 FRICTION = (0.1, 0.8)

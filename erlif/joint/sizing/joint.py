@@ -11,9 +11,9 @@ from typing import Literal, NamedTuple
 
 from erlif.core.errors import ModelError
 from erlif.core.tables import read_table
+from erlif.joint.models.wear import mean_sliding_speed
 from erlif.joint.sizing.materials import Material
 from erlif.models import arguments
-from erlif.models.wear import mean_sliding_speed
 
 _PARTS = {"pin": "pin", "bushing": "bushing", "seat": "seats", "housing": "housing"}
 

@@ -9,11 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from erlif.joint.sizing.joint import Joint, Lock, dimensions_of, known
-from erlif.joint.sizing.practice import Series, round_up
-from erlif.joint.sizing.state import JointState
-from erlif.joint.sizing.steps import Result, strength_limit
-from erlif.models.bearing import (
+from erlif.joint.models.bearing import (
     CLOSED_LOCK_MOMENT,
     CLOSED_LOCK_SHEAR,
     largest_internal_weld_diameter,
@@ -24,6 +20,10 @@ from erlif.models.bearing import (
     lock_force,
     pin_diameter_in_shear,
 )
+from erlif.joint.sizing.joint import Joint, Lock, dimensions_of, known
+from erlif.joint.sizing.practice import Series, round_up
+from erlif.joint.sizing.state import JointState
+from erlif.joint.sizing.steps import Result, strength_limit
 
 # Inner diameter below which an internal weld cannot be made, section 2.1.8. [m]
 SMALLEST_WELD = 20e-3

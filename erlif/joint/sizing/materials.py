@@ -12,7 +12,7 @@ from typing import Any
 from erlif.core.bounded import read_rows
 from erlif.core.errors import ConfigError
 from erlif.core.tables import read_table
-from erlif.models.bearing import hardness_from_strength
+from erlif.joint.models.bearing import hardness_from_strength
 
 # Pascal of one Brinell: a kilogram-force on a square millimetre. [Pa]
 BRINELL = 9.80665e6

@@ -4,11 +4,7 @@ from __future__ import annotations
 
 import math
 
-from erlif.joint.sizing.joint import known
-from erlif.joint.sizing.materials import BRINELL
-from erlif.joint.sizing.state import JointState
-from erlif.joint.sizing.steps import Result, margin_below, strength_limit
-from erlif.models.bearing import (
+from erlif.joint.models.bearing import (
     LARGEST_HOLE_RATIO,
     RECOMMENDED_SLENDERNESS,
     hole_stress_concentration,
@@ -18,6 +14,10 @@ from erlif.models.bearing import (
     pin_diameter_in_bending,
     pin_diameter_in_shear,
 )
+from erlif.joint.sizing.joint import known
+from erlif.joint.sizing.materials import BRINELL
+from erlif.joint.sizing.state import JointState
+from erlif.joint.sizing.steps import Result, margin_below, strength_limit
 
 # Stress concentration taken for a hole beyond the fit of eq. 4: that of a vanishing hole. [1]
 LARGEST_CONCENTRATION = 3.0

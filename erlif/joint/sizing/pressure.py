@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 
+from erlif.joint.models.bearing import RECOMMENDED_WIDTH, least_bushing_width, least_projected_area
 from erlif.joint.sizing.joint import known
 from erlif.joint.sizing.materials import BRINELL
 from erlif.joint.sizing.state import JointState
 from erlif.joint.sizing.steps import Result, strength_limit
-from erlif.models.bearing import RECOMMENDED_WIDTH, least_bushing_width, least_projected_area
 
 # Sliding speed up to which half of the yield stress prevents seizure, eq. 5. [m/s]
 SLOW = 0.02

@@ -17,6 +17,14 @@ from typing import Any
 import numpy as np
 
 from erlif.core.errors import ConfigError, UnitWarning
+from erlif.joint.models.bearing import (
+    LARGEST_HOLE_RATIO,
+    RECOMMENDED_HOUSING,
+    RECOMMENDED_PLAY,
+    RECOMMENDED_WIDTH,
+    least_eyebar_diameter,
+    least_seat_width,
+)
 from erlif.joint.sizing.assessment import EQUATIONS
 from erlif.joint.sizing.joint import DIMENSIONS, Joint, known, warn_of_units
 from erlif.joint.sizing.lock import size_lock
@@ -28,14 +36,6 @@ from erlif.joint.sizing.practice import (
     tolerance_grade_7,
 )
 from erlif.joint.sizing.state import JointState
-from erlif.models.bearing import (
-    LARGEST_HOLE_RATIO,
-    RECOMMENDED_HOUSING,
-    RECOMMENDED_PLAY,
-    RECOMMENDED_WIDTH,
-    least_eyebar_diameter,
-    least_seat_width,
-)
 
 # Wall of a bushing over the pin diameter where it is not given; no step of the guide. [1]
 WALL = 0.1

@@ -9,8 +9,9 @@ from functools import cached_property
 import numpy as np
 
 from erlif.core.arrays import Array
+from erlif.joint.models.bearing import RECOMMENDED_PLAY, press_fit_displacement
+from erlif.joint.models.wear import bushing_heat_share, friction_heat, thermal_growth
 from erlif.joint.sizing.joint import Joint, dimensions_of, known
-from erlif.models.bearing import RECOMMENDED_PLAY, press_fit_displacement
 from erlif.models.contact import (
     FULL_CONTACT,
     closed_contact_pressure,
@@ -20,7 +21,6 @@ from erlif.models.contact import (
     persson_peak_group,
     persson_pressure,
 )
-from erlif.models.wear import bushing_heat_share, friction_heat, thermal_growth
 
 # Share of the heat in the bushing from which eq. 29 gives its temperature; the pin has no path for
 # the rest in the guide, which computes bushings of metal, about a half. An assumption. [1]

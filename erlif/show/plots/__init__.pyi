@@ -1,197 +1,64 @@
-from .calibration import (
-    calibration_figure,
-    fixture_profile,
-    profile_figure,
-    ratio_against_thickness,
-    ratio_residuals,
-    write_calibration_figure,
-)
-from .comparison import (
-    comparison_figure,
-    control_chart_of,
-    difference_map_of_runs,
-    film_against_duty,
-    write_comparison_figures,
-)
-from .design import (
-    design_figure,
-    design_margins,
-    design_margins_figure,
-    design_pressure,
-    design_pv,
-    design_temperature,
-    design_wear,
-)
-from .edges import (
-    axial_pressure,
-    contact_pressure_map,
-    stress_section,
-    undercut_pressure,
-)
-from .endurance import (
-    designs_figure,
-    endurance_figure,
-    failure_figure,
-    friction_over_test,
-    load_profile,
-    loads_of_designs,
-    name_figures,
-    name_overviews,
-    quantity_over_test,
-    write_designs_figure,
-    write_endurance_figures,
-)
-from .example import (
-    example_calibration,
-    example_film,
-    example_frames,
-    example_images,
-    example_pressure,
-    example_registration,
-    write_example,
-)
-from .files import find_fixture, find_run, missing_figures, write_figures
-from .friction import friction_over_reversals, write_reversal_figure
-from .images import band_images, band_images_figure, ratio_image
-from .kinematics import cycle_figure, film_over_cycle, speed_against_angle, speed_over_cycle
-from .linkage import (
-    example_linkage,
-    linkage_figure,
-    linkage_movie,
-    linkage_positions,
-    linkage_view,
-    rocker_over_crank,
-    transmission_over_crank,
-    write_linkage,
-)
-from .maps import (
-    thickness_figure,
-    thickness_map,
-)
-from .mechanism import draw_mechanism
-from .movie import cycle_movie, cycle_view
-from .orbit import closest_film, gap_curvature, pin_figure, pin_orbit
-from .plan import example_plan_results, plan_figure, plan_precision, plan_ratio, plan_signal
-from .prediction import (
-    film_and_prediction,
-    film_less_prediction,
-    film_over_run,
-    predicted_map,
-    prediction_figure,
-    prediction_map_figure,
-)
-from .pressure import (
-    load_balance,
-    pressure_figure,
-    pressure_map,
-    pressure_profile,
-    write_pressure_figure,
-)
-from .profiles import profile_residual, sliding_profile
-from .registration import displacement_map, drift_of_frames, registration_figure
-from .sheet import map_sheet_figure
-from .slider import extrapolation_error, joint_force, joint_wear
-from .style import save_figure
-from .trend import film_against_speed, film_and_theory, speed_figure
-
-__all__ = [
-    "axial_pressure",
-    "band_images",
-    "band_images_figure",
-    "calibration_figure",
-    "closest_film",
-    "comparison_figure",
-    "contact_pressure_map",
-    "control_chart_of",
-    "cycle_figure",
-    "cycle_movie",
-    "cycle_view",
-    "design_figure",
-    "design_margins",
-    "design_margins_figure",
-    "design_pressure",
-    "design_pv",
-    "design_temperature",
-    "design_wear",
-    "designs_figure",
-    "difference_map_of_runs",
-    "displacement_map",
-    "draw_mechanism",
-    "drift_of_frames",
-    "endurance_figure",
-    "example_calibration",
-    "example_film",
-    "example_frames",
-    "example_images",
-    "example_linkage",
-    "example_plan_results",
-    "example_pressure",
-    "example_registration",
-    "extrapolation_error",
-    "failure_figure",
-    "film_against_duty",
-    "film_against_speed",
-    "film_and_prediction",
-    "film_and_theory",
-    "film_less_prediction",
-    "film_over_cycle",
-    "film_over_run",
-    "find_fixture",
-    "find_run",
-    "fixture_profile",
-    "friction_over_reversals",
-    "friction_over_test",
-    "gap_curvature",
-    "joint_force",
-    "joint_wear",
-    "linkage_figure",
-    "linkage_movie",
-    "linkage_positions",
-    "linkage_view",
-    "load_balance",
-    "load_profile",
-    "loads_of_designs",
-    "map_sheet_figure",
-    "missing_figures",
-    "name_figures",
-    "name_overviews",
-    "pin_figure",
-    "pin_orbit",
-    "plan_figure",
-    "plan_precision",
-    "plan_ratio",
-    "plan_signal",
-    "predicted_map",
-    "prediction_figure",
-    "prediction_map_figure",
-    "pressure_figure",
-    "pressure_map",
-    "pressure_profile",
-    "profile_figure",
-    "profile_residual",
-    "quantity_over_test",
-    "ratio_against_thickness",
-    "ratio_image",
-    "ratio_residuals",
-    "registration_figure",
-    "rocker_over_crank",
-    "save_figure",
-    "sliding_profile",
-    "speed_against_angle",
-    "speed_figure",
-    "speed_over_cycle",
-    "stress_section",
-    "thickness_figure",
-    "thickness_map",
-    "transmission_over_crank",
-    "undercut_pressure",
-    "write_calibration_figure",
-    "write_comparison_figures",
-    "write_designs_figure",
-    "write_endurance_figures",
-    "write_example",
-    "write_figures",
-    "write_linkage",
-    "write_pressure_figure",
-    "write_reversal_figure",
-]
+from .calibration import calibration_figure as calibration_figure
+from .calibration import fixture_profile as fixture_profile
+from .calibration import profile_figure as profile_figure
+from .calibration import ratio_against_thickness as ratio_against_thickness
+from .calibration import ratio_residuals as ratio_residuals
+from .calibration import write_calibration_figure as write_calibration_figure
+from .comparison import comparison_figure as comparison_figure
+from .comparison import control_chart_of as control_chart_of
+from .comparison import difference_map_of_runs as difference_map_of_runs
+from .comparison import film_against_duty as film_against_duty
+from .comparison import write_comparison_figures as write_comparison_figures
+from .example import example_calibration as example_calibration
+from .example import example_film as example_film
+from .example import example_frames as example_frames
+from .example import example_images as example_images
+from .example import example_pressure as example_pressure
+from .example import example_registration as example_registration
+from .example import write_example as write_example
+from .files import find_fixture as find_fixture
+from .files import find_run as find_run
+from .files import missing_figures as missing_figures
+from .files import write_figures as write_figures
+from .images import band_images as band_images
+from .images import band_images_figure as band_images_figure
+from .images import ratio_image as ratio_image
+from .kinematics import cycle_figure as cycle_figure
+from .kinematics import film_over_cycle as film_over_cycle
+from .kinematics import speed_against_angle as speed_against_angle
+from .kinematics import speed_over_cycle as speed_over_cycle
+from .maps import thickness_figure as thickness_figure
+from .maps import thickness_map as thickness_map
+from .mechanism import draw_mechanism as draw_mechanism
+from .movie import cycle_movie as cycle_movie
+from .movie import cycle_view as cycle_view
+from .orbit import closest_film as closest_film
+from .orbit import gap_curvature as gap_curvature
+from .orbit import pin_figure as pin_figure
+from .orbit import pin_orbit as pin_orbit
+from .plan import example_plan_results as example_plan_results
+from .plan import plan_figure as plan_figure
+from .plan import plan_precision as plan_precision
+from .plan import plan_ratio as plan_ratio
+from .plan import plan_signal as plan_signal
+from .prediction import film_and_prediction as film_and_prediction
+from .prediction import film_less_prediction as film_less_prediction
+from .prediction import film_over_run as film_over_run
+from .prediction import predicted_map as predicted_map
+from .prediction import prediction_figure as prediction_figure
+from .prediction import prediction_map_figure as prediction_map_figure
+from .pressure import load_balance as load_balance
+from .pressure import pressure_figure as pressure_figure
+from .pressure import pressure_map as pressure_map
+from .pressure import pressure_profile as pressure_profile
+from .pressure import write_pressure_figure as write_pressure_figure
+from .profiles import profile_residual as profile_residual
+from .profiles import sliding_profile as sliding_profile
+from .registration import displacement_map as displacement_map
+from .registration import drift_of_frames as drift_of_frames
+from .registration import registration_figure as registration_figure
+from .sheet import map_sheet_figure as map_sheet_figure
+from .style import save_figure as save_figure
+from .trend import film_against_speed as film_against_speed
+from .trend import film_and_theory as film_and_theory
+from .trend import speed_figure as speed_figure

@@ -15,8 +15,6 @@ import xarray as xr
 from erlif.calibration import Calibration, calibration_of
 from erlif.core.flags import FLAG_ATTRS
 from erlif.io.files import open_netcdf, write_dataset
-from erlif.joint.endurance import EnduranceResult, analyse_endurance
-from erlif.rig import EnduranceRig, simulate_endurance
 
 _STORED = Path(__file__).with_name("example.nc")
 
@@ -186,29 +184,3 @@ def example_pressure() -> xr.Dataset:
     78 kPa
     """
     return _copy("pressure")
-
-
-@cache
-def example_test(*, galls: bool = True) -> EnduranceResult:
-    """Analyse a simulated test like the first one of Farzaneh (2002).
-
-    Parameters
-    ----------
-    galls : bool
-        False: a test that survives.
-
-    Returns
-    -------
-    EnduranceResult
-
-    Examples
-    --------
-    >>> example_test().failure.stage
-    6
-    """
-    rig = EnduranceRig(interval=4.0, galling_stage=6 if galls else None)
-    log, _ = simulate_endurance(rig, rng=np.random.default_rng(7))
-    cells = log[["cell_1", "cell_2"]].to_dataarray("cell", name="cells")
-    columns = xr.Dataset({"cells": cells.drop_vars("cell"), "arm_force": log["arm"]})
-    columns = columns.assign(temperature=log["temperature"], vibration=log["vibration"])
-    return analyse_endurance(columns, pin_radius=rig.pin_radius, arm=rig.arm, name="example")

@@ -12,7 +12,7 @@ from itertools import groupby
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from jinja2 import Environment, select_autoescape
+from jinja2 import ChoiceLoader, Environment, PackageLoader, select_autoescape
 from markupsafe import Markup, escape
 
 from erlif.core.tables import read_table, text_templates
@@ -27,7 +27,8 @@ _LARGE = 400_000  # bytes of a drawing that is kept as an image of pixels
 _LONGEST = 80  # characters of the name of a run in the name of a file
 
 # What tables name: titles, columns and their order.
-TABLES = read_table("erlif.show.report", "tables.toml")
+_OWN = "erlif.show.report"
+TABLES = read_table(_OWN, "tables.toml")
 
 
 class Table(NamedTuple):
@@ -53,24 +54,28 @@ class Table(NamedTuple):
 
 def render(template: str, **content: Any) -> Markup:
     """Fill a template of the folder ``templates``; plain text in `content` is escaped."""
-    return Markup(_templates().get_template(template).render(**content))
+    return Markup(_templates(_OWN).get_template(template).render(**content))
 
 
-def render_part(template: str, part: str, **content: Any) -> Markup:
-    """Fill one macro of a template that holds the sections of a page."""
-    macros = _templates().get_template(template).module
+def render_part(template: str, part: str, package: str = _OWN, /, **content: Any) -> Markup:
+    """Fill one macro of a template of a package, which holds the sections of a page."""
+    macros = _templates(package).get_template(template).module
     return Markup(getattr(macros, part)(**content))
 
 
-def render_text(template: str, **content: Any) -> str:
+def render_text(template: str, package: str = _OWN, /, **content: Any) -> str:
     """Fill a template of plain text for the terminal; it ends without a new line."""
-    return _templates().get_template(template).render(**content).rstrip("\n")
+    return _templates(package).get_template(template).render(**content).rstrip("\n")
 
 
 @functools.cache
-def _templates() -> Environment:
-    environment = text_templates("erlif.show.report").overlay(
-        autoescape=select_autoescape(("html",)), keep_trailing_newline=False
+def _templates(package: str) -> Environment:
+    # a template of another package may use the pieces of this one
+    folders = [PackageLoader(name) for name in dict.fromkeys((package, _OWN))]
+    environment = text_templates(_OWN).overlay(
+        loader=ChoiceLoader(folders),
+        autoescape=select_autoescape(("html",)),
+        keep_trailing_newline=False,
     )
     environment.filters["units"] = print_units
     environment.filters["g"] = lambda value, digits=6: f"{float(value):.{digits}g}"
@@ -187,7 +192,7 @@ def write_page(make: Callable[[], str], out_path: str | Path, *, overwrite: bool
     return write_file(path, make())
 
 
-def read_resource(name: str, *, of: str = "erlif.show.report") -> Markup:
+def read_resource(name: str, *, of: str = _OWN) -> Markup:
     """A file of a folder: style or script of a page."""
     return Markup(resources.files(of).joinpath(name).read_text(encoding="utf-8"))
 

@@ -1,15 +1,8 @@
 """Descriptions of the keys: complete, and true to the types."""
 
 from erlif.core.tables import read_table
-from erlif.io.settings import (
-    DesignSettings,
-    EnduranceSettings,
-    FixtureSettings,
-    PlanSettings,
-    RunSettings,
-    keys_of,
-    tables_of,
-)
+from erlif.io.settings import FixtureSettings, PlanSettings, RunSettings, keys_of, tables_of
+from erlif.joint.settings import DesignSettings, EnduranceSettings
 
 KINDS = (RunSettings, FixtureSettings, PlanSettings, DesignSettings, EnduranceSettings)
 
@@ -25,8 +18,9 @@ def test_every_key_and_table_has_a_meaning_and_an_example():
             assert one.example is not None, f"{table.title}.{one.name}"
 
     # and keys.toml describes no key that there is not
-    for name, keys in read_table("erlif.io.settings", "keys.toml").items():
-        assert set(keys) <= described[name], name
+    for package in ("erlif.io.settings", "erlif.joint.settings"):
+        for name, keys in read_table(package, "keys.toml").items():
+            assert set(keys) <= described[name], name
 
 
 def test_a_default_is_written_as_a_user_writes_it():

@@ -3,15 +3,8 @@
 import pytest
 
 from erlif.core.units import parse_quantity
-from erlif.io.settings import (
-    DesignSettings,
-    EnduranceSettings,
-    FixtureSettings,
-    PlanSettings,
-    RunSettings,
-    keys_of,
-    tables_of,
-)
+from erlif.io.settings import FixtureSettings, PlanSettings, RunSettings, keys_of, tables_of
+from erlif.joint.settings import DesignSettings, EnduranceSettings
 
 KINDS = (RunSettings, FixtureSettings, PlanSettings, DesignSettings, EnduranceSettings)
 

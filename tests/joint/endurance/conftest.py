@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from erlif.rig import EnduranceRig, simulate_endurance
+from erlif.joint.rig import EnduranceRig, simulate_endurance
 
 
 def as_read(log):

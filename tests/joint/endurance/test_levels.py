@@ -5,7 +5,7 @@ import pytest
 
 from erlif.joint.endurance import StageFriction, analyse_endurance, describe_test
 from erlif.joint.endurance.levels import find_level_rises, note_level_rises
-from erlif.rig import EnduranceRig, simulate_endurance
+from erlif.joint.rig import EnduranceRig, simulate_endurance
 from tests.joint.endurance.conftest import as_read
 
 QUIET = EnduranceRig(interval=4.0, stage_duration=400.0, galling_stage=None)

@@ -8,7 +8,7 @@ from scipy.signal import lfilter
 
 from erlif.joint.endurance.blocks import StageFriction
 from erlif.joint.endurance.search import find_onset
-from erlif.rig import EnduranceRig, simulate_endurance
+from erlif.joint.rig import EnduranceRig, simulate_endurance
 
 
 def friction_of(*, rise, kept=0.9, at=170.0, rng, stages=2, noise=0.004):

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 from erlif.core.notes import Level, Note
 from erlif.joint.endurance import describe_test, describe_tests, write_test_table
-from erlif.show.plots.example import example_test
+from erlif.joint.plots.example import example_test
 
 
 def text_of(result, **changes):

@@ -7,7 +7,7 @@ import pytest
 
 import erlif
 from erlif.core.errors import ConfigError
-from erlif.io.settings import DesignSettings
+from erlif.joint.settings import DesignSettings
 from erlif.joint.sizing import assess_joint
 from erlif.joint.sizing.design import design, example_design, example_joint, example_joint_file
 
@@ -20,7 +20,7 @@ def path(tmp_path):
 
 
 def test_the_example_is_sound_and_complete_and_sized_gives_itself_again(path):
-    first = erlif.design(path)
+    first = erlif.joint.design(path)
     assert first.sound
     assert not first.assessment.doubtful
     assert first.assessment.steps == example_design().assessment.steps

@@ -7,8 +7,8 @@ import pytest
 from scenes.joints import altered, assessed
 from scipy.integrate import trapezoid
 
+from erlif.joint.models.wear import steady_bushing_wear
 from erlif.joint.sizing import read_materials
-from erlif.models.wear import steady_bushing_wear
 
 
 def test_a_hot_outside_and_a_bushing_that_hardly_conducts_are_reported():

@@ -6,7 +6,6 @@ from typing import NamedTuple, get_args
 
 from erlif.core.units import convert
 from erlif.io.ingest.logs.table import NAMES
-from erlif.io.settings.endurance import TorqueUnit
 from erlif.io.settings.tables import (
     AngleUnit,
     ForceUnit,
@@ -14,6 +13,7 @@ from erlif.io.settings.tables import (
     SpeedUnit,
     TemperatureUnit,
     TimeUnit,
+    TorqueUnit,
 )
 
 # Unit of a column whose clock times became seconds.

@@ -1,0 +1,13 @@
+from . import endurance as endurance
+from . import friction as friction
+from . import models as models
+from . import plots as plots
+from . import report as report
+from . import rig as rig
+from . import settings as settings
+from . import sizing as sizing
+from .endurance import analyse_endurance as analyse_endurance
+from .endurance import compare_designs as compare_designs
+from .friction import analyse_friction as analyse_friction
+from .friction import read_torque_log as read_torque_log
+from .sizing.design import design as design

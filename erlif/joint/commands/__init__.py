@@ -1,0 +1,1 @@
+"""The commands of the joint; `erlif.commands.main` finds them by their names."""

@@ -1,0 +1,206 @@
+"""``erlif endurance``: endurance tests of bearings."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from fnmatch import fnmatch
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal
+
+import click
+
+from erlif.commands.lines import describe_written, verbosity, wrap
+from erlif.commands.options import LENGTH, OVERWRITE, PATH, Quantity, output_option
+from erlif.core.speed.imports import large_imports
+from erlif.joint.commands.log_columns import (
+    choose_columns,
+    column_pairs,
+    describe_reading,
+    log_options,
+)
+
+if TYPE_CHECKING:
+    from erlif.joint.endurance import EnduranceResult
+
+_FEWEST_RUNS = 2
+
+
+@click.command()
+@click.argument("logs", metavar="LOG...", type=PATH, nargs=-1, required=True)
+@click.option("--settings", type=PATH, help="endurance.toml; options take precedence over it.")
+@click.option("--radius", "pin_radius", type=LENGTH, help='Radius of the pin, "33.36 mm".')
+@click.option("--arm", type=LENGTH, help='Arm of the torque\'s load cell, "30 cm".')
+@click.option(
+    "--idle-load", type=Quantity("N", "LOAD"), help='Load up to which a run is idle, "2 kN".'
+)
+@click.option(
+    "--least-rise",
+    type=click.FloatRange(min=0),
+    help="Smallest rise of friction that is called galling.  [default: 0.02]",
+)
+@click.option(
+    "--group",
+    "designs",
+    metavar="NAME=PATTERN",
+    multiple=True,
+    callback=column_pairs,
+    help="Logs of a design by their file names, twice; default: [designs] of the settings.",
+)
+@click.option(
+    "--model",
+    type=click.Choice(["lognormal", "weibull"]),
+    default="lognormal",
+    show_default=True,
+    help="Distribution of the load at failure for the comparison.",
+)
+@log_options("time, cells, torque, arm_force, temperature or vibration")
+@output_option("Directory", "endurance/ beside the log")
+@OVERWRITE
+def endurance(
+    logs: tuple[Path, ...],
+    settings: Path | None,
+    columns: dict[str, tuple[str, ...]],
+    units: dict[str, tuple[str, ...]],
+    least_rise: float | None,
+    designs: dict[str, tuple[str, ...]],
+    model: Literal["lognormal", "weibull"],
+    skip_bad_rows: bool,
+    compression_negative: bool,
+    output: Path | None,
+    overwrite: bool,
+    **stated: float | None,
+) -> None:
+    """Find the onset of galling and the failure load in endurance logs.
+
+    Prints them with their uncertainties, draws load, torque, friction and temperature over time,
+    and writes a table of the tests. Two designs are compared by their loads at failure.
+
+    \b
+    Example:
+      erlif endurance run_1.csv --radius "33.36 mm" --arm "30 cm"
+      erlif endurance *.csv --settings endurance.toml \\
+          --group uncut=uncut_* --group new=new_*
+    """
+    with large_imports():
+        from erlif.io.files import refuse_existing
+        from erlif.joint.endurance import (
+            analyse_endurance,
+            compare_designs,
+            describe_designs,
+            write_test_table,
+        )
+        from erlif.joint.friction import read_torque_log
+        from erlif.joint.plots import name_overviews, write_designs_figure, write_endurance_figures
+        from erlif.joint.settings import EnduranceSettings, read_endurance_settings
+
+    # everything that can be refused is refused before anything is written
+    given = read_endurance_settings(settings) if settings else EnduranceSettings()
+    # an option that is not given leaves the value of the settings
+    used = {name: value for name, value in stated.items() if value is not None}
+    machine = given.machine.model_copy(update=used)
+    if machine.pin_radius is None:
+        raise click.UsageError('Expected the radius of the pin. Give it: --radius "33.36 mm"')
+    named = given.columns.model_dump(exclude_none=True)
+    choice = choose_columns(
+        {name: one if isinstance(one, tuple) else (one,) for name, one in named.items()} | columns,
+        {name: (one,) for name, one in given.units.model_dump(exclude_none=True).items()} | units,
+    )
+
+    # pictures and rows are named after the logs
+    names = [log.stem for log in logs]
+    overviews = name_overviews(names)
+    _refuse_doubled(names)
+    members = _divide(logs, designs or dict(given.designs))
+    output = output or logs[0].parent / "endurance"
+    table = output / "endurance.csv"
+    refuse_existing(table, overwrite=overwrite)
+    for picture in overviews.values():
+        refuse_existing(output / picture, overwrite=overwrite)
+
+    reading = {"skip_bad_rows": skip_bad_rows, "compression_negative": compression_negative}
+    results: list[EnduranceResult] = []
+    reading_of: dict[str, list[str]] = {}
+    for log in logs:
+        read = read_torque_log(log, choice, **reading)
+        results.append(
+            analyse_endurance(
+                read,
+                pin_radius=machine.pin_radius,
+                arm=machine.arm,
+                torque_ratio=machine.torque_ratio,
+                tare=machine.tare,
+                calibration=machine.load_error,
+                idle_load=machine.idle_load,
+                significance=given.galling.significance,
+                least_rise=given.galling.least_rise if least_rise is None else least_rise,
+                name=log.stem,
+            )
+        )
+        reading_of[log.stem] = describe_reading(read)
+    click.echo(wrap("\n".join(_describe(results, reading_of))) + "\n")
+
+    # the tests of both designs are known only after all logs
+    if members:
+        (first, one), (second, other) = members.items()
+        failures = {result.name: result.failure for result in results}
+        old, new = ([failures[name] for name in design] for design in (one, other))
+        compared = compare_designs(old, new, names=(first, second), model=model)
+        click.echo(wrap("\n".join(describe_designs(compared))) + "\n")
+    written = [write_test_table(results, table)]
+    for result in results:
+        written += write_endurance_figures(result, output, overview=overviews[result.name])
+    if members:
+        written.append(write_designs_figure(compared, old, new, output))
+    click.echo(describe_written(written))
+
+
+def _describe(results: Sequence[EnduranceResult], reading: dict[str, list[str]]) -> Iterator[str]:
+    """A single test and its columns in full; of several a row each, with ``-v`` in full."""
+    from erlif.joint.endurance import describe_test, describe_tests
+
+    if len(results) == 1 or verbosity():
+        for result in results:
+            yield from (*describe_test(result), *reading[result.name], "")
+        return
+    yield from describe_tests(results)
+    # logs of one machine have the same columns
+    for line in dict.fromkeys(line for lines in reading.values() for line in lines):
+        named = [name for name, lines in reading.items() if line in lines]
+        yield line if len(named) == len(reading) else f"{', '.join(named)}: {line}"
+    yield "Stages, changes of temperature and vibration, and notes: -v"
+
+
+def _refuse_doubled(names: list[str]) -> None:
+    """Outputs are named after the logs."""
+    doubled = {name for name in names if names.count(name) > 1}
+    if doubled:
+        raise click.UsageError(
+            f"Expected logs of different names; {', '.join(sorted(doubled))} comes twice. Rename "
+            "one, or analyse them with different -o."
+        )
+
+
+def _divide(logs: tuple[Path, ...], designs: Mapping[str, Sequence[str]]) -> dict[str, list[str]]:
+    """Names of the logs of both designs."""
+    members: dict[str, list[str]] = {}
+    for name, patterns in designs.items():
+        members[name] = [
+            log.stem
+            for log in logs
+            if any(fnmatch(log.name, one) or fnmatch(log.stem, one) for one in patterns)
+        ]
+        if len(members[name]) < _FEWEST_RUNS:
+            raise click.UsageError(
+                f"Expected at least two logs of design {name}; {', '.join(patterns)} fits "
+                f"{len(members[name])} of them. Give more logs, or another pattern."
+            )
+    twice = [
+        log for log in {one.stem for one in logs} if sum(log in m for m in members.values()) > 1
+    ]
+    if len(members) not in (0, 2) or twice:
+        what = f"{twice[0]} belongs to two" if twice else f"got {len(members)}"
+        raise click.UsageError(
+            f"Expected two designs, each log in one; {what}. Give --group NAME=PATTERN "
+            "twice, with patterns that no log shares."
+        )
+    return members

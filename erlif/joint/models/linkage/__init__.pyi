@@ -1,0 +1,15 @@
+from .design import LinkageDesign as LinkageDesign
+from .design import Sensitivity as Sensitivity
+from .design import link_sensitivity as link_sensitivity
+from .design import measure_linkage as measure_linkage
+from .motor import DrivePower as DrivePower
+from .motor import choose_motor as choose_motor
+from .motor import drive_power as drive_power
+from .strength import beam_bending_stress as beam_bending_stress
+from .strength import fatigue_safety as fatigue_safety
+from .strength import hole_stress as hole_stress
+from .strength import open_hole_concentration as open_hole_concentration
+from .strength import pin_hole_concentration as pin_hole_concentration
+from .strength import thread_stress_area as thread_stress_area
+from .synthesis import Synthesis as Synthesis
+from .synthesis import synthesise_crank_rocker as synthesise_crank_rocker

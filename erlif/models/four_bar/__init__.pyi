@@ -1,0 +1,1 @@
+from .measures import grashof_class as grashof_class
