@@ -150,13 +150,13 @@ VARIABLE_ATTRIBUTES = (
     Attribute("axial_origin", "Of displacement and tilt: origin of positions along the axis [mm]."),
     Attribute(
         "regime",
-        "Of film_theory and film_regime_map: the name of the prediction, or the lubrication "
+        "Of film_theory and film_predicted_min: the name of the prediction, or the lubrication "
         "regime of most triggers.",
     ),
-    Attribute("reason", "Of film_theory and film_regime_map: why this one was selected."),
+    Attribute("reason", "Of film_theory and film_predicted_min: why this one was selected."),
     Attribute(
         "notes",
-        "Of film_theory and film_regime_map: assumptions and how far they hold, one a line.",
+        "Of film_theory and film_predicted_min: assumptions and how far they hold, one a line.",
     ),
     Attribute(
         "start_film", "Of film_predicted_min: minimum film at the first frame [um].", PREDICTED

@@ -42,5 +42,5 @@ plt.show()
 # follows the speed:
 
 speed = film.rocker_speed.values
-for name in ("film_min", "film_predicted_min", "film_regime_map"):
+for name in ("film_min", "film_predicted_min", "film_theory"):
     print(f"{name}: {erlif.prediction.speed_correlation(film[name].values, speed):+.2f}")

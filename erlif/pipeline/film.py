@@ -48,8 +48,8 @@ from erlif.pipeline.physics.load_line import place_positions
 from erlif.pipeline.physics.position import describe_positions, note_form
 from erlif.pipeline.physics.prediction import (
     Prediction,
-    choose_theory,
     frames_of_run,
+    join_theories,
     note_correlation,
     note_difference,
     try_prediction,
@@ -343,7 +343,7 @@ def describe_film(
     film["share_passed"] = FILM["share_passed"].fill(passed)
     film = film.assign(count_pixels(results)).assign(measured)
     settings, plane = run.settings, ObjectPlane(run.settings, run.pairs.shape)
-    theory = choose_theory(settings, predict_theory(settings, film), prediction.triggers)
+    theory = join_theories(settings, predict_theory(settings, film), prediction.triggers)
     film = film.merge(theory, combine_attrs="drop_conflicts")
     film = film.assign(describe_exponents(film, results, calibration, plane=plane))
 

@@ -60,8 +60,8 @@ def test_vogels_law_follows_the_temperature(lab, command, film):
     command("process", lab.run)
     ours, constant = read_film(lab.film), read_film(film)
     viscosity = 0.05e-3 * np.exp(1100 / (ours.temperature.values + 115))
-    assert "isoviscous-rigid" in ours.film_regime_map.attrs["regime"]
-    ratio = ours.film_regime_map / constant.film_regime_map
+    assert "isoviscous-rigid" in ours.film_theory.attrs["regime"]
+    ratio = ours.film_theory / constant.film_theory
     np.testing.assert_allclose(ratio, viscosity / 0.12, rtol=1e-6)
 
 

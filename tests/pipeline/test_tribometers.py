@@ -32,7 +32,7 @@ EXPECTED = {"rotation": TURNING, "sinusoidal": TURNING | {"position", "stroke"},
 
 TREND = {f"speed_exponent{part}" for part in ("", "_std", "_mean", "_mean_std")}
 MOTION = EXPECTED["sinusoidal"] | TREND
-MOTION |= {"rocker_speed", "film_theory", "film_regime_map", "film_hamrock_dowson"}
+MOTION |= {"rocker_speed", "film_theory", "film_hamrock_dowson"}
 
 
 class Case(NamedTuple):

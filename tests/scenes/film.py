@@ -170,13 +170,18 @@ def make_film(directory: Path) -> Path:
         attrs = {"log_scale": math.log(2.0 * LOAD**POWER), "triggers_used": TRIGGERS}
         film[f"speed_exponent{suffix}"] = ((), power, attrs)
         film[f"speed_exponent{suffix}_std"] = ((), 0.01)
-    for name in ("film_theory", "film_regime_map"):
-        film[name].attrs.update(
-            regime="isoviscous-rigid",
-            reason="the largest governs",
-            long_name="steady film",
-            notes="",
-        )
+    film.film_theory.attrs.update(
+        regime="isoviscous-rigid",
+        reason="the largest governs",
+        long_name="steady film",
+        notes="",
+    )
+    film.film_predicted_min.attrs.update(
+        regime="transient Reynolds, pin free sideways",
+        reason="the joint swings",
+        long_name="transient film",
+        notes="",
+    )
     film.attitude.attrs["load_line"] = PLACE
 
     film.attrs.update(
@@ -230,7 +235,6 @@ def trigger_columns() -> dict[str, tuple[np.ndarray, str]]:
         "film_min_std": (np.full(TRIGGERS, 0.03), "um"),
         "film_hamrock_dowson": (0.3 * minimum, "um"),
         "film_theory": (20.0 * minimum, "um"),
-        "film_regime_map": (20.0 * minimum, "um"),
         "film_predicted_min": (sunken_film(), "um"),
         "film_predicted_mean": (sunken_film() + 2.0, "um"),
         "eccentricity": (1 - sunken_film() / 230, "1"),

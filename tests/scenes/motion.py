@@ -21,7 +21,6 @@ ANGLE = np.radians([20.0, 80.0, 140.0, 200.0, 260.0, 320.0])
 PREDICTED = ("film_predicted_min", "film_predicted_mean", "eccentricity", "attitude")
 THEORY = (
     "film_theory",
-    "film_regime_map",
     "film_hamrock_dowson",
     "film_parameter",
     *PREDICTED,

@@ -1,5 +1,6 @@
 from .compression import MapVariable as MapVariable
 from .compression import round_map as round_map
+from .contents import applicable_theory as applicable_theory
 from .contents import axis_labels as axis_labels
 from .contents import check_trigger as check_trigger
 from .contents import describe_trigger as describe_trigger

@@ -263,6 +263,30 @@ def describe_trigger(film: xr.Dataset, trigger: int) -> str:
     return ", ".join(parts)
 
 
+def applicable_theory(film: xr.Dataset) -> xr.DataArray | None:
+    """Choose the theory of the minimum film that applies to the motion of the joint.
+
+    Parameters
+    ----------
+    film : Dataset
+        Result of `erlif.process`.
+
+    Returns
+    -------
+    DataArray or None
+        film_predicted_min (trigger) of a joint that swings, else film_theory, with regime, reason
+        and notes as attributes; None where the film has neither. [um]
+
+    Examples
+    --------
+    >>> from erlif.show.plots import example_film
+    >>> applicable_theory(example_film().drop_vars("film_predicted_min")).attrs["regime"]
+    'isoviscous-rigid'
+    """
+    names = ("film_predicted_min", "film_theory")
+    return next((film[name] for name in names if name in film), None)
+
+
 @takes(film="part of a film")
 def flag_shares(film: xr.Dataset) -> Array:
     """Share of valid pixels and of each flag in every map.

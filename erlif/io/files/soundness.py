@@ -237,9 +237,9 @@ def _check_film_attributes(film: xr.Dataset) -> None:
         for name in ("speed_exponent", "speed_exponent_mean"):
             _expect_number(film[name].attrs, "triggers_used", name)
             _expect_number(film[name].attrs, "log_scale", name, optional=True)
-    if "film_theory" in film:
-        for name in ("regime", "reason"):
-            _expect_text(film.film_theory.attrs, name)
+    for name in ("film_theory", "film_predicted_min"):
+        for attribute in ("regime", "reason") if name in film else ():
+            _expect_text(film[name].attrs, attribute)
     if "pin_displacement" in film:
         for name in ("load_line", "load_line_std", "radius"):
             _expect_number(film.pin_displacement.attrs, name, "pin_displacement", optional=True)

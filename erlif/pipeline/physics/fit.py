@@ -43,9 +43,6 @@ _POSITIONS = (
 _FAR = 3.0  # standard deviations of a fitted load line from that of the film, from which it counts
 _MILLI = 1e3
 
-# Variables of a film with steady formulas, and their names in the comparison.
-_STEADY = {"film_hamrock_dowson": "film_hamrock_dowson", "film_regime_map": "film_theory"}
-
 
 @takes(path="run or film")
 def fit_film(path: str | Path, *, progress: ShowProgress = None) -> Comparison:
@@ -204,11 +201,7 @@ def _compare(
         )
     motion = build_motion(settings, frames)
     journal = build_journal(settings, motion.viscosity)
-    steady = {
-        ours: film[name].values * 1e-6
-        for name, ours in _STEADY.items()
-        if name in film and ours in STEADY
-    }
+    steady = {name: film[name].values * 1e-6 for name in STEADY if name in film}
     given = _given_errors(settings, film, frames)
     line = given.load_line
     measured = _measured(film, journal)

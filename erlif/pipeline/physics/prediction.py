@@ -301,8 +301,8 @@ def try_prediction(plane: ObjectPlane, film: xr.Dataset, frames: xr.Dataset) -> 
         )
 
 
-def choose_theory(settings: RunSettings, steady: xr.Dataset, predicted: xr.Dataset) -> xr.Dataset:
-    """The films by theory: the transient one in place of the regime map where there is one.
+def join_theories(settings: RunSettings, steady: xr.Dataset, predicted: xr.Dataset) -> xr.Dataset:
+    """Join steady and transient films of theory, and state why the transient one applies.
 
     Parameters
     ----------
@@ -315,30 +315,19 @@ def choose_theory(settings: RunSettings, steady: xr.Dataset, predicted: xr.Datas
     Returns
     -------
     xarray.Dataset
-        film_theory, film_regime_map and the rest of `steady`, and `predicted`; the steady films
-        alone without a prediction.
+        `steady` and `predicted`; the steady films alone without a prediction.
     """
-    if "film_theory" not in steady:
+    if "film_theory" not in steady or not predicted:
         return steady
-    regime_map = steady["film_theory"]
-    both = steady.assign(film_regime_map=regime_map)
-    if not predicted:
-        return both
 
-    reason = _why_transient(settings)
-    both = both.merge(predicted, combine_attrs="drop_conflicts")
-    both["film_theory"] = (
-        "trigger",
-        predicted["film_predicted_min"].values,
-        {
-            "units": "um",
-            "long_name": "transient film over the cycle, minimum in the region of interest",
-            "regime": f"transient Reynolds, {describe_sideways(settings.prediction)}",
-            "reason": reason,
-            "notes": _describe_assumptions(settings, predicted, regime_map.attrs["regime"]),
-        },
-    )
-    for name in ("film_regime_map", "film_hamrock_dowson"):
+    reason, regime = _why_transient(settings), steady["film_theory"].attrs["regime"]
+    both = steady.merge(predicted, combine_attrs="drop_conflicts")
+    both["film_predicted_min"].attrs |= {
+        "regime": f"transient Reynolds, {describe_sideways(settings.prediction)}",
+        "reason": reason,
+        "notes": _describe_assumptions(settings, predicted, regime),
+    }
+    for name in ("film_theory", "film_hamrock_dowson"):
         both[name].attrs["comment"] = f"steady formula, for reference: {reason}"
     return both
 
@@ -349,7 +338,7 @@ def note_correlation(film: xr.Dataset) -> list[Note]:
     Parameters
     ----------
     film : xarray.Dataset
-        With film_min, film_predicted_min, film_regime_map and rocker_speed (trigger).
+        With film_min, film_predicted_min, film_theory and rocker_speed (trigger).
 
     Returns
     -------
@@ -358,7 +347,7 @@ def note_correlation(film: xr.Dataset) -> list[Note]:
     """
     if "film_predicted_min" not in film or "rocker_speed" not in film:
         return []
-    names = ("film_min", "film_predicted_min", "film_regime_map")
+    names = ("film_min", "film_predicted_min", "film_theory")
     speed = film["rocker_speed"].values
     measured, predicted, steady = (speed_correlation(film[name].values, speed) for name in names)
     if not np.isfinite([measured, predicted, steady]).all():

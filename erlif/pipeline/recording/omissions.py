@@ -9,7 +9,7 @@ import xarray as xr
 from erlif.core.notes import Note, remark
 from erlif.io.settings import RotationSettings, RunSettings, SinusoidalSettings
 
-_THEORY = ("film_hamrock_dowson", "film_theory", "film_regime_map")
+_THEORY = ("film_hamrock_dowson", "film_theory")
 _POSITION = ("pin_displacement", "pin_tilt", "film_curvature", "film_curvature_axial")
 _EXPONENTS = ("speed_exponent", "speed_exponent_mean")
 

@@ -14,7 +14,7 @@ import xarray as xr
 from erlif.calibration import Calibration, calibration_of
 from erlif.core.arrays import Array
 from erlif.core.errors import ErlifError
-from erlif.io.files import region_of, settings_of
+from erlif.io.files import applicable_theory, region_of, settings_of
 from erlif.io.settings import RunSettings
 from erlif.pipeline.physics.joint import describe_joint
 from erlif.review.comparison.calibrations import key_of, quadratic
@@ -180,7 +180,7 @@ def _conditions(
 ) -> dict[str, Any]:
     """Speed, load, viscosity and theory of the triggers, and the reference patch, where known."""
     name = next((each for each in ("rocker_speed", "sliding_speed") if each in film), "")
-    known = {each: film[each].values for each in ("load", "film_theory") if each in film}
+    theory = applicable_theory(film)
     joint = describe_joint(settings)
     viscosity = None
     if joint is not None and ("temperature" in film or isinstance(joint.viscosity, float)):
@@ -197,9 +197,9 @@ def _conditions(
     return {
         "speed": np.abs(film[name].values) if name else None,
         "speed_name": name,
-        "load": known.get("load"),
+        "load": film["load"].values if "load" in film else None,
         "viscosity": viscosity,
-        "theory": known.get("film_theory"),
+        "theory": None if theory is None else theory.values,
         "patch_ratio": patch,
     }
 

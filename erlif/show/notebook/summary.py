@@ -12,7 +12,13 @@ from erlif.core.html import captioned, card, colour_picture, findings_list, pict
 from erlif.core.notes import Level, split_notes
 from erlif.core.statistics import central_range
 from erlif.core.units import count_of
-from erlif.io.files import describe_trigger, driven_link, flag_shares, settings_of
+from erlif.io.files import (
+    applicable_theory,
+    describe_trigger,
+    driven_link,
+    flag_shares,
+    settings_of,
+)
 
 _PICTURES = 4  # maps that are shown
 _SIDE = 160  # px, width of a picture
@@ -101,8 +107,8 @@ def _rows(film: xr.Dataset) -> list[tuple[str, str]]:
     with suppress(ErlifError):
         oil = settings_of(film).oil
         rows += [("oil", oil.name)] if oil is not None and oil.name else []
-    if "film_theory" in film:
-        rows.append(("theory", str(film.film_theory.attrs.get("regime", ""))))
+    if (theory := applicable_theory(film)) is not None:
+        rows.append(("theory", str(theory.attrs.get("regime", ""))))
     return rows
 
 

@@ -74,7 +74,7 @@ def film_and_prediction(film: xr.Dataset, *, ax: Axes | None = None) -> list[Art
     # no line crosses a dead point, nor leads from the last trigger back to the first
     stretches = triggers.in_order(film, angle)
     x, y = (triggers.broken(stretches, each) for each in (angle, film.film_predicted_min.values))
-    held = str(film.film_theory.attrs["regime"]).removeprefix("transient Reynolds, ")
+    held = str(film.film_predicted_min.attrs["regime"]).removeprefix("transient Reynolds, ")
     artists += style.draw_line(ax, x, y, label=f"predicted, {held}", **_PREDICTED)
 
     triggers.limit_to_turn(ax)

@@ -188,11 +188,10 @@ def film_and_theory(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]
 
     # steady theory depends on speed and load alone, so that its points in order make a curve
     order = np.argsort(x)
-    steady = "film_regime_map" if "film_regime_map" in film else "film_theory"
-    regime = str(film[steady].attrs.get("regime", "steady"))
-    low, high = _range_of_film(film, (steady, "film_hamrock_dowson"))
+    regime = str(film.film_theory.attrs.get("regime", "steady"))
+    low, high = _range_of_film(film, ("film_theory", "film_hamrock_dowson"))
     for name, colour, dashes, label in (
-        (steady, RETURN, "-", f"regime map, {regime}"),
+        ("film_theory", RETURN, "-", f"regime map, {regime}"),
         ("film_hamrock_dowson", OUTWARD, _DASH_DOT, "Dowson and Higginson, piezoviscous-elastic"),
     ):
         curve = film[name].values[order]

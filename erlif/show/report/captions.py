@@ -50,8 +50,8 @@ def caption_of(name: str, film: xr.Dataset) -> Caption:
     """
     # a caption names what the figure of this film shows, and nothing that it lacks
     caption, settings = CAPTIONS[name], settings_of(film)
-    if name == "film_and_prediction" and "film_regime_map" in film:
-        comment = str(film["film_regime_map"].attrs.get("comment", ""))
+    if name == "film_and_prediction" and "film_theory" in film:
+        comment = str(film["film_theory"].attrs.get("comment", ""))
         return replace(caption, text=f"{caption.text} {_explain_steady(film, comment)}".rstrip())
     if name == "thickness_map" and settings.joint is None:
         return CAPTIONS["thickness_map_without_joint"]
@@ -87,9 +87,7 @@ def _explain_steady(film: xr.Dataset, comment: str) -> str:
     reason = comment.removeprefix("steady formula, for reference: ")
     if not reason:
         return ""
-    steady, formula = (
-        float(film[name].max()) for name in ("film_regime_map", "film_hamrock_dowson")
-    )
+    steady, formula = (float(film[name].max()) for name in ("film_theory", "film_hamrock_dowson"))
     return (
         f"At the highest speed the steady regime map gives {steady:.3g} µm and the line-contact "
         f"formula of Dowson and Higginson {formula:.3g} µm. They do not apply: {reason}."

@@ -13,7 +13,7 @@ from erlif.core.arrays import Array
 from erlif.core.flags import Flag, describe_share
 from erlif.core.notes import Level, rank_notes, split_notes
 from erlif.core.units import count_of
-from erlif.io.files import flag_shares, takes
+from erlif.io.files import applicable_theory, flag_shares, takes
 from erlif.show.report.layout import TABLES, print_columns, print_rows
 from erlif.show.report.prediction import describe_correlations, describe_difference
 from erlif.trend import LEAST_TRIGGERS
@@ -318,9 +318,9 @@ def _power(film: xr.Dataset, name: str) -> str:
 
 def _describe_theory(film: xr.Dataset) -> str:
     """Predicted film at the highest speed, and the reason for the regime."""
-    if "film_theory" not in film:
+    theory = applicable_theory(film)
+    if theory is None or "film_hamrock_dowson" not in film:
         return ""
-    theory = film.film_theory
     # hydrodynamic theory is closest to its assumptions where the speed is highest
     top = int(np.argmax(film.sliding_speed.values))
     speed, load = float(film.sliding_speed[top]), float(film["load"][top])

@@ -12,7 +12,7 @@ from markupsafe import Markup
 from erlif.core.arrays import AnyArray, Array
 from erlif.core.flags import Flag, describe_share
 from erlif.io.conversion import table_csv, trigger_columns
-from erlif.io.files import motion_of, settings_of
+from erlif.io.files import applicable_theory, motion_of, settings_of
 from erlif.show.plots.files import FigureSource
 from erlif.show.plots.maps import flag_swatch
 from erlif.show.report.layout import (
@@ -90,7 +90,8 @@ def results_table(film: xr.Dataset, shares: Array) -> Table:
 
 def theory_sentences(film: xr.Dataset) -> dict[str, list[str]]:
     """Limits of the theory and what carries the film: sentences, too long for a cell."""
-    attrs = film.film_theory.attrs if "film_theory" in film else {}
+    theory = applicable_theory(film)
+    attrs = {} if theory is None else theory.attrs
     carried = [str(film.attrs.get("physics", "")), *carrying_sentences(film)]
     return {
         "limits": [note for note in str(attrs.get("notes", "")).split("\n") if note],
@@ -100,17 +101,17 @@ def theory_sentences(film: xr.Dataset) -> dict[str, list[str]]:
 
 def _theory_rows(film: xr.Dataset) -> list[tuple[str, str]]:
     """Predicted films, and the measured minimum relative to them."""
-    if "film_theory" not in film:
+    theory = applicable_theory(film)
+    if theory is None or "film_theory" not in film:
         return []
-    theory = film.film_theory
     share = film.film_min.values / theory.values
     known = share[np.isfinite(share)]
     median = f"{float(np.median(known)):.2g} (median)" if known.size else _UNKNOWN
     span = f"{with_span(theory.values)} µm; measured minimum over theory: {median}"
     steady = []
     if "film_predicted_min" in film:
-        regime = film.film_regime_map.attrs.get("regime", "")
-        text = f"{with_span(film.film_regime_map.values)} µm, {regime}"
+        regime = film.film_theory.attrs.get("regime", "")
+        text = f"{with_span(film.film_theory.values)} µm, {regime}"
         steady = [("Regime map for steady motion", text)]
     return [
         ("Theory", str(theory.attrs.get("long_name", ""))),

@@ -581,6 +581,8 @@ def describe_cycle(film: xr.Dataset) -> dict[str, Any]:
         {name: title for name, title in table.items() if name in film}
         for table in (_TABLES["axes"], _TABLES["films"])
     )
+    if "film_predicted_min" in films:  # the steady film of a joint that swings is far off
+        films.pop("film_theory", None)
     link = driven_link(film)
     if "crank_angle" in axes and link != "crank":  # its angle comes first
         del axes["crank_angle"]
@@ -591,11 +593,6 @@ def describe_cycle(film: xr.Dataset) -> dict[str, Any]:
     columns = {name: to_list(film[name].values) for name in (*axes, *films, *stds)}
     columns["trigger"] = list(range(count))
 
-    # the theory of a film with a transient prediction is this prediction
-    if {"film_theory", "film_predicted_min"} <= films.keys() and np.array_equal(
-        film.film_theory.values, film.film_predicted_min.values, equal_nan=True
-    ):
-        del films["film_theory"]
     axes.setdefault("trigger", _TABLES["axes"]["trigger"])
     stroke = np.sign(film.stroke.values) if "stroke" in film else np.zeros(count)
     return {

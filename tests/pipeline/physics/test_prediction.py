@@ -15,8 +15,8 @@ from erlif.io.settings import RunSettings
 from erlif.pipeline.physics.prediction import (
     NO_PREDICTION,
     build_motion,
-    choose_theory,
     film_along_sliding,
+    join_theories,
     note_correlation,
     note_difference,
     predict_run,
@@ -148,27 +148,27 @@ def steady():
 def test_the_transient_film_is_the_theory_and_the_steady_ones_stay_for_reference():
     one = settings()
     predicted = predict_run(plane(one), film(), frames()).triggers
-    found = choose_theory(one, steady(), predicted)
-    npt.assert_array_equal(found.film_theory, predicted.film_predicted_min)
-    npt.assert_array_equal(found.film_regime_map, 131.0)
-    assert found.film_theory.attrs["regime"] == "transient Reynolds, pin free sideways"
-    assert "fitted to the measured minima" in found.film_theory.attrs["notes"]
+    found = join_theories(one, steady(), predicted)
+    npt.assert_array_equal(found.film_predicted_min, predicted.film_predicted_min)
+    npt.assert_array_equal(found.film_theory, 131.0)
+    assert found.film_predicted_min.attrs["regime"] == "transient Reynolds, pin free sideways"
+    assert "fitted to the measured minima" in found.film_predicted_min.attrs["notes"]
     # 24.426 degrees, half of 60/114 s, and 33.36 mm times half the swing (thesis, Appendix A)
     reason = "swings by 24.4 deg in 0.263 s and carries oil 7.11 mm to and fro"
-    for name in ("film_regime_map", "film_hamrock_dowson"):
+    for name in ("film_theory", "film_hamrock_dowson"):
         assert reason in found[name].attrs["comment"]
 
 
 def test_a_note_sets_the_correlation_with_speed_beside_those_of_theory():
     one = settings()
     predicted = predict_run(plane(one), film(), frames()).triggers
-    whole = choose_theory(one, steady(), predicted).merge(film())
+    whole = join_theories(one, steady(), predicted).merge(film())
     assert note_correlation(whole) == []  # no speed
     speed = np.array([1.0, -2.0, 3.0, -4.0, 5.0, -6.0])
     whole = whole.assign(
         rocker_speed=("trigger", speed),
         film_min=("trigger", 10.0 - abs(speed)),
-        film_regime_map=("trigger", 20 * abs(speed)),
+        film_theory=("trigger", 20 * abs(speed)),
         film_predicted_min=("trigger", np.array([1.0, 2.0, 1.0, 1.0, 2.0, 1.0])),
     )
     # 0 for the prediction: it is symmetric about the middle of the speeds
@@ -270,7 +270,7 @@ def test_deflecting_surfaces_are_named_as_a_limit():
     elastic = steady()
     elastic.film_theory.attrs["regime"] = "piezoviscous-elastic"
     predicted = predict_run(plane(one), film(), frames()).triggers
-    attrs = choose_theory(one, elastic, predicted).film_theory.attrs
+    attrs = join_theories(one, elastic, predicted).film_predicted_min.attrs
     assert "takes the surfaces as rigid" in attrs["notes"]
     assert "20 um at the first frame, as given" in attrs["notes"]
     assert attrs["regime"].endswith("pin held sideways by 12 N/mm")
@@ -281,7 +281,7 @@ def test_a_film_is_kept_whose_prediction_fails(lab):
     film = erlif.process(lab.run)
     assert "film_predicted_min" not in film
     assert np.isfinite(film.film_min).all()
-    npt.assert_array_equal(film.film_theory, film.film_regime_map)
+    assert film.film_theory.attrs["regime"].startswith("isoviscous")
     assert "[prediction]: the film over the cycle is not predicted" in film.attrs["notes"]
 
 

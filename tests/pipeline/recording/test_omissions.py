@@ -25,7 +25,7 @@ def note(variables, *, without=(), **tables):
 
 
 STILL = ("encoder", "mechanism", "joint", "oil")
-RESULTS = "film_hamrock_dowson, film_theory, film_regime_map"
+RESULTS = "film_hamrock_dowson, film_theory"
 
 
 @pytest.mark.parametrize(

@@ -25,14 +25,14 @@ def test_names_from_files_stay_text(film):
     evil = "<script>alert(1)</script>"
     film.attrs["settings"] = film.attrs["settings"].replace('"example"', f'"{evil}"')
     film.attrs["notes"] = f"warning: {evil}"
-    film.film_theory.attrs["regime"] = evil
+    film.film_predicted_min.attrs["regime"] = evil
     page = describe_in_html(film)
     assert "<script" not in page
     assert page.count("&lt;script&gt;") == 3
 
 
 def test_a_film_without_values_or_theory_is_shown(film):
-    bare = film.drop_vars(["film_theory", "load", "crank_angle"])
+    bare = film.drop_vars(["film_theory", "film_predicted_min", "load", "crank_angle"])
     bare["thickness"] = bare.thickness * np.nan
     assert "<img" not in describe_in_html(bare)
     assert "minimum film" in describe_in_text(bare.isel(trigger=0))

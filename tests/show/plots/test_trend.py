@@ -47,7 +47,7 @@ def test_triggers_too_slow_for_the_fit_are_grey(changed):
 def test_axis_holds_the_film_with_its_bars_and_theory_that_is_near(changed, factor):
     """Theory twenty times as thick would press measurement and prediction into a line."""
     *measured, transient, theory, _ = plots.film_and_theory(
-        changed.assign(film_regime_map=factor * changed.film_min)
+        changed.assign(film_theory=factor * changed.film_min)
     )
     low, high = transient.axes.get_ylim()
     least = np.min([line.get_ydata().min() for line in (*measured, transient)])
@@ -87,7 +87,7 @@ def test_a_statistic_without_a_point_is_not_in_the_legend(changed):
 @pytest.mark.parametrize("draw", [plots.film_against_speed, plots.film_and_theory])
 def test_the_legend_lies_below_the_axes_so_that_no_line_crosses_it(changed, draw):
     """Also in axes without a layout engine, within whose place both stay."""
-    steep = changed.assign(film_regime_map=2.5 * changed.film_min)
+    steep = changed.assign(film_theory=2.5 * changed.film_min)
     figure, panels = plt.subplots(2, 1, figsize=(5, 8))
     ax = draw(steep, ax=panels[0])[0].axes
     figure.draw_without_rendering()

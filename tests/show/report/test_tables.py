@@ -70,13 +70,15 @@ def test_results_are_rows_of_the_summary_and_stand_against_theory(film):
     assert rows["Load"] == "222.4 N"
     assert rows["Power of speed over load"].startswith("minimum: n = 0.600 ± 0.010, mean:")
     assert "−" in rows["Correlation with |speed|"]
-    assert rows["Range of the theory"].endswith("measured minimum over theory: 0.05 (median)")
-    assert rows["Theory"] == "steady film"
-    assert rows["Reason for this theory"] == "the largest governs"
+    assert rows["Theory"] == "transient film"
+    assert rows["Reason for this theory"] == "the joint swings"
+    steady = dict(results_table(film.drop_vars("film_predicted_min"), shares).rows)
+    assert steady["Range of the theory"].endswith("measured minimum over theory: 0.05 (median)")
+    assert steady["Reason for this theory"] == "the largest governs"
 
     # sentences that are too long for a cell
-    noted = film.film_theory.assign_attrs(notes="fitted to the minima\nrigid bodies")
-    sentences = theory_sentences(film.assign(film_theory=noted))
+    noted = film.film_predicted_min.assign_attrs(notes="fitted to the minima\nrigid bodies")
+    sentences = theory_sentences(film.assign(film_predicted_min=noted))
     assert sentences["limits"] == ["fitted to the minima", "rigid bodies"]
     assert sentences["carried"][0].startswith("Assumed: pin free sideways")
     assert theory_sentences(film.drop_vars("film_predicted_min"))["carried"] == []
@@ -144,7 +146,7 @@ def test_theory_has_three_significant_digits(changed, read_page):
     changed["film_min_x"] = ("trigger", np.full(scene.TRIGGERS, 68.5))
     changed["film_min_y"] = ("trigger", np.full(scene.TRIGGERS, 13.0))
     head, *rows = rows_of(trigger_section(changed, np.ones(scene.TRIGGERS)))
-    found = [row[head.index("Theory [µm]")] for row in rows[:3]]
+    found = [row[head.index("Steady theory [µm]")] for row in rows[:3]]
     assert found == ["0.0457", "7.65", "123"]
     assert rows[0][head.index("at column, row [px]")] == "68, 13"
     changed.film_min.values[2] = np.nan
