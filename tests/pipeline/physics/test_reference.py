@@ -1,6 +1,5 @@
 """A patch of known film, dyes that bleach, and cameras that differ, from frames to film."""
 
-import shutil
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -213,18 +212,3 @@ def test_errors_are_those_of_the_difference_to_the_patch():
             expected = np.std(drawn + patch)
             found = float(after.at(passed).log_ratio_std(film))
             assert found == pytest.approx(expected, rel=0.03, abs=2e-4)
-
-
-@pytest.mark.parametrize(
-    ("lab_of", "add", "message"),
-    [
-        ("unlike", SCALED + 'bleaching = "correct"\n', "remove background and bleaching"),
-        ("small_rig", SCALED, "add [reference]"),
-    ],
-)
-def test_settings_without_a_sense_are_refused(request, tmp_path, refused, lab_of, add, message):
-    run = tmp_path / "run"
-    shutil.copytree(request.getfixturevalue(lab_of).run, run)
-    with (run / "run.toml").open("a", encoding="utf-8") as settings:
-        settings.write(add)
-    assert message in refused("process", run)
