@@ -454,10 +454,7 @@ MISTAKES = [
         "{1} pairs lost from pair {0}, {2}",
         lost,
         PAIRS,
-        [
-            *on(LAW, (20, 10), (25, 1), (20, 3)),
-            *((10, 10, "crank"), (20, 10, "transient")),
-        ],
+        [*on(LAW, (20, 10), (25, 1), (20, 3)), *((10, 10, "crank"), (20, 10, "transient"))],
     ),
     *family(
         "{1} pairs lost from pair {0}, no energies",
@@ -501,10 +498,7 @@ MISTAKES = [
             "fixture", range(first, first + count * step, step), range(count)
         ),
         FOREIGN,
-        [
-            *on(LAW, (3, 20), (3, 0), (1, 30)),
-            *((3, 10, 15, "crank"), (3, 47, "transient")),
-        ],
+        [*on(LAW, (3, 20), (3, 0), (1, 30)), *((3, 10, 15, "crank"), (3, 47, "transient"))],
     ),
     # settings
     *family(
