@@ -16,11 +16,7 @@ from erlif.pipeline.physics.light import find_bleaching
 from erlif.ratio import NO_CELLS
 
 SHARE = 0.06
-RIG = small_rig(
-    spacing=0.96,
-    film_reference=3.0,
-    background=SHARE,
-)
+RIG = small_rig(spacing=0.96, film_reference=3.0, background=SHARE)
 """Fifty triggers with films from 0.3 um on, and 6 % of the median light in every pixel."""
 
 

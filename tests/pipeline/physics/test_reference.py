@@ -23,12 +23,7 @@ LOSS = (1e-3, 2e-3)
 
 CORRECT = '\n[light]\nbleaching = "correct"\n'
 
-RIG = small_rig(
-    spacing=6.0,
-    cycles=3,
-    reference=4.0,
-    bleaching=LOSS,
-)
+RIG = small_rig(spacing=6.0, cycles=3, reference=4.0, bleaching=LOSS)
 
 
 @pytest.fixture(scope="module")
@@ -100,10 +95,7 @@ def test_one_cycle_without_a_patch_cannot_be_corrected(lab):
 
 def test_a_wrong_film_of_the_patch_is_reported(dyes):
     """It is 0.6 um too thick, also where an error of the ratio of 5 % is allowed for."""
-    changes = (
-        ('thickness = "4 um"', 'thickness = "4.6 um"'),
-        ('ratio = "0 %"', 'ratio = "5 %"'),
-    )
+    changes = (('thickness = "4 um"', 'thickness = "4.6 um"'), ('ratio = "0 %"', 'ratio = "5 %"'))
     film = dyes.process_copy("wrong", *changes)
     assert "reference: " in film.attrs["notes"]
     assert "4.600 um known" in film.attrs["notes"].split("reference: ")[1]

@@ -20,12 +20,7 @@ WARMER = 10.0
 """Last frame over the first, whose oil is that of the fixture. [K]"""
 
 RIG = small_rig(
-    width=160,
-    height=128,
-    spacing=2.0,
-    film_reference=4.0,
-    warming=WARMER,
-    fixture_after=True,
+    width=160, height=128, spacing=2.0, film_reference=4.0, warming=WARMER, fixture_after=True
 )
 
 
