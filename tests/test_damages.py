@@ -63,12 +63,6 @@ def listing(directory):
     }
 
 
-@pytest.fixture(autouse=True)
-def short_wait(monkeypatch):
-    """A file in which the library of HDF5 goes round without end takes 2 s in place of 10."""
-    monkeypatch.setattr("erlif.core.guarded.LONGEST", 2.0)
-
-
 def test_the_catalogue_is_large_and_each_damage_has_a_name_of_its_own():
     names = [damage.name for damage in CATALOGUE]
     assert len(set(names)) == len(names) >= 150
@@ -127,6 +121,8 @@ def test_damaged_work_in_progress_is_made_again(
 def test_a_damage_is_refused_in_one_message(damage, originals, tmp_path, monkeypatch):
     bench = copy_rig(originals, tmp_path)
     damage.change(bench)
+    if "a heap without end" in damage.name:  # the library of HDF5 goes round: 2 s in place of 10
+        monkeypatch.setattr("erlif.core.guarded.LONGEST", 2.0)
     before, kept = listing(tmp_path), listing(originals)
     monkeypatch.chdir(tmp_path)
 

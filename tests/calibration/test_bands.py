@@ -1,17 +1,6 @@
 """Filter bands of a calibration against those of a run."""
 
-import pytest
-
-from erlif.calibration import check_bands, note_pitch, share_bands
-from erlif.core.errors import CalibrationError
-
-
-def test_other_bands_are_refused_and_exchanged_ones_recognised(exact):
-    check_bands(exact, (580.0, 610.0))
-    with pytest.raises(CalibrationError, match="560 and 610 nm"):
-        check_bands(exact, (560.0, 610.0))
-    with pytest.raises(CalibrationError, match="swapped"):
-        check_bands(exact, (610.0, 580.0))
+from erlif.calibration import note_pitch, share_bands
 
 
 def test_bands_agree_to_one_nanometre_in_both_cameras():

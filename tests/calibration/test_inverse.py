@@ -26,9 +26,7 @@ def test_table_of_the_inverse_agrees_with_root_finding(name, request):
         np.interp(place, entries, table.per_log_ratio), 1 / calibration.slope(film), rtol=1e-4
     )
     npt.assert_allclose(
-        np.interp(place, entries, table.calibration_std),
-        calibration.thickness_std(film),
-        rtol=1e-3,
+        np.interp(place, entries, table.calibration_std), calibration.thickness_std(film), rtol=1e-3
     )
 
 

@@ -2,13 +2,11 @@
 
 import numpy as np
 import numpy.testing as npt
-import pytest
 from scenes.fixture import PITCH, SHAPE, calibrate, image, log_ratio
 
 from erlif.calibration import Profile, compare_calibrations
 from erlif.calibration.pairing import pair_profile_with_image, thin_out
 from erlif.calibration.pose import Pose
-from erlif.core.errors import CalibrationError
 from erlif.core.flags import Flag
 
 GIVEN = Pose((0.0, 0.0), 0.0, PITCH)
@@ -114,11 +112,6 @@ def test_a_profile_of_more_than_half_the_image_is_a_note():
     _, notes = pair_profile_with_image(still_image(COLUMN), line_profile(7.4, 18.0), GIVEN)
     (more,) = (note for note in notes if "covers" in note.text)
     assert more.level == "note"
-
-
-def test_a_profile_beside_the_image_is_refused():
-    with pytest.raises(CalibrationError, match="at least 8 points of the profile in the image; 0"):
-        pair_profile_with_image(still_image(COLUMN), line_profile(start=30, stop=40), GIVEN)
 
 
 # dense profiles

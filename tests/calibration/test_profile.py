@@ -55,26 +55,6 @@ def test_profile_out_of_order_is_sorted_and_repeats_averaged(tmp_path):
     assert [(note.level, note.subject) for note in profile.notes] == [(Level.WARNING, "p.csv")] * 2
 
 
-@pytest.mark.parametrize(
-    ("rows", "header", "message"),
-    [
-        (["0,1,0.1"] * 3, "x_mm,thickness_um,uncertainty_um", "at least 8 points"),
-        (["0,1"] * 9, "x,t", "Expected the header"),
-        (["0,1", "1,two"], "x_mm,thickness_um", "row 3, column thickness_um .* got 'two'"),
-        (["0,1", "1"], "x_mm,thickness_um", "row 3, column thickness_um .* got nothing"),
-        (["2.0,1.0"] * 9, "x_mm,thickness_um", "x_mm to change along the profile"),
-        (
-            [f"{x},1,0" for x in range(9)],
-            "x_mm,thickness_um,uncertainty_um",
-            "positive values of uncertainty_um",
-        ),
-    ],
-)
-def test_unusable_profile_is_refused(tmp_path, rows, header, message):
-    with pytest.raises(CalibrationError, match=message):
-        read_profile(write_profile(tmp_path / "p.csv", rows, header))
-
-
 # lines and surfaces
 
 

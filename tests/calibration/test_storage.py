@@ -85,23 +85,6 @@ def test_existing_file_is_replaced_on_request_only(wedge, departing, tmp_path):
     npt.assert_array_equal(open_calibration(path).parameters, departing.parameters)
 
 
-def test_a_missing_directory_or_damaged_file_is_refused(wedge, tmp_path):
-    with pytest.raises(CalibrationError, match="is a directory"):
-        open_calibration(tmp_path)
-    with pytest.raises(CalibrationError, match="does not exist"):
-        open_calibration(tmp_path / "none.nc")
-    path = save_calibration(wedge, tmp_path / "calibration.nc")
-    path.write_bytes(path.read_bytes()[:3000])
-    with pytest.raises(CalibrationError, match="is damaged or something else"):
-        open_calibration(path)
-
-
-def test_another_netcdf_file_is_no_calibration(tmp_path):
-    xr.Dataset({"film": ("x", [1.0])}).to_netcdf(tmp_path / "other.nc", engine="h5netcdf")
-    with pytest.raises(CalibrationError, match="ratio_direction"):
-        open_calibration(tmp_path / "other.nc")
-
-
 def test_film_keeps_the_whole_curve_it_was_measured_with(departing, tmp_path):
     """The figures of a film need departure and covered range of its calibration."""
     with open_film(film_scene.make_film(tmp_path)) as film:

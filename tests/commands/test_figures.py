@@ -17,9 +17,3 @@ def test_chosen_figures_are_written(command, own, tmp_path):
     assert described.startswith("trigger 1, crank 304.22°")
     assert written == f"written: {', '.join(str(out / name) for name in names)}"
     assert "figures: 2 done" in result.stderr
-
-
-def test_unknown_names_are_refused_with_the_list(lab, film, refused):
-    message = refused("figures", film, "-o", lab.directory / "x", "--only", "maps")
-    assert "map_sheet" in message
-    assert "got maps" in message

@@ -44,8 +44,3 @@ def test_a_kind_is_written_without_asking(lab, command):
     text = (lab.run / "run.toml").read_text(encoding="utf-8")
     assert "[mechanism]" not in text
     assert 'file = "encoder.csv"' in text  # the log is there, and gives load and temperature
-
-
-def test_a_fixture_has_no_kind(lab, refused):
-    message = refused("init", lab.fixture, "--fixture", "--kind", "static", "--overwrite")
-    assert "Expected no --kind" in message

@@ -118,11 +118,8 @@ def test_the_option_for_more_lines_stands_before_or_behind_the_command(lab, comm
     assert len(plain.stderr.splitlines()) < len(behind.stderr.splitlines())
 
 
-def test_the_module_runs_as_the_command_does():
-    done = subprocess.run(
-        [sys.executable, "-m", "erlif", "--version"], capture_output=True, text=True, check=True
-    )
-    assert erlif.__version__ in done.stdout
+def test_the_version_is_that_of_the_package(command):
+    assert erlif.__version__ in command("--version").stdout
 
 
 def test_a_defect_of_ours_ends_with_status_1(lab, monkeypatch):

@@ -6,7 +6,3 @@ def test_the_movie_lies_beside_the_film(command, own):
     movie = own.parent / "cycle.gif"
     assert result.stdout == f"written: {movie}\n"
     assert movie.read_bytes()[:6] == b"GIF89a"
-
-
-def test_another_format_is_refused(lab, film, refused):
-    assert ".gif or .mp4" in refused("movie", film, "-o", lab.directory / "cycle.avi")

@@ -51,20 +51,6 @@ def test_output_may_lie_elsewhere_and_the_run_be_read_only(
     assert not list(lab.run.glob("film*"))
 
 
-VOGEL = 'vogel = { a = "0.05 mPa s", b = "1100 K", c = "-115 degC" }'
-
-
-def test_vogels_law_follows_the_temperature(lab, command, film):
-    """Isoviscous film is proportional to viscosity: 0.05e-3 exp(1100/140) = 0.129 Pa s at 25 C."""
-    lab.edit("run/run.toml", ('viscosity = "0.12 Pa s"', VOGEL))
-    command("process", lab.run)
-    ours, constant = read_film(lab.film), read_film(film)
-    viscosity = 0.05e-3 * np.exp(1100 / (ours.temperature.values + 115))
-    assert "isoviscous-rigid" in ours.film_theory.attrs["regime"]
-    ratio = ours.film_theory / constant.film_theory
-    np.testing.assert_allclose(ratio, viscosity / 0.12, rtol=1e-6)
-
-
 def test_a_slider_crank_is_processed(lab, command):
     lab.edit(
         "run/run.toml",

@@ -58,10 +58,3 @@ def test_an_interruption_names_the_way_to_go_on(series, monkeypatch):
     result = run_series(series / "monday", "--resume")
     assert result.exit_code == 130
     assert "--resume" in result.stderr
-
-
-def test_the_output_of_several_runs_is_refused(series):
-    result = run_series(series / "monday", series / "tuesday", "-o", "film.nc")
-    assert result.exit_code == 2
-    assert "Expected one run directory, without --resume, with -o film.nc" in result.stderr
-    assert not (series / "monday" / "film.nc").exists()

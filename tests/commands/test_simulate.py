@@ -2,28 +2,8 @@
 
 import pytest
 import xarray as xr
-from click.testing import CliRunner
-
-from erlif.commands.main import main
 
 SMALL = ["--size", "64x48", "--spacing", "8 deg", "--fixture-frames", "1"]
-
-
-@pytest.mark.parametrize(
-    ("option", "value", "words"),
-    [
-        ("--cycles", "1000000000", "at most 1000000 frame pairs"),
-        ("--film", "thick", "or reynolds"),
-        ("--sideways", "loose", "or free or guided"),
-        ("--size", "²x²", "is not a picture size"),
-    ],
-)
-def test_a_rig_that_cannot_be_is_refused_and_nothing_is_written(tmp_path, option, value, words):
-    result = CliRunner().invoke(main, ["simulate", str(tmp_path / "out"), option, value])
-    assert result.exit_code == 2
-    assert words in result.stderr
-    assert "Traceback" not in result.output
-    assert not (tmp_path / "out").exists()
 
 
 def test_a_film_of_theory_is_photographed_with_the_stated_viscosity(tmp_path, command):
@@ -64,22 +44,3 @@ def test_a_file_of_settings_has_what_no_option_has(tmp_path, command):
     assert "wall" not in text
     with xr.open_dataset(out / "truth.nc", engine="h5netcdf") as truth:
         assert truth.sizes["frame"] == 6
-
-
-@pytest.mark.parametrize(
-    ("text", "words"),
-    [
-        ("walls = [0.2, 0.3]", "walls"),
-        ("wall = 0.2", "wall = 0.2"),
-        ("wall = [0.2, 1.3]", "wall of the virtual rig as a number from 0 to 1"),
-        ("wall [", "TOML"),
-    ],
-)
-def test_a_setting_that_the_rig_does_not_have_is_named(tmp_path, text, words):
-    stated = tmp_path / "rig.toml"
-    stated.write_text(text, encoding="utf-8")
-    options = ["simulate", str(tmp_path / "out"), "--settings", str(stated)]
-    result = CliRunner().invoke(main, options)
-    assert result.exit_code == 2
-    assert words in result.stderr
-    assert not (tmp_path / "out").exists()

@@ -72,6 +72,17 @@ def _claim(path):
     tifffile.imwrite(path, iter(tiles), compression="zlib", **options)
 
 
+def _taken(name, source, order, *words):
+    """Frame k of camera 2 has the content of frame order[k] of a camera."""
+
+    def damage(bench):
+        content = [bench.frame(k, source).read_bytes() for k in range(6)]
+        for k, n in enumerate(order):
+            bench.write(bench.frame(k, 2), content[n])
+
+    return _frame(name, damage, *words)
+
+
 def _dark(name, change, *words, flat=False):
     kind = "flat" if flat else "dark"
     return Damage(
@@ -177,6 +188,19 @@ FRAMES = [
         "camera1",
         "the same",
         "Record the run again",
+    ),
+    # frames in the place of others
+    _taken("camera 2, two exchanged", 2, [0, 2, 1, 3, 4, 5], "frame_0001.tif shows the pulse of"),
+    _taken("camera 2 early", 2, [1, 2, 3, 4, 5, 0], "camera 2 is one pulse early"),
+    _taken("camera 2 late", 2, [4, 5, 0, 1, 2, 3], "camera 2 is 2 pulses late"),
+    _taken("camera 2 in reverse", 2, [5, 4, 3, 2, 1, 0], "camera 2 are in reverse order"),
+    _taken("camera 1 for both", 1, range(6), "the same image. Correct files in [camera1] or"),
+    _frame(
+        "one pair for all",
+        lambda b: [
+            b.write(b.frame(k, c), b.frame(0, c).read_bytes()) for k in range(1, 6) for c in (1, 2)
+        ],
+        "all 6 pairs show the same image",
     ),
     _frame(
         "negative counts", lambda b: b.all_frames(lambda i: i.astype(np.int16) - 4000), "no counts"

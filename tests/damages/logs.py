@@ -57,7 +57,23 @@ def _scale(factor):
     return damage
 
 
+def _in_time(name, setting, *words):
+    """Three rows without a number of the frame in place of one, and settings of the encoder."""
+
+    def dense(rows):
+        cells = [row.split(",")[1:] for row in rows]
+        steps = [[f"{float(t) + k * 1e-3:.6f}", *c] for t, *c in cells[1:] for k in range(3)]
+        return [",".join(row) for row in (cells[0], *steps)]
+
+    def damage(bench):
+        _rows("run/encoder.csv", dense)(bench)
+        bench.edit(bench.run / "run.toml", ("[encoder]\n", f"[encoder]\n{setting}\n"))
+
+    return Damage(f"log in time: {name}", damage, "process run", words)
+
+
 LOGS = [
+    *(_in_time(name, *row) for name, row in TEXTS["log_times"].items()),
     *(_log(name, _cell(*row[:3]), *row[3:]) for name, row in TEXTS["log_cells"].items()),
     *(_log(name, _header(*row[:2]), *row[2:]) for name, row in TEXTS["log_headers"].items()),
     _log("header alone", lambda rows: rows[:1], "rows of numbers"),

@@ -1,9 +1,12 @@
 """Mistakes of a laboratory that leave a run readable: each changes a copy of a sound rig."""
 
+import itertools
 import re
 import shutil
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 import cv2
@@ -13,14 +16,8 @@ import tifffile
 
 from erlif.rig import RigSettings
 
-SMALL = {
-    "width": 128,
-    "height": 96,
-    "fixture_frames": 6,
-    "dark_pages": 4,
-    "flat_pages": 3,
-    "bubbles": 0,
-}
+SMALL = {"width": 128, "height": 96, "bubbles": 0}
+SMALL |= {"fixture_frames": 6, "dark_pages": 4, "flat_pages": 3}
 
 RIGS = {
     "law": RigSettings(**SMALL),
@@ -93,32 +90,34 @@ class Mistake:
         return next(kind for kind, words in KINDS.items() if re.search(words, self.name))
 
 
-# changes of the log
+# changes of a rig: each function is called with the rig later
 
 
-def column(name: str, change: Callable[[np.ndarray], np.ndarray]):
+def change(function: Callable[..., object]) -> Callable[..., Callable[[Path], object]]:
+    """Give a change of the rig, which is the first argument, for the other arguments."""
+    return lambda *args, **options: lambda rig: function(rig, *args, **options)
+
+
+@contextmanager
+def log_of(rig: Path) -> Iterator[Table]:
+    table = Table(rig / "run" / "encoder.csv")
+    yield table
+    table.write()
+
+
+@change
+def column(rig: Path, name: str, change: Callable[[np.ndarray], np.ndarray]) -> None:
     """Change the numbers of one column."""
-
-    def damage(rig: Path) -> None:
-        table = Table(rig / "run" / "encoder.csv")
+    with log_of(rig) as table:
         table.put(name, change(table.numbers(name)))
-        table.write()
-
-    return damage
 
 
-def without(*names: str, then: Callable[[Path], object] | None = None):
-    """Leave columns out of the log, then do something else."""
-
-    def damage(rig: Path) -> None:
-        table = Table(rig / "run" / "encoder.csv")
-        for name in names:
-            table.columns.pop(name, None)
-        table.write()
-        if then is not None:
-            then(rig)
-
-    return damage
+@change
+def without(rig: Path, name: str, then: Callable[[Path], object]) -> None:
+    """Leave a column out of the log, then do something else."""
+    with log_of(rig) as table:
+        del table.columns[name]
+    then(rig)
 
 
 def at(rows, change):
@@ -132,205 +131,201 @@ def at(rows, change):
     return apply
 
 
-def late(count: int, *, since: int = 0):
+@change
+def late(rig: Path, count: int, since: int = 0) -> None:
     """Row k + count of the log stands in row k, from a row on; the last rows repeat the cycle."""
-
-    def damage(rig: Path) -> None:
-        table = Table(rig / "run" / "encoder.csv")
+    with log_of(rig) as table:
         size = len(table.columns["frame"])
-        time = table.numbers("time_s") if "time_s" in table.columns else None
         order = np.arange(size)
         order[since:] += count
+        time = table.numbers("time_s")
         for name, cells in table.columns.items():
-            if name == "frame":
-                continue
-            moved = [cells[n % size] for n in order]
-            if name == "time_s":
-                assert time is not None
-                moved = [f"{time[n % size] + TURN * (n // size):.6f}" for n in order]
-            table.columns[name] = moved
-        if time is not None:
-            first = min(map(float, table.columns["time_s"]))
-            table.put("time_s", table.numbers("time_s") - min(first, 0.0))
-        table.write()
-
-    return damage
+            if name != "frame":
+                table.columns[name] = [cells[n % size] for n in order]
+        time = np.round(time[order % size] + TURN * (order // size), 6)
+        table.put("time_s", time - min(time.min(), 0.0))
 
 
-def setting(*changes: tuple[str, str], file: str = "run/run.toml"):
+@change
+def setting(rig: Path, *changes: tuple[str, str]) -> None:
     """Replace text of the settings."""
-
-    def damage(rig: Path) -> None:
-        path = rig / file
-        text = path.read_text(encoding="utf-8")
-        for old, new in changes:
-            assert old in text, old
-            text = text.replace(old, new, 1)
-        path.write_text(text, encoding="utf-8")
-
-    return damage
+    path = rig / "run" / "run.toml"
+    text = path.read_text(encoding="utf-8")
+    for old, new in changes:
+        assert old in text, old
+        text = text.replace(old, new, 1)
+    path.write_text(text, encoding="utf-8")
 
 
-# changes of the frames
-
-
-def each(change: Callable[[np.ndarray], np.ndarray], cameras=(1, 2), chosen=slice(None)):
+@change
+def each(rig: Path, change: Callable[[np.ndarray], np.ndarray], cameras=(1, 2)) -> None:
     """Change the counts of frames."""
-
-    def damage(rig: Path) -> None:
-        for camera in cameras:
-            for path in frames(rig / "run", camera)[chosen]:
-                image = tifffile.imread(path)
-                path.unlink()
-                tifffile.imwrite(path, change(image).astype(np.uint16))
-
-    return damage
+    for camera in cameras:
+        for path in frames(rig / "run", camera):
+            image = tifffile.imread(path)
+            path.unlink()
+            tifffile.imwrite(path, change(image).astype(np.uint16))
 
 
-def order(change: Callable[[list[bytes]], list[bytes]], cameras=(1, 2)):
-    """Put the frames of cameras in another order; names and log stay."""
-
-    def damage(rig: Path) -> None:
-        for camera in cameras:
-            paths = frames(rig / "run", camera)
-            content = change([path.read_bytes() for path in paths])
-            for path, data in zip(paths, content, strict=True):
-                path.unlink()
-                path.write_bytes(data)
-
-    return damage
+@change
+def order(rig: Path, change: Callable[[list[bytes]], list[bytes]]) -> None:
+    """Put the frames of both cameras in another order; names and log stay."""
+    for camera in (1, 2):
+        paths = frames(rig / "run", camera)
+        content = change([path.read_bytes() for path in paths])
+        for path, data in zip(paths, content, strict=True):
+            path.unlink()
+            path.write_bytes(data)
 
 
-def from_another(source: str, places: list[int], taken: list[int] | None = None):
+@change
+def from_another(rig: Path, source: str, places: Sequence[int], taken: Sequence[int]) -> None:
     """Pairs of another recording in the place of some: "fixture", or the run of another rig."""
-
-    def damage(rig: Path) -> None:
-        other = rig / "fixture" if source == "fixture" else rig.parent / source / "run"
-        for camera in (1, 2):
-            own, foreign = frames(rig / "run", camera), frames(other, camera)
-            for place, n in zip(places, taken or range(len(places)), strict=True):
-                own[place].unlink()
-                shutil.copy(foreign[n % len(foreign)], own[place])
-
-    return damage
+    other = rig / "fixture" if source == "fixture" else rig.parent / source / "run"
+    for camera in (1, 2):
+        own, foreign = frames(rig / "run", camera), frames(other, camera)
+        for place, n in zip(places, taken, strict=True):
+            own[place].unlink()
+            shutil.copy(foreign[n % len(foreign)], own[place])
 
 
-def lost(first: int, count: int):
+@change
+def lost(rig: Path, first: int, count: int) -> None:
     """Pairs lost in the middle of the run, their rows taken from the end of the log."""
-
-    def damage(rig: Path) -> None:
-        for camera in (1, 2):
-            for path in frames(rig / "run", camera)[first : first + count]:
-                path.unlink()
-            for n, path in enumerate(frames(rig / "run", camera)):
-                path.rename(path.with_name(f"frame_{n:04d}.tif"))
-        table = Table(rig / "run" / "encoder.csv")
+    for camera in (1, 2):
+        for path in frames(rig / "run", camera)[first : first + count]:
+            path.unlink()
+        for n, path in enumerate(frames(rig / "run", camera)):
+            path.rename(path.with_name(f"frame_{n:04d}.tif"))
+    with log_of(rig) as table:
         table.columns = {name: cells[:-count] for name, cells in table.columns.items()}
-        table.write()
-        setting(("triggers_per_cycle = ", "# "))(rig)
-
-    return damage
+    setting(("triggers_per_cycle = ", "# "))(rig)
 
 
-def copy_camera(one: int, two: int):
-    def damage(rig: Path) -> None:
-        for source, target in zip(frames(rig / "run", one), frames(rig / "run", two), strict=True):
-            target.unlink()
-            shutil.copy(source, target)
-
-    return damage
+@change
+def copy_camera(rig: Path, one: int, two: int) -> None:
+    for source, target in zip(frames(rig / "run", one), frames(rig / "run", two), strict=True):
+        target.unlink()
+        shutil.copy(source, target)
 
 
 def jpeg(quality: int, scale: float):
     """Eight bits by way of JPEG, rescaled."""
 
     def change(image: np.ndarray) -> np.ndarray:
-        packed = cv2.imencode(
-            ".jpg", (image >> 4).astype(np.uint8), [cv2.IMWRITE_JPEG_QUALITY, quality]
-        )[1]
+        eight = (image >> 4).astype(np.uint8)
+        packed = cv2.imencode(".jpg", eight, [cv2.IMWRITE_JPEG_QUALITY, quality])[1]
         return np.rint(cv2.imdecode(packed, cv2.IMREAD_GRAYSCALE) * scale)
 
     return change
 
 
-def rocker_as_crank(rig: Path) -> None:
-    setting(('mounted_on = "rocker"', 'mounted_on = "crank"'))(rig)
+rocker_as_crank = setting(('mounted_on = "rocker"', 'mounted_on = "crank"'))
 
 
-def attribute(name: str, value):
-    def damage(rig: Path) -> None:
-        path = rig / "fixture" / "calibration.nc"
-        content = path.read_bytes()
-        path.unlink()
-        path.write_bytes(content)
-        with h5py.File(path, "r+") as file:
-            file.attrs[name] = value
-
-    return damage
-
-
-def cut_ms(values):
-    return values * 1000
-
-
-def kgf(values):
-    return values / 9.80665
-
-
-def slip(row: int, degrees: float):
-    return column("angle_deg", at(slice(row, None), lambda v: v + degrees))
-
-
-def reading(row: int, degrees: float):
-    return column("angle_deg", at([row], lambda v: v + degrees))
-
-
-def spread(values, seed=1, std=0.01):
-    return values * (1 + std * np.random.default_rng(seed).normal(size=values.size))
+@change
+def attribute(rig: Path, name: str, value) -> None:
+    path = rig / "fixture" / "calibration.nc"
+    content = path.read_bytes()
+    path.unlink()
+    path.write_bytes(content)
+    with h5py.File(path, "r+") as file:
+        file.attrs[name] = value
 
 
 LOAD = "load_N"
 ANGLE = "angle|reading|encoder"
 PAIRS = "rows of the pairs"
 FOREIGN = "another|other recording|fixture"
+LINKS = "crank|swing|linkage|reach"
+MOUNTING = "crank|rocker"
+
+
+def scaled(name: str, factor: float):
+    return column(name, lambda values: values * factor)
+
+
+def load_of(row: int, factor: float):
+    return column(LOAD, at([row], lambda v: v * factor))
+
+
+def off(name: str, row: int, by: float):
+    return column(name, at([row], lambda v: v + by))
+
+
+def reading(row: int, degrees: float):
+    return off("angle_deg", row, degrees)
+
+
+def slip(row: int, degrees: float):
+    return column("angle_deg", at(slice(row, None), lambda v: v + degrees))
+
+
+def replaced(text: str):
+    """Values of the settings, `old` by `new`, in a text of both."""
+    return lambda old, new: setting((text.format(old), text.format(new)))
+
+
+def reverse(content: list[bytes]) -> list[bytes]:
+    return content[::-1]
+
+
+def exchange(one: int, two: int):
+    def change(content: list[bytes]) -> list[bytes]:
+        content = list(content)
+        content[one], content[two] = content[two], content[one]
+        return content
+
+    return order(change)
+
+
+def unlogged(name: str, make: Callable[..., Callable[[Path], object]]):
+    """The same where a column is not in the log."""
+    return lambda *values: without(name, make(*values))
+
+
+def on(rigs: Sequence[str], *rows: tuple) -> list[tuple]:
+    """Each row of values with each rig."""
+    return [(*row, rig) for row in rows for rig in rigs]
+
+
+def family(name: str, make: Callable, cause: str, rows: Iterable[tuple]) -> list[Mistake]:
+    """A mistake for each row of values, the last of which is the rig."""
+    return [
+        Mistake(name.format(*row, rig=row[-1]), make(*row[:-1]), cause, row[-1]) for row in rows
+    ]
+
+
+LAW, CRANK, ZERO = ("law",), ("law", "crank"), ("law", "zero fitted")
 
 MISTAKES = [
     # files and counts
-    Mistake("camera 2 holds copies of camera 1", copy_camera(1, 2), "same image"),
-    Mistake("camera 1 holds copies of camera 2", copy_camera(2, 1), "same image"),
-    *(
-        Mistake(
-            f"bit {bit} of camera {camera} is never set",
-            each(lambda i, b=bit: i & ~np.uint16(1 << b), [camera]),
-            "bit|bits",
-        )
-        for bit in (2, 4, 5, 7, 9)
-        for camera in (1, 2)
+    *family(
+        "camera {1} holds copies of camera {0}", copy_camera, "same image", on(LAW, (1, 2), (2, 1))
     ),
-    *(
-        Mistake(
-            f"bit {bit} of both cameras is always set",
-            each(lambda i, b=bit: i | np.uint16(1 << b)),
-            "bit|bits",
-        )
-        for bit in (3, 6, 8)
+    *family(
+        "bit {} of camera {} is never set",
+        lambda bit, camera: each(lambda i: i & ~np.uint16(1 << bit), [camera]),
+        "bit|bits",
+        itertools.product((2, 4, 5, 7, 9), (1, 2), LAW),
     ),
-    *(
-        Mistake(
-            f"JPEG of quality {quality}, scaled by {scale} to 12 bit",
-            each(jpeg(quality, scale)),
-            "fewer bits|multiples",
-        )
-        for quality, scale in ((95, 16), (95, 16.06), (80, 16), (80, 16.06), (60, 16))
+    *family(
+        "bit {} of both cameras is always set",
+        lambda bit: each(lambda i: i | np.uint16(1 << bit)),
+        "bit|bits",
+        itertools.product((3, 6, 8), LAW),
     ),
-    *(
-        Mistake(
-            f"8 bits scaled by {scale} in camera {camera}",
-            each(lambda i, s=scale: np.rint((i >> 4) * s), [camera]),
-            "fewer bits|multiples",
-        )
-        for scale in (16, 16.06)
-        for camera in (1, 2)
+    *family(
+        "JPEG of quality {}, scaled by {} to 12 bit",
+        lambda quality, scale: each(jpeg(quality, scale)),
+        "fewer bits|multiples",
+        on(LAW, (95, 16), (95, 16.06), (80, 16), (80, 16.06), (60, 16)),
+    ),
+    *family(
+        "8 bits scaled by {} in camera {}",
+        lambda scale, camera: each(lambda i: np.rint((i >> 4) * scale), [camera]),
+        "fewer bits|multiples",
+        itertools.product((16, 16.06), (1, 2), LAW),
     ),
     Mistake("counts of both cameras halved", each(lambda i: i >> 1), "counts|gain|noise"),
     Mistake(
@@ -338,8 +333,12 @@ MISTAKES = [
         each(lambda i: np.rint(i / 2)),
         "counts|gain|noise",
     ),
-    Mistake("counts of camera 2 halved", each(lambda i: i >> 1, [2]), "counts|gain|noise|ratio"),
-    Mistake("counts of camera 1 halved", each(lambda i: i >> 1, [1]), "counts|gain|noise|ratio"),
+    *family(
+        "counts of camera {} halved",
+        lambda camera: each(lambda i: i >> 1, [camera]),
+        "counts|gain|noise|ratio",
+        itertools.product((2, 1), LAW),
+    ),
     Mistake(
         "counts of both cameras times 1.5",
         each(lambda i: np.minimum(np.rint(i * 1.5), 4095)),
@@ -347,272 +346,180 @@ MISTAKES = [
     ),
     Mistake("dark subtracted twice", each(lambda i: np.maximum(i.astype(int) - 64, 0)), "dark"),
     # log: units and conditions
-    *(
-        Mistake(f"load in {unit} under load_N", column(LOAD, lambda v, f=factor: v * f), "load")
-        for unit, factor in (("kgf", 1 / 9.80665), ("lbf", 1 / 4.448), ("kN", 1e-3), ("mN", 1e3))
+    *family(
+        "load in {} under load_N",
+        lambda unit, factor: scaled(LOAD, factor),
+        "load",
+        on(LAW, ("kgf", 1 / 9.80665), ("lbf", 1 / 4.448), ("kN", 1e-3), ("mN", 1e3)),
     ),
-    *(
-        Mistake(
-            f"time in {unit}, {rig}",
-            column("time_s", lambda v, f=factor: v * f),
-            "time|crank turns",
-            rig,
-        )
-        for unit, factor in (("ms", 1e3), ("minutes", 1 / 60), ("us", 1e6))
-        for rig in ("law", "crank", "zero fitted")
+    *family(
+        "time in {0}, {2}",
+        lambda unit, factor: scaled("time_s", factor),
+        "time|crank turns",
+        on((*CRANK, "zero fitted"), ("ms", 1e3), ("minutes", 1 / 60), ("us", 1e6)),
     ),
-    *(
-        Mistake(
-            f"crank speed of {rpm} rpm for 114, {rig}",
-            setting(('"114 rpm"', f'"{rpm} rpm"')),
-            "crank turns|crank_speed",
-            rig,
-        )
-        for rpm in (11.4, 141, 228, 57)
-        for rig in ("law", "crank", "two cycles")
+    *family(
+        "crank speed of {1} rpm for {0}, {2}",
+        replaced('"{} rpm"'),
+        "crank turns|crank_speed",
+        on((*CRANK, "two cycles"), (114, 11.4), (114, 141), (114, 228), (114, 57)),
     ),
-    *(
-        Mistake(
-            f"speed of the disc of {rpm} rpm for 60",
-            setting(('"60 rpm"', f'"{rpm} rpm"')),
-            "angle and time of the log",
-            "disc",
-        )
-        for rpm in (6, 54, 120, 600)
+    *family(
+        "speed of the disc of {1} rpm for {0}",
+        replaced('"{} rpm"'),
+        "angle and time of the log",
+        on(("disc",), (60, 6), (60, 54), (60, 120), (60, 600)),
     ),
-    *(
-        Mistake(
-            f"temperature in {unit} under temperature_C",
-            column("temperature_C", change),
-            "temperature",
-        )
-        for unit, change in (
-            ("K", lambda v: v + 273.15),
-            ("degF times 10", lambda v: 10 * (v * 1.8 + 32)),
-        )
+    *family(
+        "temperature in {} under temperature_C",
+        lambda unit, change: column("temperature_C", change),
+        "temperature",
+        on(LAW, ("K", lambda v: v + 273.15), ("degF times 10", lambda v: 10 * (v * 1.8 + 32))),
     ),
     # log: single values
-    *(
-        Mistake(
-            f"load of row {row} times {factor}",
-            column(LOAD, at([row], lambda v, f=factor: v * f)),
-            "load",
-            rig,
-        )
-        for row, factor, rig in (
-            (20, 1000, "law"),
-            (3, 1000, "crank"),
-            (49, 1000, "law"),
-            (0, 1000, "law"),
-            (20, 0.001, "law"),
-            (31, 10, "law, other"),
-            (31, 0.1, "law"),
-            (7, 100, "transient"),
-            (12, 5, "law"),
-            (30, 1000, "two cycles"),
-        )
+    *family(
+        "load of row {} times {}",
+        load_of,
+        "load",
+        [
+            *on(LAW, (20, 1000), (49, 1000), (0, 1000), (20, 0.001), (31, 0.1), (12, 5)),
+            *((3, 1000, "crank"), (31, 10, "law, other")),
+            *((7, 100, "transient"), (30, 1000, "two cycles")),
+        ],
     ),
-    *(
-        Mistake(
-            f"ten loads of 0.5 N {where}",
-            column(LOAD, at(rows, lambda v: 0 * v + 0.5)),
-            "load",
-            rig,
-        )
-        for where, rows, rig in (
-            ("in a row", slice(20, 30), "law"),
-            ("scattered", list(range(2, 50, 5)), "law"),
-            ("at the start", slice(0, 10), "law"),
-            ("at the end", slice(40, 50), "crank"),
-        )
+    *family(
+        "ten loads of 0.5 N {}",
+        lambda where, rows: column(LOAD, at(rows, lambda v: 0 * v + 0.5)),
+        "load",
+        [
+            *on(LAW, ("in a row", slice(20, 30)), ("scattered", list(range(2, 50, 5)))),
+            *(("at the start", slice(0, 10), "law"), ("at the end", slice(40, 50), "crank")),
+        ],
     ),
-    *(
-        Mistake(
-            f"temperature of row {row} off by {off} K",
-            column("temperature_C", at([row], lambda v, o=off: v + o)),
-            "temperature",
-        )
-        for row, off in ((20, 500), (0, 60), (49, -80), (33, 8))
+    *family(
+        "temperature of row {} off by {} K",
+        partial(off, "temperature_C"),
+        "temperature",
+        on(LAW, (20, 500), (0, 60), (49, -80), (33, 8)),
     ),
-    *(
-        Mistake(f"reading of row {row} off by {off} degrees, {rig}", reading(row, off), ANGLE, rig)
-        for row, off, rig in (
-            (12, -8, "law"),
-            (30, 5, "law"),
-            (40, 3, "law"),
-            (8, 2, "law"),
-            (20, 8, "crank"),
-            (33, -20, "crank"),
-            (12, -8, "zero fitted"),
-            (30, 5, "transient"),
-            (12, -8, "two cycles"),
-        )
+    *family(
+        "reading of row {} off by {} degrees, {}",
+        reading,
+        ANGLE,
+        [
+            *on(LAW, (12, -8), (30, 5), (40, 3), (8, 2)),
+            *on(("crank",), (20, 8), (33, -20)),
+            *((12, -8, "zero fitted"), (30, 5, "transient"), (12, -8, "two cycles")),
+        ],
     ),
-    *(
-        Mistake(
-            f"reading of row {row} off by {off} degrees, no times",
-            without("time_s", then=reading(row, off)),
-            ANGLE,
-        )
-        for row, off in ((12, -8), (30, 5), (40, 3))
+    *family(
+        "reading of row {} off by {} degrees, no times",
+        unlogged("time_s", reading),
+        ANGLE,
+        on(LAW, (12, -8), (30, 5), (40, 3)),
     ),
-    *(
-        Mistake(f"encoder slips by {off} degrees at row {row}, {rig}", slip(row, off), ANGLE, rig)
-        for row, off, rig in (
-            (20, -1, "law"),
-            (33, 1, "law"),
-            (10, -0.5, "law"),
-            (30, 0.5, "law"),
-            (20, -1, "zero fitted"),
-            (20, 5, "crank"),
-            (30, -5, "crank"),
-            (25, 10, "crank"),
-            (28, -1, "two cycles"),
-            (20, -1, "transient"),
-        )
+    *family(
+        "encoder slips by {1} degrees at row {0}, {2}",
+        slip,
+        ANGLE,
+        [
+            *on(LAW, (20, -1), (33, 1), (10, -0.5), (30, 0.5)),
+            *on(("crank",), (20, 5), (30, -5), (25, 10)),
+            *((20, -1, "zero fitted"), (28, -1, "two cycles"), (20, -1, "transient")),
+        ],
     ),
-    *(
-        Mistake(f"{name} of row {row} off", column("time_s", at([row], change)), "time", rig)
-        for name, row, change, rig in (
-            ("time", 20, lambda v: v + 0.005, "law"),
-            ("time", 30, lambda v: v - 0.004, "law"),
-        )
+    *family(
+        "time of row {0} off", partial(off, "time_s"), "time", on(LAW, (20, 0.005), (30, -0.004))
     ),
     # order of pairs and rows
-    *(
-        Mistake(f"log late by {count}, {rig}", late(count), PAIRS, rig)
-        for count in (1, -1, 5, -5, 2)
-        for rig in ("law", "crank")
+    *family(
+        "log late by {}, {}",
+        late,
+        PAIRS,
+        [*on(CRANK, (1,), (-1,), (5,), (-5,), (2,)), *on(("transient",), (1,), (5,), (-5,))],
     ),
-    *(
-        Mistake(f"log late by {count}, transient", late(count), PAIRS, "transient")
-        for count in (1, 5, -5)
+    *family(
+        "log late by {}, no energies",
+        unlogged("laser_mJ", late),
+        PAIRS,
+        on(LAW, (1,), (-1,), (5,), (-5,)),
     ),
-    *(
-        Mistake(f"log late by {count}, no energies", without("laser_mJ", then=late(count)), PAIRS)
-        for count in (1, -1, 5, -5)
+    *family(
+        "rows of the log {0} on from row {1}",
+        late,
+        PAIRS,
+        [(1, 20, "law"), (1, 30, "crank"), (3, 25, "law"), (1, 25, "transient")],
     ),
-    *(
-        Mistake(f"rows of the log {count} on from row {row}", late(count, since=row), PAIRS, rig)
-        for row, count, rig in (
-            (20, 1, "law"),
-            (30, 1, "crank"),
-            (25, 3, "law"),
-            (25, 1, "transient"),
-        )
+    *family(
+        "{1} pairs lost from pair {0}, {2}",
+        lost,
+        PAIRS,
+        [*on(LAW, (20, 10), (25, 1), (20, 3)), *((10, 10, "crank"), (20, 10, "transient"))],
     ),
-    *(
-        Mistake(f"{count} pairs lost from pair {first}, {rig}", lost(first, count), PAIRS, rig)
-        for first, count, rig in (
-            (20, 10, "law"),
-            (10, 10, "crank"),
-            (25, 1, "law"),
-            (20, 3, "law"),
-            (20, 10, "transient"),
-        )
+    *family(
+        "{1} pairs lost from pair {0}, no energies",
+        unlogged("laser_mJ", lost),
+        PAIRS,
+        on(LAW, (20, 10), (10, 5), (25, 1)),
     ),
-    *(
-        Mistake(
-            f"{count} pairs lost from pair {first}, no energies",
-            without("laser_mJ", then=lost(first, count)),
-            PAIRS,
-        )
-        for first, count in ((20, 10), (10, 5), (25, 1))
-    ),
-    *(
-        Mistake(
-            f"both cameras in reverse order, {rig}",
-            order(lambda c: c[::-1]),
-            "in reverse order",
-            rig,
-        )
-        for rig in ("law", "crank", "transient", "two cycles")
+    *family(
+        "both cameras in reverse order, {}",
+        lambda: order(reverse),
+        "in reverse order",
+        on((*CRANK, "transient", "two cycles"), ()),
     ),
     Mistake(
         "both cameras in reverse order, no energies",
-        without("laser_mJ", then=order(lambda c: c[::-1])),
+        without("laser_mJ", order(reverse)),
         "in reverse order",
     ),
-    *(
-        Mistake(
-            f"pairs {one} and {two} exchanged in both cameras",
-            order(
-                lambda c, a=one, b=two: [
-                    c[b] if n == a else c[a] if n == b else x for n, x in enumerate(c)
-                ]
-            ),
-            "of another place",
-        )
-        for one, two in ((10, 35), (5, 12), (20, 21))
+    *family(
+        "pairs {} and {} exchanged in both cameras",
+        exchange,
+        "of another place",
+        on(LAW, (10, 35), (5, 12), (20, 21)),
     ),
     # pairs of other recordings
-    *(
-        Mistake(
-            f"{count} pairs of {other!r} ({taken}) from pair {first}, {rig}",
-            from_another(
-                other, list(range(first, first + count)), list(range(taken, taken + count))
-            ),
-            FOREIGN,
-            rig,
-        )
-        for count, first, taken, other, rig in (
-            (10, 20, 20, "law, other", "law"),
-            (10, 20, 0, "law, other", "law"),
-            (10, 0, 0, "crank", "law"),
-            (3, 30, 30, "law, other", "law"),
-            (10, 20, 20, "transient", "law"),
-            (10, 40, 40, "law", "crank"),
-            (10, 20, 20, "law", "transient"),
-        )
+    *family(
+        "{} pairs of {!r} ({}) from pair {}, {}",
+        lambda count, other, taken, first: from_another(
+            other, range(first, first + count), range(taken, taken + count)
+        ),
+        FOREIGN,
+        [
+            *on(LAW, (10, "law, other", 20, 20), (10, "law, other", 0, 20)),
+            *on(LAW, (10, "crank", 0, 0), (3, "law, other", 30, 30), (10, "transient", 20, 20)),
+            *((10, "law", 40, 40, "crank"), (10, "law", 20, 20, "transient")),
+        ],
     ),
-    *(
-        Mistake(
-            f"{len(places)} pairs of the fixture from pair {places[0]}, {rig}",
-            from_another("fixture", places),
-            FOREIGN,
-            rig,
-        )
-        for places, rig in (
-            ([20, 21, 22], "law"),
-            ([0, 1, 2], "law"),
-            ([10, 25, 40], "crank"),
-            ([47, 48, 49], "transient"),
-            ([30], "law"),
-        )
+    *family(
+        "{0} pairs of the fixture from pair {1}, {rig}",
+        lambda count, first, step=1: from_another(
+            "fixture", range(first, first + count * step, step), range(count)
+        ),
+        FOREIGN,
+        [*on(LAW, (3, 20), (3, 0), (1, 30)), *((3, 10, 15, "crank"), (3, 47, "transient"))],
     ),
     # settings
-    *(
-        Mistake(
-            f"crank of {cm} cm for 5.5 cm, {rig}",
-            setting(('"5.5 cm"', f'"{cm} cm"')),
-            "crank|swing|linkage|reach",
-            rig,
-        )
-        for cm in (5.4, 5.6, 5.45, 5.7)
-        for rig in ("law", "zero fitted")
+    *family(
+        "crank of {1} cm for {0} cm, {2}",
+        replaced('"{} cm"'),
+        LINKS,
+        on(ZERO, (5.5, 5.4), (5.5, 5.6), (5.5, 5.45), (5.5, 5.7)),
     ),
-    *(
-        Mistake(
-            f"{link} {new} for {old} cm, {rig}",
-            setting((f'{link} = "{old} cm"', f'{link} = "{new} cm"')),
-            "crank|swing|linkage|reach|zero",
-            rig,
-        )
-        for link, old, new in (
-            ("rocker", 26, 27),
-            ("rocker", 26, 25),
-            ("coupler", 44, 45),
-            ("ground", 51, 50),
-        )
-        for rig in ("law", "zero fitted")
+    *family(
+        "{0} {2} for {1} cm, {3}",
+        lambda link, old, new: replaced(f'{link} = "{{}} cm"')(old, new),
+        f"{LINKS}|zero",
+        on(ZERO, ("rocker", 26, 27), ("rocker", 26, 25), ("coupler", 44, 45), ("ground", 51, 50)),
     ),
-    Mistake("stated on the crank, logged on the rocker", rocker_as_crank, "crank|rocker"),
-    Mistake("the same, zero not stated", rocker_as_crank, "crank|rocker", "zero fitted"),
-    Mistake("the same, two cycles", rocker_as_crank, "crank|rocker", "two cycles"),
+    Mistake("stated on the crank, logged on the rocker", rocker_as_crank, MOUNTING),
+    Mistake("the same, zero not stated", rocker_as_crank, MOUNTING, "zero fitted"),
+    Mistake("the same, two cycles", rocker_as_crank, MOUNTING, "two cycles"),
     Mistake(
         "stated on the crank, logged on the rocker, no times",
-        without("time_s", then=rocker_as_crank),
-        "crank|rocker",
+        without("time_s", rocker_as_crank),
+        MOUNTING,
     ),
     Mistake(
         "stated on the rocker, logged on the crank",
@@ -623,17 +530,17 @@ MISTAKES = [
     Mistake(
         "encoder zero off by 2 degrees", setting(('zero = "48.1', 'zero = "46.1')), "reach|zero"
     ),
-    *(
-        Mistake(
-            f"load of {load} N in [joint] for 222",
-            setting(('load = "222.411 N"', f'load = "{load} N"')),
-            "load",
-        )
-        for load in (22.2, 2220)
+    *family(
+        "load of {1} N in [joint] for {0}",
+        replaced('load = "{} N"'),
+        "load",
+        on(LAW, (222.411, 22.2), (222.411, 2220)),
     ),
-    *(
-        Mistake(f"calibration of erlif {version}", attribute("erlif_version", version), "version")
-        for version in ("99.0.0", "99", "2.1.0")
+    *family(
+        "calibration of erlif {}",
+        partial(attribute, "erlif_version"),
+        "version",
+        itertools.product(("99.0.0", "99", "2.1.0"), LAW),
     ),
 ]
 

@@ -74,17 +74,6 @@ def test_damaged_frames_are_left_out_on_request_and_have_notes(lab, command):
     assert np.isfinite(film.film_mean.values).tolist() == [False] * 5 + [True]
 
 
-def test_exchanged_cameras_are_refused(lab, refused):
-    for name in ("camera{}", "camera{}_dark.tif", "camera{}_flat.tif"):
-        one, two, between = (lab.run / name.format(n) for n in (1, 2, 3))
-        one.rename(between)
-        two.rename(one)
-        between.rename(two)
-    message = refused("process", lab.run)
-    assert "the inverse of the calibration's" in message
-    assert "swapped" in message
-
-
 # output
 
 
@@ -121,41 +110,6 @@ def kept_triggers(lab):
     """Numbers of the triggers in the journal of the unfinished film, below its first line."""
     journal = lab.run / "film.nc.partial" / "journal"
     return list(range(len(journal.read_text().splitlines()) - 1))
-
-
-def interrupt_at_third_trigger(monkeypatch, lab, error=KeyboardInterrupt):
-    """Process the run with an error at the third trigger; gives result and triggers kept."""
-    put = PartialFilm.put
-
-    def put_others(partial, trigger, *rest):
-        if trigger == 2:
-            raise error
-        put(partial, trigger, *rest)
-
-    with monkeypatch.context() as patch:
-        patch.setattr(PartialFilm, "put", put_others)
-        result = CliRunner().invoke(
-            main, ["process", str(lab.run), "--workers", "1", "--overwrite"]
-        )
-    kept = kept_triggers(lab)
-    assert kept[:2] == [0, 1]
-    assert 2 not in kept
-    return result, kept
-
-
-def test_an_interrupted_process_keeps_the_previous_film_and_resumes(
-    lab, film, monkeypatch, command, computed
-):
-    lab.film.write_bytes(b"")
-    result, kept = interrupt_at_third_trigger(monkeypatch, lab)
-    assert result.exit_code == 130
-    assert "resumes" in result.stderr
-    assert "Traceback" not in result.output
-    assert lab.film.read_bytes() == b""
-    computed.clear()
-    command("process", lab.run, "--workers", 1, "--overwrite")
-    assert computed == [trigger for trigger in range(6) if trigger not in kept]
-    assert lab.film.read_bytes() == film.read_bytes()
 
 
 def test_a_disk_too_full_for_the_film_leaves_the_previous_one_and_what_is_done(

@@ -63,32 +63,3 @@ def test_pulses_that_do_not_repeat_are_averaged_by_bins_of_one_stroke(small_rig,
     film = erlif.process(run.directory, workers=1)
     assert film.frames_used.sum() == 25
     assert set(film.stroke.values.tolist()) == {-1, 1}
-
-
-# logs in time that do not determine the times of the frames
-
-
-def more_rows(path):
-    """A log in time: three rows in place of one."""
-    rows = [row.split(",") for row in path.read_text(encoding="utf-8").splitlines()]
-    dense = [rows[0][1:]]
-    for row in rows[1:]:
-        dense += [[f"{float(row[1]) + k * 1e-3:.6f}", *row[2:]] for k in range(3)]
-    path.write_text("\n".join(",".join(row) for row in dense) + "\n", encoding="utf-8")
-
-
-@pytest.mark.parametrize(
-    ("setting", "words"),
-    [
-        ("", ["a log in time", "18 rows for 6 frames", "pulse", "frame_rate"]),
-        ('frame_rate = "50 Hz"', ["frame_rate needs the time", 'start = "fit"']),
-        ('frame_rate = "50 Hz"\nstart = "9 s"', ["within the log", "frame 0 is at 9 s"]),
-        ('frame_rate = "15 Hz"\nstart = "fit"', ["at least 12 frames", "start = "]),
-        ('pulse = "laser_mJ"', ["one pulse for each frame", "6 frames each"]),
-    ],
-)
-def test_times_that_the_log_does_not_give_are_refused(lab, refused, setting, words):
-    more_rows(lab.run / "encoder.csv")
-    lab.edit("run/run.toml", ("[encoder]\n", f"[encoder]\n{setting}\n"))
-    message = refused("process", lab.run)
-    assert all(word in message for word in words)

@@ -9,13 +9,10 @@ import numpy as np
 import numpy.testing as npt
 import pytest
 import xarray as xr
-from scenes.film import RUN_TOML
 from scenes.fixture import assert_covers
 
 import erlif
 from conftest import SMALL, Laboratory
-from erlif.io.settings import RunSettings
-from erlif.pipeline.film import predict_theory
 from erlif.show.notebook import summarise_region
 
 KINDS = ("rotation", "sinusoidal", "static")
@@ -139,22 +136,6 @@ def test_frames_of_a_static_film_are_averaged_into_one_trigger(case, tmp_path):
     assert film.frames_used.values.tolist() == [8]
     ratio = np.nanmedian(film.thickness_std[0]) / np.nanmedian(case.film.thickness_std)
     assert 8**-0.5 < ratio < 0.5
-
-
-def test_a_shaft_in_a_bushing_has_the_theory_of_its_joint():
-    """The 2.65 formula by hand, at half the sliding speed of one moving surface."""
-    raw = tomllib.loads(RUN_TOML)
-    raw["mechanism"] = {"kind": "rotation", "radius": "33.36 mm", "speed": "60 rpm"}
-    settings = RunSettings.model_validate(raw)
-    speed, load, radius, modulus = 0.2096, 222.4, 4.872010, 2.7e9 / (1 - 0.37**2)
-    film = xr.Dataset({"sliding_speed": ("trigger", [speed]), "load": ("trigger", [load])})
-
-    viscosity, alpha = settings.oil.viscosity, settings.oil.pressure_viscosity
-    by_speed = (viscosity * speed / 2 / (modulus * radius)) ** 0.7
-    by_load = (load / 0.237 / (modulus * radius)) ** -0.13
-    expected = 2.65e6 * radius * (alpha * modulus) ** 0.54 * by_speed * by_load
-    found = predict_theory(settings, film)
-    npt.assert_allclose(found.film_hamrock_dowson, expected, rtol=1e-6)
 
 
 def test_budget_of_a_film_without_a_speed_is_that_of_its_first_trigger(case):

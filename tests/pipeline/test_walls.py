@@ -7,10 +7,7 @@ from scenes.rig import small_rig
 import erlif
 from conftest import Laboratory
 
-RIG = small_rig(
-    film_reference=4.0,
-    wall=(0.1, 0.3),
-)
+RIG = small_rig(film_reference=4.0, wall=(0.1, 0.3))
 OPTICS = 'x_axis = "sliding"'
 
 

@@ -3,9 +3,10 @@
 import numpy as np
 import numpy.testing as npt
 import pytest
+from scenes import orbits
 from scenes.orbits import CRANK, FRAMES, MOVED, RIG, SPEED, STATED, STEPS, free_orbit, measure
 
-from erlif.models.reynolds import Journal, crank_motion, solve_journal
+from erlif.models.reynolds import Journal
 from erlif.prediction import compare_models, measured_minima
 
 LONG = Journal(0.03336, 0.03359, length=0.237, viscosity=0.12, long=True)
@@ -43,13 +44,7 @@ def test_free_pin_is_recognised_by_its_minima():
 
 @pytest.fixture(scope="module")
 def guided():
-    """Positions of a guided pin, by fine steps of the long film."""
-    long = crank_motion(RIG, crank_speed=SPEED, load=222.4, cycles=5, steps_per_cycle=1600)
-    solved = solve_journal(
-        LONG, long, start=(205e-6, 0.0), sideways="guided", cells=(256, 1), compiled=True
-    )
-    orbit = np.stack([solved.displacement_load, solved.displacement_side], axis=1)[4800:-1:32]
-    return measure(orbit, 4)
+    return measure(orbits.held_orbit(), 4)
 
 
 def test_bound_of_any_guided_pin_is_above_the_fitted_one(guided):

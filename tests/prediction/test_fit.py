@@ -16,12 +16,13 @@ from scenes.orbits import (
     STD,
     VISCOSITY,
     free_orbit,
+    held_orbit,
     measure,
 )
 
 from erlif.core.errors import ConfigError
 from erlif.models.oil import vogel_viscosity
-from erlif.models.reynolds import Motion, crank_motion, solve_journal
+from erlif.models.reynolds import Motion
 from erlif.prediction import (
     Estimate,
     MeasuredMotion,
@@ -131,17 +132,6 @@ def test_film_that_does_not_change_leaves_a_lower_limit_of_the_viscosity():
     assert np.isinf(viscosity.high)
     assert viscosity.low > 1.0
     assert f"at least {viscosity.low:.3g} Pa s" in str(found.notes[0])
-
-
-def held_orbit(side=0.0, **changes):
-    """A guided pin by fine steps and cells of the solver itself, after three turns."""
-    joint = replace(STATED, viscosity=VISCOSITY, long=True, **changes)
-    motion = crank_motion(RIG, crank_speed=SPEED, load=222.4, cycles=5, steps_per_cycle=800)
-    solved = solve_journal(
-        joint, motion, start=(205e-6, side), sideways="guided", cells=(192, 1), compiled=True
-    )
-    both = np.stack([solved.displacement_load, solved.displacement_side], axis=1)
-    return both[3 * 800 : -1 : 16]
 
 
 def fit_held(orbit, seed, **options):

@@ -16,6 +16,7 @@ from scenes.orbits import (
     WIDTHS,
     draw_rigs,
     free_orbit,
+    held_orbit,
     measure,
 )
 
@@ -35,14 +36,7 @@ def free():
 
 @pytest.fixture(scope="module")
 def guided():
-    """Of a long joint, by fine steps of the solver itself, after three turns."""
-    joint = replace(STATED, viscosity=VISCOSITY, long=True)
-    motion = crank_motion(RIG, crank_speed=SPEED, load=222.4, cycles=5, steps_per_cycle=800)
-    solved = solve_journal(
-        joint, motion, start=(205e-6, 5e-6), sideways="guided", cells=(192, 1), compiled=True
-    )
-    both = np.stack([solved.displacement_load, solved.displacement_side], axis=1)
-    return measure(both[3 * 800 : -1 : 16], 8)
+    return measure(held_orbit(side=5e-6), 8)
 
 
 def fit(measured, given=None, *, joint=STATED, moved=MOVED, **options):
@@ -199,7 +193,7 @@ def test_a_drift_that_the_positions_do_not_show_widens_the_fit_in_proportion():
     npt.assert_allclose(small.std, np.hypot(*small.parts.values()), rtol=1e-9)
 
 
-def held_orbit(**changes):
+def cavitated_orbit(**changes):
     """A guided pin by the rig's own cavities, after three turns."""
     period = 2 * np.pi / SPEED
     return follow_cavitated(
@@ -217,7 +211,7 @@ def held_orbit(**changes):
 def test_a_drift_is_found_beside_a_guided_pin():
     """8 % thicker oil at the last frame."""
     last = MOTION.time[STEPS[-1]]
-    orbit = held_orbit(thicker=lambda time: np.exp(0.08 * (max(time, 0.0) / last - 0.5)))
+    orbit = cavitated_orbit(thicker=lambda time: np.exp(0.08 * (max(time, 0.0) / last - 0.5)))
     given = GivenErrors(load_line=0.5e-3, drift=0.05)
     found = fit(measure(orbit, 3), given, sideways="guided")
     change, viscosity = found["drift"], found["viscosity"]
@@ -245,7 +239,7 @@ def test_the_cavitation_pressure_is_found_within_its_width(guided):
 def test_a_cavitation_pressure_beside_the_stated_one_is_found():
     """The cavities of the rig open at -75 kPa, where -60 are stated; that alone is 15 % of oil."""
     joint = replace(STATED, cavitation_pressure=-6e4)
-    films = measure(held_orbit(cavity=-7.5e4), 4)
+    films = measure(cavitated_orbit(cavity=-7.5e4), 4)
     options = {"joint": joint, "sideways": "guided"}
     exact = fit(films, GivenErrors(load_line=0.0), **options)["viscosity"]
     found = fit(films, GivenErrors(load_line=0.0, cavitation_pressure=1.5e4), **options)

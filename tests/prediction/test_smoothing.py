@@ -95,10 +95,7 @@ def test_a_scatter_four_times_the_stated_one_is_found():
 
 @pytest.mark.parametrize(
     ("time", "value", "cov", "message"),
-    [
-        (TIME[::-1], 0.0, 1.0, "rising times"),
-        (TIME, 0.0, -1.0, "positive definite"),
-    ],
+    [(TIME[::-1], 0.0, 1.0, "rising times"), (TIME, 0.0, -1.0, "positive definite")],
 )
 def test_what_has_no_path_is_refused(time, value, cov, message):
     with pytest.raises(ModelError, match=message):

@@ -10,13 +10,7 @@ from scenes.registration import Scene, drifting_frames, expose, smooth_map, text
 
 from erlif.core.errors import RegistrationError
 from erlif.registration import check_map, estimate_drift, orient
-from erlif.registration.drift import (
-    FARTHEST,
-    beyond_chance,
-    fold_quarters,
-    shift_std,
-    whole_pixels,
-)
+from erlif.registration.drift import FARTHEST, beyond_chance, fold_quarters, shift_std, whole_pixels
 from erlif.registration.matching import BX, BY, GXX, GXY, GYY, SUMS
 
 SHAPE = (160, 192)

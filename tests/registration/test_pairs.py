@@ -22,12 +22,7 @@ def image(seed=0, kind=np.uint16, shape=SHAPE):
 
 
 @pytest.mark.parametrize(
-    "wrong",
-    [
-        image(shape=(63, 80)),
-        np.zeros((64, 80, 3)),
-        np.zeros((64, 80), complex),
-    ],
+    "wrong", [image(shape=(63, 80)), np.zeros((64, 80, 3)), np.zeros((64, 80), complex)]
 )
 @pytest.mark.parametrize("camera", [1, 2])
 def test_what_is_no_grey_image_or_no_weight_of_it_is_refused_and_its_camera_named(wrong, camera):

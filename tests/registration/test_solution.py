@@ -11,13 +11,7 @@ from erlif.core.errors import RegistrationError
 from erlif.registration import MapKind
 from erlif.registration.matching import BX, GXX
 from erlif.registration.selection import Model, moved_to
-from erlif.registration.solution import (
-    Solution,
-    find_overlap,
-    finish_map,
-    fits_better,
-    solve_local,
-)
+from erlif.registration.solution import Solution, find_overlap, finish_map, fits_better, solve_local
 from erlif.registration.surface import equations, solve_surface
 from erlif.registration.views import expected_rms
 

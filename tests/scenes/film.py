@@ -265,11 +265,7 @@ def pin_columns() -> dict[str, tuple]:
     return {
         "axis": ("axis", np.array(["load", "side"])),
         "parameter": ("parameter", np.array(["load", "side", "tilt_load", "tilt_side"])),
-        "pin_displacement": (
-            both,
-            np.column_stack([eccentricity, side]),
-            {"units": "um"} | place,
-        ),
+        "pin_displacement": (both, np.column_stack([eccentricity, side]), {"units": "um"} | place),
         "pin_tilt": (both, np.tile([tilt, 0.0], (TRIGGERS, 1)), {"units": "um mm-1"} | place),
         "pin_position_cov": (numbers, random + shared),
         "pin_position_cov_random": (numbers, random),

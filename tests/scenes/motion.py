@@ -19,12 +19,7 @@ ANGLE = np.radians([20.0, 80.0, 140.0, 200.0, 260.0, 320.0])
 """Angle of the drive at the six triggers. [rad]"""
 
 PREDICTED = ("film_predicted_min", "film_predicted_mean", "eccentricity", "attitude")
-THEORY = (
-    "film_theory",
-    "film_hamrock_dowson",
-    "film_parameter",
-    *PREDICTED,
-)
+THEORY = ("film_theory", "film_hamrock_dowson", "film_parameter", *PREDICTED)
 LINKAGE = ("encoder_angle", "stroke", "crank_angle", "rocker_speed", "sliding_speed")
 TREND = [f"speed_exponent{part}" for part in ("", "_std", "_mean", "_mean_std")]
 

@@ -1,13 +1,14 @@
 """Two cycles of the joint of Farzaneh (2002), and orbits of its pin in thicker oil than stated."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cache
 
 import numpy as np
 from scipy.stats import norm
 from scipy.stats.qmc import LatinHypercube
 
 from erlif.models.mechanism import CrankRocker
-from erlif.models.reynolds import Journal, crank_motion
+from erlif.models.reynolds import Journal, crank_motion, solve_journal
 from erlif.prediction import FrameMotion, GivenErrors, MeasuredMotion, MotionFit
 from erlif.rig.cavitation import follow_cavitated
 from erlif.rig.orbit import Bearing, follow_orbit
@@ -37,6 +38,20 @@ def free_orbit(start, **oil):
         start=start,
         **oil,
     )
+
+
+@cache
+def held_orbit(side=0.0, **changes):
+    """Two cycles of a guided pin in a long film by fine steps and cells of the solver itself, after
+    three turns; never to be changed.
+    """
+    joint = replace(STATED, viscosity=VISCOSITY, long=True, **changes)
+    motion = crank_motion(RIG, crank_speed=SPEED, load=222.4, cycles=5, steps_per_cycle=800)
+    solved = solve_journal(
+        joint, motion, start=(205e-6, side), sideways="guided", cells=(192, 1), compiled=True
+    )
+    both = np.stack([solved.displacement_load, solved.displacement_side], axis=1)
+    return both[3 * 800 : -1 : 16]
 
 
 def measure(orbit, seed):

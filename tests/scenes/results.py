@@ -41,11 +41,7 @@ def make_result(*frames: int, **changes) -> TriggerResult:
     """Result of a trigger with these frame pairs; every frame has its own numbers."""
     kept = tuple(
         FrameResult(
-            k,
-            (0.1 * k, -0.2 * k),
-            (3000 + k, 2000 + k),
-            100.0 + k,
-            (f"{k:064x}", f"{k + 7:064x}"),
+            k, (0.1 * k, -0.2 * k), (3000 + k, 2000 + k), 100.0 + k, (f"{k:064x}", f"{k + 7:064x}")
         )
         for k in frames
     )

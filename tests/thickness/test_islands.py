@@ -11,12 +11,7 @@ from erlif.show.plots import example_calibration
 from erlif.thickness import flag_beyond_maximum
 
 RIG = small_rig(
-    width=256,
-    field_width=28.0,
-    film_reference=6.0,
-    wall=(0.6, 0.6),
-    dark_pages=4,
-    flat_pages=3,
+    width=256, field_width=28.0, film_reference=6.0, wall=(0.6, 0.6), dark_pages=4, flat_pages=3
 )
 """Films of 4 um in the middle of the image to 28 um at its ends; no ratio exceeds that of 12 um."""
 

@@ -26,10 +26,7 @@ def test_errors_of_the_slopes_have_their_standard_deviations():
         ratio[rng.uniform(size=ratio.shape) < 0.1] = np.nan  # bubbles
         found = fit_trend(pulse, group, ratio, light)
         pulls.append(
-            [
-                (found.log_ratio + 2e-4) / found.log_ratio_std,
-                (found.light + 5e-4) / found.light_std,
-            ]
+            [(found.log_ratio + 2e-4) / found.log_ratio_std, (found.light + 5e-4) / found.light_std]
         )
     for limit, share in ((1, 0.667), (2, 0.945)):  # Student's t with 29 degrees of freedom
         inside = np.mean(np.abs(pulls) < limit)

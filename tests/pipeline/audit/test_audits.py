@@ -22,9 +22,7 @@ LONGEST = 0.3
 """Processor time of all audits of a run. [s]"""
 
 CHOSEN = (
-    "camera 2 holds copies of camera 1",
     "bit 5 of camera 1 is never set",
-    "JPEG of quality 80, scaled by 16.06 to 12 bit",
     "load in kgf under load_N",
     "time in ms, law",
     "load of row 20 times 1000",

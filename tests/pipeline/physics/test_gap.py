@@ -140,10 +140,3 @@ def test_a_wrong_dark_leaves_the_errors_to_their_widths(tmp_path):
     assert "dark" in notes
     pull = (film.film_min - lab.truth.film_min) / film.film_min_std
     assert float(np.abs(pull).max()) < 2
-
-
-@pytest.mark.parametrize("other", ["background", "bleaching"])
-def test_errors_of_the_gap_are_not_corrected_beside_another(other):
-    text = f'\n[light]\nerrors = "correct"\n{other} = "correct"\n'
-    with pytest.raises(ValueError, match="errors that the gap shows hold background"):
-        RunSettings.model_validate(tomllib.loads(RUN_TOML + text))

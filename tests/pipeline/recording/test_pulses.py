@@ -10,11 +10,7 @@ import xarray as xr
 import erlif
 from conftest import SMALL, Laboratory
 from erlif.core.products import EncoderLog
-from erlif.pipeline.recording.pulses import (
-    ENERGY_COLUMNS,
-    PulseError,
-    read_energies,
-)
+from erlif.pipeline.recording.pulses import ENERGY_COLUMNS, PulseError, read_energies
 from erlif.rig import RigSettings, simulate
 
 
@@ -25,46 +21,10 @@ def rename(frames, order):
         path.write_bytes(content[n])
 
 
-@pytest.mark.parametrize(
-    ("order", "words"),
-    [
-        ([0, 2, 1, 3, 4, 5], "images of camera 2 are exchanged: frame_0001.tif shows the pulse of"),
-        ([1, 2, 3, 4, 5, 0], "camera 2 is one pulse early"),
-        ([4, 5, 0, 1, 2, 3], "camera 2 is 2 pulses late"),
-        ([5, 4, 3, 2, 1, 0], "camera 2 are in reverse order"),
-    ],
-)
-def test_camera_2_in_another_order_is_refused_as_what_it_is(lab, refused, order, words):
-    rename(lab.frames(2), order)
-    message = refused("process", lab.run)
-    assert message.startswith("Expected both cameras to show the same laser pulse")
-    assert words in message
-
-
-def test_one_image_for_all_pairs_is_refused(lab, refused):
-    for camera in (1, 2):
-        first, *others = lab.frames(camera)
-        for path in others:
-            shutil.copy(first, path)
-    assert "all 6 pairs show the same image" in refused("process", lab.run)
-
-
-def test_one_camera_in_place_of_both_is_refused(lab, refused):
-    for one, two in zip(lab.frames(1), lab.frames(2), strict=True):
-        shutil.copy(one, two)
-    message = refused("process", lab.run)
-    assert "both cameras show the same image. Correct files in [camera1] or [camera2]" in message
-
-
 def test_copies_at_both_ends_are_not_those_of_all_pairs(lab):
     for k in (0, -1):
         shutil.copy(lab.frames(1)[k], lab.frames(2)[k])
     assert "both cameras show the same image in frame pairs 0, 5," in erlif.process(lab.run).notes
-
-
-def test_a_few_files_of_the_other_camera_are_named_in_the_notes(lab):
-    shutil.copy(lab.frames(1)[2], lab.frames(2)[2])
-    assert "both cameras show the same image in frame pairs 2," in erlif.process(lab.run).notes
 
 
 def test_a_stuck_pair_is_named_in_the_notes(lab):

@@ -17,9 +17,8 @@ from scenes.motion import film_of
 from scenes.pictures import picture, without_texts
 
 from erlif.calibration import save_calibration
-from erlif.core.errors import ErlifError, FrameError, OutputError
+from erlif.core.errors import ErlifError, OutputError
 from erlif.io.settings import RunSettings, to_toml
-from erlif.pipeline import restore_images
 from erlif.show import plots
 from erlif.show.plots import files as plot_files
 from erlif.show.plots.files import DRAWN, FigureSource, find_source, reason_missing
@@ -191,8 +190,6 @@ def test_frames_of_another_run_are_the_reason_of_their_figures(film_path, film, 
         (tmp_path / "other" / f"camera{camera}" / "frame_05.tif").unlink()
     log = (tmp_path / "other" / "encoder.csv").read_text().splitlines()[:-1]
     (tmp_path / "other" / "encoder.csv").write_text("\n".join(log) + "\n")
-    with pytest.raises(FrameError, match="6 frames of 80 x 64"):
-        restore_images(film_path, tmp_path / "other", trigger=0)
     source = source_of(film_path, film, run_dir=tmp_path / "other")
     assert "could not be read again" in reason_missing("processed_images", source)
 

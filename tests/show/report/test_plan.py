@@ -118,9 +118,7 @@ def test_files_are_complete_and_read_back(planned, tmp_path, monkeypatch):
     assert read_plan_settings(output / "plan.toml").name == "example rig"
     best = read_plan_settings(output / "optimum.toml")
     npt.assert_allclose(
-        [best.dye1.concentration, best.dye2.concentration],
-        planned.optimum_concentration,
-        rtol=5e-3,
+        [best.dye1.concentration, best.dye2.concentration], planned.optimum_concentration, rtol=5e-3
     )
 
     # an earlier plan is replaced on request alone

@@ -150,9 +150,7 @@ def test_the_page_is_served_with_its_token_alone():
 class TestInTheBrowser:
     pytestmark = MARKS
 
-    @pytest.mark.parametrize(
-        "size", [{"width": 1280, "height": 900}, {"width": 390, "height": 800}]
-    )
+    @pytest.mark.parametrize("size", SIZES)
     def test_map_numbers_faults_and_alarms_are_shown(self, size):
         source = Source()
         with live_page(source) as address, chromium() as browser:  # noqa: SIM117
