@@ -15,9 +15,9 @@ from erlif.core.speed.imports import large_imports
 @click.argument("film", type=PATH)
 @click.option(
     "--to",
-    type=click.Choice(["csv", "mat", "tiff", "vtk", "npz"]),
+    type=click.Choice(["csv", "mat", "tiff", "vtk"]),
     required=True,
-    help="Table; MATLAB and Octave; ImageJ; ParaView; numpy.",
+    help="Table; MATLAB and Octave; ImageJ; ParaView.",
 )
 @TRIGGER
 @output_option("File, of VTK a directory", "beside FILM, by its name")

@@ -11,7 +11,6 @@ import xarray as xr
 
 from erlif.core.errors import OutputError
 from erlif.core.progress import Progress, silent
-from erlif.io.conversion.archive import write_archive
 from erlif.io.conversion.contents import choose_trigger
 from erlif.io.conversion.matlab import write_matlab
 from erlif.io.conversion.stack import write_stack
@@ -45,7 +44,6 @@ FORMATS = {
     "mat": Format((".mat",), ".mat", write_matlab),
     "tiff": Format((".tif", ".tiff"), ".tif", write_stack),
     "vtk": Format(("",), "_vtk", write_series),
-    "npz": Format((".npz",), ".npz", write_archive),
 }
 
 
@@ -72,8 +70,8 @@ def export(
     output : path
         File to write; for VTK a folder.
     to : str, optional
-        ``"csv"``, ``"mat"``, ``"tiff"``, ``"vtk"`` or ``"npz"``; default: by the suffix of
-        `output`. CSV is a table of the triggers, or of the pixels where one trigger is chosen.
+        ``"csv"``, ``"mat"``, ``"tiff"`` or ``"vtk"``; default: by the suffix of `output`. CSV is a
+        table of the triggers, or of the pixels where one trigger is chosen.
     trigger : int, optional
         Write this trigger alone.
     crank_angle, encoder_angle : float, optional

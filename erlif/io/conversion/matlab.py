@@ -64,7 +64,17 @@ def write_matlab(
 ) -> None:
     """Write the variables of a film, a struct ``units`` and a struct ``attributes``.
 
-    Arguments as in `write_archive`.
+    Maps are read and written one at a time.
+
+    Parameters
+    ----------
+    film : xarray.Dataset
+    output : Path
+        File to write.
+    triggers : list of int
+        Triggers to write.
+    progress : Progress
+        Called after each map.
     """
     values = small_variables(film, triggers)
     small = {_name(name): _for_matlab(each) for name, each in values.items()}

@@ -27,7 +27,7 @@ def write_stack(film: xr.Dataset, output: Path, *, triggers: list[int], progress
 
     Flags are numbers from 0 to 255 in the fourth channel. Pixels without a thickness are NaN.
 
-    Arguments as in `write_archive`.
+    Arguments as in `write_matlab`.
     """
     import tifffile
 

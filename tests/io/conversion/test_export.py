@@ -37,7 +37,7 @@ def test_a_folder_with_other_files_is_never_replaced(film_path, tmp_path):
     assert (output / "notes.txt").read_text() == "mine"
 
 
-@pytest.mark.parametrize("kind", ["mat", "tiff", "vtk", "npz"])
+@pytest.mark.parametrize("kind", ["mat", "tiff", "vtk"])
 def test_nothing_is_written_where_the_work_is_interrupted(kind, film_path, tmp_path):
     def interrupt(what, done, total):
         raise KeyboardInterrupt
@@ -75,6 +75,6 @@ def test_memory_does_not_grow_with_the_run(film, monkeypatch, tmp_path):
         return found
 
     monkeypatch.setattr(xr.DataArray, "values", property(values))
-    for kind in ("mat", "tiff", "vtk", "npz"):
+    for kind in ("mat", "tiff", "vtk"):
         export(film, tmp_path / f"film{FORMATS[kind].ending}", to=kind)
     assert max(largest) == 24 * 64
