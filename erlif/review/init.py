@@ -15,24 +15,24 @@ import xarray as xr
 
 from erlif.calibration import open_calibration, read_profile
 from erlif.core.arrays import Array
-from erlif.core.errors import ConfigError, ErlifError, OutputError
+from erlif.core.errors import ConfigError, ErlifError, FrameError, OutputError
 from erlif.core.notes import Note, list_some, note_writer
 from erlif.core.products import EncoderLog
 from erlif.core.units import count_of
 from erlif.io.files import takes, write_file
 from erlif.io.ingest import read_encoder_log
+from erlif.io.ingest.depth import CountsSample
 from erlif.io.ingest.logs.checks import is_nearly_by_frame
 from erlif.io.ingest.logs.columns import CONTRACT, ColumnChoice, find_columns
 from erlif.io.ingest.logs.proposal import LogProposal, propose_log
 from erlif.io.ingest.logs.text import read_log_table
 from erlif.io.ingest.survey import (
     CameraSurvey,
-    CountsSample,
     Survey,
     TextTable,
-    names_fixture,
     survey_directory,
 )
+from erlif.io.readers.registry import why_unread
 from erlif.io.settings import (
     GAP,
     FixtureSettings,
@@ -45,7 +45,6 @@ from erlif.io.settings import (
 from erlif.pipeline.audit.log import signed_steps
 from erlif.pipeline.recording.log_cycle import WHOLE_TURN, Cycle, find_cycle
 from erlif.pipeline.recording.pulses import ENERGY_COLUMNS
-from erlif.review.refusals import refusal
 
 _write_note = note_writer("erlif.review", "init.toml")
 
@@ -147,13 +146,12 @@ def init(
 
     survey = survey_directory(directory, fixture=fixture)
     if not survey.cameras:
-        key = "only_jpeg" if survey.lossy else "no_images"
-        raise refusal(key, directory=directory, count=len(survey.lossy))
+        raise FrameError(_describe_lack(survey))
 
     draft = _Draft()
     _draft_cameras(draft, survey)
     recordings = [one for camera in survey.cameras[:2] for one in camera.recordings]
-    of_fixture = [one.pattern for one in recordings if names_fixture(one)]
+    of_fixture = [one.pattern for one in recordings if one.of_fixture]
     if of_fixture and not fixture:
         draft.note("of_fixture", names=", ".join(map(str, of_fixture)), folder=directory)
     for folder in survey.left_out:
@@ -178,6 +176,18 @@ def init(
     schema = output.with_suffix(".schema.json")
     write_file(schema, json.dumps(json_schema(settings), indent=2, ensure_ascii=False) + "\n")
     return draft.notes
+
+
+def _describe_lack(survey: Survey) -> str:
+    """Why a directory without frames is refused, and what to do."""
+    wanted = f"Expected frames of two cameras in {survey.directory}"
+    if not survey.unread:
+        return (
+            f"{wanted}; there is no image file in it. Put the frames there, for example as "
+            "camera1/*.tif and camera2/*.tif."
+        )
+    count, first = count_of(len(survey.unread), "image"), survey.unread[0]
+    return f"{wanted}; the {count} in it cannot be read. {first.name}: {why_unread(first)}"
 
 
 # cameras

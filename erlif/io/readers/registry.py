@@ -146,15 +146,8 @@ def find_format(path: Path, head: bytes) -> Format:
     >>> find_format(Path("frame.dat"), b"II*\\0").name
     'TIFF'
     """
-    for entry in FORMATS:
-        if entry.fits(path, head):
-            return entry
-    foreign, faults = _foreign_formats()
-    for entry in foreign:
-        with suppress(Exception, SystemExit):  # a fault of another package is none of the file
-            if entry.fits(path, head):
-                return entry
-
+    if found := _find_by_content(path, head):
+        return found
     for _, start, reason in _UNREAD:
         if re.match(start, head, re.DOTALL):
             raise FrameError(reason)
@@ -165,11 +158,42 @@ def find_format(path: Path, head: bytes) -> Format:
         return named
     if unread := why_unread(path):
         raise FrameError(unread)
+    foreign, faults = _foreign_formats()
     known = ", ".join(entry.name for entry in (*FORMATS, *foreign))
     raise FrameError(
         f"its format is none of those that are read: {known}. Convert it to TIFF, or install a "
         f"package that has a reader for it.{''.join(faults)}"
     )
+
+
+def find_by_content(path: Path) -> Format | None:
+    """The format of a file by its first bytes, whatever its suffix.
+
+    Returns
+    -------
+    Format or None
+        None where no reader takes the file, or it cannot be read.
+
+    Examples
+    --------
+    >>> find_by_content(Path("calibration/wedge/camera1_dark.tif")).name
+    'TIFF'
+    """
+    try:
+        return _find_by_content(path, _read_head(path))
+    except (OSError, FrameError):
+        return None
+
+
+def _find_by_content(path: Path, head: bytes) -> Format | None:
+    for entry in FORMATS:
+        if entry.fits(path, head):
+            return entry
+    for entry in _foreign_formats()[0]:
+        with suppress(Exception, SystemExit):  # a fault of another package is none of the file
+            if entry.fits(path, head):
+                return entry
+    return None
 
 
 def find_by_suffix(path: Path) -> Format | None:

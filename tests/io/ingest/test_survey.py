@@ -3,13 +3,24 @@
 import tomllib
 from pathlib import Path
 
+import h5py
 import numpy as np
 import pytest
 import tifffile
-from scenes.camera_files import random_frames, write_cine, write_genicam, write_mraw, write_seq
+from scenes.camera_files import (
+    random_frames,
+    write_cine,
+    write_genicam,
+    write_im7,
+    write_mraw,
+    write_seq,
+)
 
 from erlif.core.errors import FrameError
+from erlif.io.ingest import survey
 from erlif.io.ingest.survey import survey_directory
+from erlif.io.readers import registry
+from erlif.io.readers.hdf5 import HDF5
 
 GREY = np.full((64, 80), 1000, np.uint16)
 NAMES = tomllib.loads(Path(__file__).with_name("names.toml").read_text(encoding="utf-8"))
@@ -77,6 +88,64 @@ def test_darks_of_left_and_right_are_found_in_their_own_folder(tmp_path, darks, 
         photograph(tmp_path, *numbered(f"{side}/{folder}{{}}.tif"))
     photograph(tmp_path, *darks)
     assert [camera.darks.pattern for camera in survey_directory(tmp_path).cameras] == darks
+
+
+@pytest.mark.parametrize(
+    "suffix",
+    [
+        suffix
+        for form in registry.FORMATS
+        for suffix in form.suffixes
+        if form is not HDF5 and suffix not in form.beside
+    ],
+)
+def test_every_suffix_of_a_format_is_seen(tmp_path, suffix):
+    """Whatever the files hold: a damaged frame is a frame."""
+    for name in ("left/1", "left/2", "right/1", "right/2"):
+        path = tmp_path / f"{name}{suffix}"
+        path.parent.mkdir(exist_ok=True)
+        path.write_bytes(b"damaged")
+    cameras = survey_directory(tmp_path).cameras
+    assert [camera.frames.pattern for camera in cameras] == [f"left/*{suffix}", f"right/*{suffix}"]
+
+
+@pytest.mark.parametrize("suffix", HDF5.suffixes)
+def test_files_of_hdf5_are_seen_where_they_hold_frames(tmp_path, suffix):
+    """Logs and films of erlif are no frames."""
+    for name, data in (("camera1", np.zeros((3, 64, 80))), ("log", np.zeros(9))):
+        with h5py.File(tmp_path / f"{name}{suffix}", "w") as file:
+            file["data"] = data
+    with h5py.File(tmp_path / "film.nc", "w") as file:
+        file["thickness"] = np.zeros((3, 64, 80))
+        file.attrs["erlif_version"] = "0.1.0"
+    (camera,) = survey_directory(tmp_path).cameras
+    assert (camera.frames.pattern, camera.frames.pages) == (f"camera1{suffix}", 3)
+
+
+@pytest.mark.parametrize("name", ["{}.img", "{}", "frame.{:04}", "run{}.dat"])
+def test_frames_known_by_their_content_alone_are_found_with_a_few_looks(
+    tmp_path, name, monkeypatch
+):
+    looks = []
+    find = survey.find_by_content
+    monkeypatch.setattr(survey, "find_by_content", lambda path: looks.append(path) or find(path))
+    photograph(tmp_path, *numbered(f"left/{name}", 20), *numbered(f"right/{name}", 20))
+    (tmp_path / "readme").write_text("none")
+    (tmp_path / "notes.txt").write_text("none")
+    found = survey_directory(tmp_path)
+    assert [camera.frames.pages for camera in found.cameras] == [20, 20]
+    assert len(looks) <= 3
+
+
+def test_a_set_of_lavision_is_one_recording_with_its_folder(tmp_path):
+    for camera in ("left", "right"):
+        (tmp_path / camera).mkdir()
+        for number in range(3):
+            write_im7(tmp_path / camera / f"B{number}.im7", np.ones((1, 64, 80), np.uint16))
+        (tmp_path / f"{camera}.set").write_text("SetType = 1")
+    cameras = survey_directory(tmp_path).cameras
+    assert [one.frames.pattern for one in cameras] == ["left.set", "right.set"]
+    assert [one.frames.pages for one in cameras] == [3, 3]
 
 
 @pytest.mark.parametrize("sides", [("left", "right"), ("a_", "b_"), ("cam0_", "cam1_")])
