@@ -146,7 +146,7 @@ def init(
 
     survey = survey_directory(directory, fixture=fixture)
     if not survey.cameras:
-        raise FrameError(_describe_lack(survey))
+        _refuse_empty(survey)
 
     draft = _Draft()
     _draft_cameras(draft, survey)
@@ -178,16 +178,18 @@ def init(
     return draft.notes
 
 
-def _describe_lack(survey: Survey) -> str:
-    """Why a directory without frames is refused, and what to do."""
-    wanted = f"Expected frames of two cameras in {survey.directory}"
-    if not survey.unread:
-        return (
-            f"{wanted}; there is no image file in it. Put the frames there, for example as "
-            "camera1/*.tif and camera2/*.tif."
+def _refuse_empty(survey: Survey) -> None:
+    """Refuse a directory without frames; formats that are known and not read are named."""
+    if survey.unread:
+        first, reason = survey.unread[0], why_unread(survey.unread[0])
+        raise FrameError(
+            f"Expected frames of two cameras in {survey.directory}; the "
+            f"{count_of(len(survey.unread), 'image')} in it cannot be read. {first.name}: {reason}"
         )
-    count, first = count_of(len(survey.unread), "image"), survey.unread[0]
-    return f"{wanted}; the {count} in it cannot be read. {first.name}: {why_unread(first)}"
+    raise FrameError(
+        f"Expected frames of two cameras in {survey.directory}; there is no image file in it. Put "
+        "the frames there, for example as camera1/*.tif and camera2/*.tif."
+    )
 
 
 # cameras

@@ -42,9 +42,13 @@ Group = dict[str, list[Path]]
 _KeyRule = Callable[[str], str | None]
 
 
-def plain_name(path: Path, directory: Path) -> str:
-    """Name in the directory, in lower case and with "Cam1Dark" written as "cam1_dark"."""
-    name = path.relative_to(directory).with_suffix("").as_posix()
+def lower_name(path: Path, directory: Path) -> str:
+    """Name in the directory, its words apart."""
+    return split_words(path.relative_to(directory).with_suffix("").as_posix())
+
+
+def split_words(name: str) -> str:
+    """A name in lower case and with "Cam1Dark" written as "cam1_dark"."""
     return re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", name).lower()
 
 

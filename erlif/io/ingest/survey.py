@@ -23,7 +23,7 @@ from erlif.io.ingest.naming import (
     common_wavelength,
     find_pattern,
     group_by_camera,
-    plain_name,
+    lower_name,
     purpose_of,
 )
 from erlif.io.ingest.selection import WHOLE, Selection
@@ -84,7 +84,7 @@ class ImageSet:
     @property
     def of_fixture(self) -> bool:
         """Whether the name of a recording is that of a fixture."""
-        return bool(FIXTURE.search(plain_name(self.files[0], self.files[0].parent)))
+        return bool(FIXTURE.search(lower_name(self.files[0], self.files[0].parent)))
 
 
 @dataclass(frozen=True)
@@ -186,7 +186,7 @@ class Survey:
     @property
     def lone_darks(self) -> tuple[Path, ...]:
         """Images named as darks that belong to no camera by their names."""
-        names = {path: plain_name(path, self.directory) for path in self.unassigned}
+        names = {path: lower_name(path, self.directory) for path in self.unassigned}
         return tuple(path for path, name in names.items() if purpose_of(name) == "darks")
 
 
@@ -233,7 +233,7 @@ def survey_directory(directory: Path, *, fixture: bool = False) -> Survey:
     read = (_read_table(path) for path in files if path.suffix.lower() == ".csv")
     tables = tuple(table for table in read if table is not None)
     images = sorted(_find_images(files), key=natural_key)
-    names = {path: plain_name(path, directory) for path in images}
+    names = {path: lower_name(path, directory) for path in images}
     left_out: tuple[Path, ...] = ()
     if not fixture:
         names, left_out = _leave_out_fixtures(names, directory, tables)
@@ -351,7 +351,7 @@ def _separate(
     # no name has to name a camera where one file of darks holds both
     rest: list[Path] = []
     for path in unassigned:
-        purpose = purpose_of(plain_name(path, directory))
+        purpose = purpose_of(lower_name(path, directory))
         (rest if purpose == "frames" else group[purpose]).append(path)
     if shared.key == "part":
         return [
@@ -390,7 +390,7 @@ def _describe_camera(
     sample = frames.sample + (flats.sample if flats else ())
     return CameraSurvey(
         label,
-        common_wavelength([plain_name(path, directory) for path in group["frames"]]),
+        common_wavelength([lower_name(path, directory) for path in group["frames"]]),
         frames,
         darks,
         flats,
