@@ -20,7 +20,7 @@ from erlif.io.files import open_film, reading_film, refuse_existing, replacing, 
 
 
 @dataclass(frozen=True)
-class Format:
+class Export:
     """A format to export to.
 
     Attributes
@@ -39,11 +39,11 @@ class Format:
 
 
 # Formats by the word that chooses them.
-FORMATS = {
-    "csv": Format((".csv",), ".csv"),
-    "mat": Format((".mat",), ".mat", write_matlab),
-    "tiff": Format((".tif", ".tiff"), ".tif", write_stack),
-    "vtk": Format(("",), "_vtk", write_series),
+EXPORTS = {
+    "csv": Export((".csv",), ".csv"),
+    "mat": Export((".mat",), ".mat", write_matlab),
+    "tiff": Export((".tif", ".tiff"), ".tif", write_stack),
+    "vtk": Export(("",), "_vtk", write_series),
 }
 
 
@@ -105,7 +105,7 @@ def export(
     output = Path(output)
     kind = format_of(output, to)
     refuse_existing(output, overwrite=overwrite)
-    write, ending = FORMATS[kind].write, FORMATS[kind].ending
+    write, ending = EXPORTS[kind].write, EXPORTS[kind].ending
     named = {"name": output.name.removesuffix(ending)} if kind == "vtk" else {}
     with _opened(film) as source:
         chosen = choose_trigger(
@@ -135,7 +135,7 @@ def format_of(output: Path, to: str | None) -> str:
     Returns
     -------
     str
-        A key of `FORMATS`.
+        A key of `EXPORTS`.
 
     Raises
     ------
@@ -148,19 +148,19 @@ def format_of(output: Path, to: str | None) -> str:
     'tiff'
     """
     if to is None:
-        kinds = [kind for kind, form in FORMATS.items() if output.suffix in form.suffixes]
+        kinds = [kind for kind, form in EXPORTS.items() if output.suffix in form.suffixes]
         if kinds and output.suffix:
             return kinds[0]
         raise OutputError(
             f"Expected an output whose suffix names its format; got {output.name}. Give to, one of "
-            f"{', '.join(FORMATS)}."
+            f"{', '.join(EXPORTS)}."
         )
-    if to not in FORMATS:
+    if to not in EXPORTS:
         raise OutputError(
-            f"Expected a format to export to, one of {', '.join(FORMATS)}; got {to}. Choose one of "
+            f"Expected a format to export to, one of {', '.join(EXPORTS)}; got {to}. Choose one of "
             "them."
         )
-    suffixes = FORMATS[to].suffixes
+    suffixes = EXPORTS[to].suffixes
     if output.suffix not in suffixes:
         expected = f"a name in {' or '.join(suffixes)}" if suffixes[0] else "a folder's name"
         raise OutputError(

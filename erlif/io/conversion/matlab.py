@@ -21,12 +21,12 @@ from erlif.core.arrays import AnyArray
 from erlif.core.progress import Progress
 from erlif.core.version import __version__
 from erlif.io.conversion.contents import (
-    MAPS,
     attributes_of,
     describe_units,
     maps_of_triggers,
     small_variables,
 )
+from erlif.io.files.headers import MAPS
 
 # Largest variable of version 5, less room for its header. [byte]
 LARGEST = 2**31 - 2**10
