@@ -93,7 +93,7 @@ def _real(path: Path) -> Path:
 def _with_companions(path: Path) -> Iterator[Path]:
     """A file, and the header, the counts or the images beside it under its name."""
     yield path
-    form = find_by_suffix(path)
+    form = find_by_suffix(path.suffix)
     if form is not None and form.beside:
         yield from path.parent.glob(f"{glob.escape(path.stem)}.*")
         folder = path.with_suffix("")

@@ -261,7 +261,7 @@ def survey_directory(directory: Path, *, fixture: bool = False) -> Survey:
         tables,
         logs=tuple(path for path in files if path.suffix.lower() in LOG_SUFFIXES),
         in_order=in_order,
-        unread=tuple(path for path in files if why_unread(path)),
+        unread=tuple(path for path in files if why_unread(path.suffix)),
         left_out=left_out,
     )
 
@@ -282,22 +282,20 @@ def _walk(directory: Path, depth: int) -> Iterator[Path]:
 
 def _find_images(files: Sequence[Path]) -> list[Path]:
     """Files of the formats that are read, each recording once."""
-    images = {path: form for path in files if (form := find_by_suffix(path)) is not None}
+    forms = {suffix: find_by_suffix(suffix) for suffix in {path.suffix for path in files}}
+    images = {path: form for path in files if (form := forms[path.suffix]) is not None}
+    found = [path for path, form in images.items() if _holds_frames(path, form)]
 
     # the header beside the counts, or the folder of a recording, is no second one
     beside = {
-        (path.with_suffix(""), ending)
-        for path, form in images.items()
-        if path.suffix.lower() not in form.beside
-        for ending in form.beside
+        path.with_suffix(written)
+        for path in found
+        if path.suffix.lower() not in images[path].beside
+        for ending in images[path].beside
+        for written in (ending, ending.upper())
     }
-    found = [
-        path
-        for path, form in images.items()
-        if (path.with_suffix(""), path.suffix.lower()) not in beside
-        and beside.isdisjoint((folder, "") for folder in path.parents)
-        and _holds_frames(path, form)
-    ]
+    if beside:
+        found = [path for path in found if beside.isdisjoint((path, *path.parents))]
     if found:
         return found
 
@@ -404,7 +402,7 @@ def _choose_recording(camera: CameraSurvey, directory: Path, *, fixture: bool) -
     """One of several recordings of a camera, by the words in their names, else the longest."""
     parts: dict[str, list[Path]] = defaultdict(list)
     for path in camera.frames.files:
-        form = find_by_suffix(path)
+        form = find_by_suffix(path.suffix)
         movie = form is not None and form.movie
         parts[path.stem if movie else re.sub(r"\d+", "#", path.stem)].append(path)
     if len(parts) < 2:

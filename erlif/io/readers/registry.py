@@ -153,10 +153,10 @@ def find_format(path: Path, head: bytes) -> Format:
             raise FrameError(reason)
 
     # a damaged start hides the format from all, the suffix still names it
-    named = find_by_suffix(path)
+    named = find_by_suffix(path.suffix)
     if named is not None:
         return named
-    if unread := why_unread(path):
+    if unread := why_unread(path.suffix):
         raise FrameError(unread)
     foreign, faults = _foreign_formats()
     known = ", ".join(entry.name for entry in (*FORMATS, *foreign))
@@ -196,8 +196,8 @@ def _find_by_content(path: Path, head: bytes) -> Format | None:
     return None
 
 
-def find_by_suffix(path: Path) -> Format | None:
-    """The format that the suffix of a file names; the file is not opened.
+def find_by_suffix(suffix: str) -> Format | None:
+    """The format that the suffix of a file names, in upper or lower case.
 
     Returns
     -------
@@ -206,24 +206,22 @@ def find_by_suffix(path: Path) -> Format | None:
 
     Examples
     --------
-    >>> find_by_suffix(Path("camera1.MRAW")).name
+    >>> find_by_suffix(".MRAW").name
     'Photron MRAW'
     """
-    suffix = path.suffix.lower()
     known = (*FORMATS, *_foreign_formats()[0])
-    return next((entry for entry in known if suffix in entry.suffixes), None)
+    return next((entry for entry in known if suffix.lower() in entry.suffixes), None)
 
 
-def why_unread(path: Path) -> str:
+def why_unread(suffix: str) -> str:
     """Why files of this suffix are not read, and what to do; empty for any other suffix.
 
     Examples
     --------
-    >>> why_unread(Path("frames.fits.gz"))
+    >>> why_unread(".gz")
     'it is compressed by gzip, which is not read. Expand the file with gunzip.'
     """
-    suffix = path.suffix.lower()
-    return next((reason for suffixes, _, reason in _UNREAD if suffix in suffixes), "")
+    return next((reason for suffixes, _, reason in _UNREAD if suffix.lower() in suffixes), "")
 
 
 @contextmanager

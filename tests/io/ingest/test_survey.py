@@ -171,10 +171,18 @@ def test_a_camera_whose_files_are_all_damaged_has_no_counts(tmp_path):
     assert len(two.frames.faults) == 3
 
 
+def write_upper(path, frames):
+    """A recording as cameras on Windows name it."""
+    write_mraw(path, frames, stored=16, depth=12)
+    header = path.with_suffix(".cihx")
+    header.rename(header.with_suffix(".CIHX"))
+
+
 @pytest.mark.parametrize(
     ("suffix", "write"),
     [
         (".mraw", lambda path, frames: write_mraw(path, frames, stored=16, depth=12)),
+        (".MRAW", lambda path, frames: write_upper(path, frames)),
         (".cine", lambda path, frames: write_cine(path, frames, depth=12)),
         (".seq", lambda path, frames: write_seq(path, frames, significant=12)),
         (".raw", lambda path, frames: write_genicam(path, frames, "Mono12p")),
