@@ -115,7 +115,6 @@ FORMATS: dict[str, tuple[str, Writer, int, slice]] = {
     "PNG": ("ak.png", write_picture, 12, slice(0, 1)),
     "BMP": ("al.bmp", as_bytes(write_picture), 8, slice(0, 1)),
     "PGM": ("am.pgm", as_bytes(write_picture), 8, slice(0, 1)),
-    "AVI, uncompressed": ("an.avi", as_bytes(writers.write_avi), 8, slice(None)),
     "MRAW 8": ("b.mraw", lambda p, f: writers.write_mraw(p, f, stored=8), 8, slice(None)),
     "MRAW 12 packed": ("c.mraw", lambda p, f: writers.write_mraw(p, f, stored=12), 12, slice(None)),
     "MRAW 16": ("d.mraw", lambda p, f: writers.write_mraw(p, f), 12, slice(None)),

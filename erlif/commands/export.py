@@ -15,9 +15,9 @@ from erlif.core.speed.imports import large_imports
 @click.argument("film", type=PATH)
 @click.option(
     "--to",
-    type=click.Choice(["csv", "mat", "tiff", "vtk", "npz"]),
+    type=click.Choice(["csv", "mat", "tiff", "vtk"]),
     required=True,
-    help="Table; MATLAB and Octave; ImageJ; ParaView; numpy.",
+    help="Table; MATLAB and Octave; ImageJ; ParaView.",
 )
 @TRIGGER
 @output_option("File, of VTK a directory", "beside FILM, by its name")
@@ -44,7 +44,7 @@ def export(
       erlif export data_samples/straight_bushing/film.nc --to vtk
     """
     with large_imports():
-        from erlif.io.conversion import FORMATS
+        from erlif.io.conversion import EXPORTS
         from erlif.io.conversion import export as export_film
 
     chosen, described = choose_one(
@@ -52,7 +52,7 @@ def export(
     )
     # the name states which trigger the file holds
     part = "" if chosen is None else f"_trigger{chosen}"
-    output = output or film.with_name(f"{film.stem}{part}{FORMATS[to].ending}")
+    output = output or film.with_name(f"{film.stem}{part}{EXPORTS[to].ending}")
     with show_progress() as progress:
         export_film(film, output, to=to, trigger=chosen, overwrite=overwrite, progress=progress)
     if described:

@@ -21,18 +21,18 @@ from erlif.core.products import EncoderLog
 from erlif.core.units import count_of
 from erlif.io.files import takes, write_file
 from erlif.io.ingest import read_encoder_log
+from erlif.io.ingest.depth import CountsSample
 from erlif.io.ingest.logs.checks import is_nearly_by_frame
 from erlif.io.ingest.logs.columns import CONTRACT, ColumnChoice, find_columns
 from erlif.io.ingest.logs.proposal import LogProposal, propose_log
 from erlif.io.ingest.logs.text import read_log_table
 from erlif.io.ingest.survey import (
     CameraSurvey,
-    CountsSample,
     Survey,
     TextTable,
-    names_fixture,
     survey_directory,
 )
+from erlif.io.readers.registry import why_unread
 from erlif.io.settings import (
     GAP,
     FixtureSettings,
@@ -148,19 +148,12 @@ def init(
 
     survey = survey_directory(directory, fixture=fixture)
     if not survey.cameras:
-        raise FrameError(
-            f"Expected frames of two cameras in {directory}; the {len(survey.lossy)} images in it "
-            "are JPEG files, which are lossy and hold 8 bits: the counts of the camera are gone. "
-            "Export the frames again as TIFF or PNG of 16 bits, or take the file of the camera."
-            if survey.lossy
-            else f"Expected frames of two cameras in {directory}; there is no image file in it. "
-            "Put the frames there, for example as camera1/*.tif and camera2/*.tif."
-        )
+        _refuse_empty(survey)
 
     draft = _Draft()
     _draft_cameras(draft, survey)
     recordings = [one for camera in survey.cameras[:2] for one in camera.recordings]
-    of_fixture = [one.pattern for one in recordings if names_fixture(one)]
+    of_fixture = [one.pattern for one in recordings if one.of_fixture]
     found = [(", ".join(map(str, of_fixture)), directory)] if of_fixture and not fixture else []
     found += [(folder.relative_to(directory).as_posix(), folder) for folder in survey.left_out]
     for names, folder in found:
@@ -190,6 +183,21 @@ def init(
     schema = output.with_suffix(".schema.json")
     write_file(schema, json.dumps(json_schema(settings), indent=2, ensure_ascii=False) + "\n")
     return draft.notes
+
+
+def _refuse_empty(survey: Survey) -> None:
+    """Refuse a directory without frames; formats that are known and not read are named."""
+    if survey.unread:
+        first = survey.unread[0]
+        raise FrameError(
+            f"Expected frames of two cameras in {survey.directory}; the "
+            f"{count_of(len(survey.unread), 'image')} in it cannot be read. {first.name}: "
+            f"{why_unread(first.suffix)}"
+        )
+    raise FrameError(
+        f"Expected frames of two cameras in {survey.directory}; there is no image file in it. Put "
+        "the frames there, for example as camera1/*.tif and camera2/*.tif."
+    )
 
 
 # cameras

@@ -10,7 +10,6 @@ import pytest
         ("mat", "film.mat"),
         ("tiff", "film.tif"),
         ("vtk", "film_vtk"),
-        ("npz", "film.npz"),
     ],
 )
 def test_an_export_lies_beside_its_film(kind, name, own, command):

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import tifffile
 
 from erlif.core.errors import FrameError
 from erlif.io.readers import open_frames, registry
@@ -57,6 +58,22 @@ def test_the_reader_of_the_page_is_found_by_its_entry_point(installed, tmp_path)
     (tmp_path / "b.mine").write_bytes(header)
     with pytest.raises(FrameError, match="holds no frame"):
         open_frames(tmp_path / "b.mine")
+
+
+def test_init_and_check_see_the_frames_of_this_reader(installed, lab, command):
+    settings = (lab.run / "run.toml").read_text(encoding="utf-8")
+    for path in lab.run.glob("camera?/*.tif"):
+        counts = tifffile.imread(path)
+        header = b"MINE" + np.array(counts.shape, "<u4").tobytes()
+        path.with_suffix(".mine").write_bytes(header + counts.astype("<u2").tobytes())
+        path.unlink()
+    printed = command("init", lab.run, "--overwrite").stdout
+    assert "camera1: 6 frames of 128 x 96 uint16, camera1/*.mine" in printed
+    found = (lab.run / "run.toml").read_text(encoding="utf-8")
+    assert 'files = "camera2/*.mine"' in found
+
+    (lab.run / "run.toml").write_text(re.sub(r"(camera\d/.*)\.tif", r"\1.mine", settings), "utf-8")
+    assert "error" not in command("check", lab.run).stdout
 
 
 def test_every_format_has_its_place_on_the_page():

@@ -372,11 +372,22 @@ def test_an_empty_folder_is_refused(tmp_path, refused):
     assert "no image file" in refused("init", tmp_path)
 
 
-def test_a_folder_of_jpeg_files_is_refused_with_the_reason(tmp_path, refused):
-    for name in ("a1.jpg", "a2.JPEG"):
+@pytest.mark.parametrize(
+    ("names", "reason"),
+    [
+        (("a1.jpg", "a2.JPEG"), "a JPEG image, compressed with losses or with a palette"),
+        (("c1.avi", "c2.avi"), "an AVI film, which is not read: it has 8 bits"),
+        (("c1.sif", "c2.sif"), "Export the frames in Andor Solis as TIFF"),
+    ],
+)
+def test_a_folder_of_a_format_that_is_not_read_is_refused_with_the_reason(
+    tmp_path, refused, names, reason
+):
+    for name in names:
         (tmp_path / name).write_bytes(b"\xff\xd8\xff")
     message = refused("init", tmp_path)
-    assert "the 2 images in it are JPEG files, which are lossy and hold 8 bits" in message
+    assert f"the 2 images in it cannot be read. {names[0]}: it is " in message
+    assert reason in message
 
 
 @pytest.mark.parametrize(

@@ -406,39 +406,9 @@ def write_fits(path: Path, frames: np.ndarray) -> Path:
 RAMP = np.repeat(np.arange(256, dtype=np.uint8)[:, None], 4, axis=1)
 
 
-def chunk(name: bytes, data: bytes) -> bytes:
-    return name + struct.pack("<I", len(data)) + data + bytes(len(data) % 2)
-
-
-def chunks(name: bytes, kind: bytes, *parts: bytes) -> bytes:
-    return chunk(name, kind + b"".join(parts))
-
-
-def avi_film(
-    frames, *, codec=bytes(4), bits=8, palette=RAMP, shape=(64, 81), rate=(1, 500)
-) -> bytes:
-    """A film with one stream of images, an index and a stream of sound before it."""
-    stream = b"vids" + bytes(16) + struct.pack("<II", *rate) + bytes(28)
-    form = (
-        struct.pack("<IiiHH4sI8xII", 40, *shape[::-1], 1, bits, codec, 0, 0, 0) + palette.tobytes()
-    )
-    sound = chunks(b"LIST", b"strl", chunk(b"strh", b"auds" + bytes(52)), chunk(b"strf", bytes(18)))
-    video = chunks(b"LIST", b"strl", chunk(b"strh", stream), chunk(b"strf", form))
-    head = chunks(b"LIST", b"hdrl", chunk(b"avih", bytes(56)), sound, video)
-    movie = chunks(b"LIST", b"movi", chunk(b"01wb", b"noise"), *(chunk(b"00db", f) for f in frames))
-    return chunks(b"RIFF", b"AVI ", head, movie, chunk(b"idx1", bytes(16)))
-
-
-def avi_rows(image) -> bytes:
+def bitmap_rows(image) -> bytes:
     """From the lowest row up, each filled to a multiple of four bytes."""
     return np.pad(image[::-1], ((0, 0), (0, -image.shape[1] % 4))).tobytes()
-
-
-def write_avi(path: Path, frames: np.ndarray) -> Path:
-    """AVI of 8 grey bits, uncompressed."""
-    _, height, width = frames.shape
-    path.write_bytes(avi_film([avi_rows(frame) for frame in frames], shape=(height, width)))
-    return path
 
 
 def write_bmp(path: Path, counts: np.ndarray) -> Path:
@@ -446,7 +416,7 @@ def write_bmp(path: Path, counts: np.ndarray) -> Path:
     greys = int(counts.max()) + 1
     rows, columns = counts.shape
     start = 54 + 4 * greys
-    data = avi_rows(counts)
+    data = bitmap_rows(counts)
     head = struct.pack("<2sIII", b"BM", start + len(data), 0, start)
     form = struct.pack("<IiiHHIIiiII", 40, columns, rows, 1, 8, 0, len(data), 0, 0, greys, 0)
     path.write_bytes(head + form + RAMP[:greys].tobytes() + data)

@@ -18,7 +18,6 @@ from erlif.io.readers import open_frames
 from erlif.io.readers.base import MOST_FRAMES, TRUNCATED
 from scenes.camera_files import (
     random_frames,
-    write_avi,
     write_b16,
     write_bmp,
     write_cine,
@@ -123,7 +122,6 @@ SAMPLES: dict[str, tuple[Callable[[Path], Path], str]] = {
     "pgm": (lambda d: write_picture(d / "a.pgm", (FRAMES[0] >> 4).astype(np.uint8)), "a.pgm"),
     "npy": (lambda d: write_npy(d / "a.npy"), "a.npy"),
     "fits": (lambda d: write_fits(d / "a.fits", FRAMES), "a.fits"),
-    "avi": (lambda d: write_avi(d / "a.avi", (FRAMES >> 4).astype(np.uint8)), "a.avi"),
     "hdf5": (lambda d: write_hdf5(d / "a.h5"), "a.h5"),
     "hdf5 gzip": (lambda d: write_hdf5(d / "a.h5", chunks=(1, 5, 7), compression="gzip"), "a.h5"),
     "hdf5 latest": (

@@ -15,9 +15,7 @@ from erlif.core.errors import ErlifError
 from erlif.core.progress import Progress
 from erlif.core.variables import FILM
 from erlif.io.files import check_trigger, takes
-
-# Maps of a film, in the order in which they are written.
-MAPS = ("thickness", "thickness_std", "thickness_std_shared", "flags")
+from erlif.io.files.headers import MAPS
 
 # Columns that stand first; the start of a table recognises it as one of erlif.
 _FIRST = (

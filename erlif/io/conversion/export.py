@@ -11,7 +11,6 @@ import xarray as xr
 
 from erlif.core.errors import OutputError
 from erlif.core.progress import Progress, silent
-from erlif.io.conversion.archive import write_archive
 from erlif.io.conversion.contents import choose_trigger
 from erlif.io.conversion.matlab import write_matlab
 from erlif.io.conversion.stack import write_stack
@@ -21,7 +20,7 @@ from erlif.io.files import open_film, reading_film, refuse_existing, replacing, 
 
 
 @dataclass(frozen=True)
-class Format:
+class Export:
     """A format to export to.
 
     Attributes
@@ -40,12 +39,11 @@ class Format:
 
 
 # Formats by the word that chooses them.
-FORMATS = {
-    "csv": Format((".csv",), ".csv"),
-    "mat": Format((".mat",), ".mat", write_matlab),
-    "tiff": Format((".tif", ".tiff"), ".tif", write_stack),
-    "vtk": Format(("",), "_vtk", write_series),
-    "npz": Format((".npz",), ".npz", write_archive),
+EXPORTS = {
+    "csv": Export((".csv",), ".csv"),
+    "mat": Export((".mat",), ".mat", write_matlab),
+    "tiff": Export((".tif", ".tiff"), ".tif", write_stack),
+    "vtk": Export(("",), "_vtk", write_series),
 }
 
 
@@ -72,8 +70,8 @@ def export(
     output : path
         File to write; for VTK a folder.
     to : str, optional
-        ``"csv"``, ``"mat"``, ``"tiff"``, ``"vtk"`` or ``"npz"``; default: by the suffix of
-        `output`. CSV is a table of the triggers, or of the pixels where one trigger is chosen.
+        ``"csv"``, ``"mat"``, ``"tiff"`` or ``"vtk"``; default: by the suffix of `output`. CSV is a
+        table of the triggers, or of the pixels where one trigger is chosen.
     trigger : int, optional
         Write this trigger alone.
     crank_angle, encoder_angle : float, optional
@@ -107,7 +105,7 @@ def export(
     output = Path(output)
     kind = format_of(output, to)
     refuse_existing(output, overwrite=overwrite)
-    write, ending = FORMATS[kind].write, FORMATS[kind].ending
+    write, ending = EXPORTS[kind].write, EXPORTS[kind].ending
     named = {"name": output.name.removesuffix(ending)} if kind == "vtk" else {}
     with _opened(film) as source:
         chosen = choose_trigger(
@@ -137,7 +135,7 @@ def format_of(output: Path, to: str | None) -> str:
     Returns
     -------
     str
-        A key of `FORMATS`.
+        A key of `EXPORTS`.
 
     Raises
     ------
@@ -150,19 +148,19 @@ def format_of(output: Path, to: str | None) -> str:
     'tiff'
     """
     if to is None:
-        kinds = [kind for kind, form in FORMATS.items() if output.suffix in form.suffixes]
+        kinds = [kind for kind, form in EXPORTS.items() if output.suffix in form.suffixes]
         if kinds and output.suffix:
             return kinds[0]
         raise OutputError(
             f"Expected an output whose suffix names its format; got {output.name}. Give to, one of "
-            f"{', '.join(FORMATS)}."
+            f"{', '.join(EXPORTS)}."
         )
-    if to not in FORMATS:
+    if to not in EXPORTS:
         raise OutputError(
-            f"Expected a format to export to, one of {', '.join(FORMATS)}; got {to}. Choose one of "
+            f"Expected a format to export to, one of {', '.join(EXPORTS)}; got {to}. Choose one of "
             "them."
         )
-    suffixes = FORMATS[to].suffixes
+    suffixes = EXPORTS[to].suffixes
     if output.suffix not in suffixes:
         expected = f"a name in {' or '.join(suffixes)}" if suffixes[0] else "a folder's name"
         raise OutputError(

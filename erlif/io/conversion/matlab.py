@@ -21,12 +21,12 @@ from erlif.core.arrays import AnyArray
 from erlif.core.progress import Progress
 from erlif.core.version import __version__
 from erlif.io.conversion.contents import (
-    MAPS,
     attributes_of,
     describe_units,
     maps_of_triggers,
     small_variables,
 )
+from erlif.io.files.headers import MAPS
 
 # Largest variable of version 5, less room for its header. [byte]
 LARGEST = 2**31 - 2**10
@@ -64,7 +64,17 @@ def write_matlab(
 ) -> None:
     """Write the variables of a film, a struct ``units`` and a struct ``attributes``.
 
-    Arguments as in `write_archive`.
+    Maps are read and written one at a time.
+
+    Parameters
+    ----------
+    film : xarray.Dataset
+    output : Path
+        File to write.
+    triggers : list of int
+        Triggers to write.
+    progress : Progress
+        Called after each map.
     """
     values = small_variables(film, triggers)
     small = {_name(name): _for_matlab(each) for name, each in values.items()}

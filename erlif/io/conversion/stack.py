@@ -11,8 +11,9 @@ import xarray as xr
 from erlif.core.arrays import AnyArray
 from erlif.core.progress import Progress
 from erlif.core.version import __version__
-from erlif.io.conversion.contents import MAPS, maps_of
+from erlif.io.conversion.contents import maps_of
 from erlif.io.files import describe_trigger
+from erlif.io.files.headers import MAPS
 
 # Size from which on the stack has one directory for all images, in place of one for each: addresses
 # of TIFF end at 4 GiB. ImageJ finds the images by their order. [byte]
@@ -27,7 +28,7 @@ def write_stack(film: xr.Dataset, output: Path, *, triggers: list[int], progress
 
     Flags are numbers from 0 to 255 in the fourth channel. Pixels without a thickness are NaN.
 
-    Arguments as in `write_archive`.
+    Arguments as in `write_matlab`.
     """
     import tifffile
 

@@ -13,10 +13,8 @@ from pathlib import Path
 
 from erlif.core.errors import FrameError
 from erlif.io.ingest.images import match_files
+from erlif.io.readers.registry import find_by_suffix
 from erlif.io.settings import FixtureSettings, RunSettings
-
-# Endings of files that are read together with others of their name.
-_WITH_COMPANIONS = frozenset({".mraw", ".cih", ".cihx", ".raw", ".set"})
 
 
 def named_files(settings: RunSettings | FixtureSettings) -> list[str]:
@@ -102,7 +100,8 @@ def _real(path: Path) -> Path:
 def _with_companions(path: Path) -> Iterator[Path]:
     """A file, and the header, the counts or the images beside it under its name."""
     yield path
-    if path.suffix.lower() in _WITH_COMPANIONS:
+    form = find_by_suffix(path.suffix)
+    if form is not None and form.beside:
         yield from path.parent.glob(f"{glob.escape(path.stem)}.*")
         folder = path.with_suffix("")
         if folder.is_dir():

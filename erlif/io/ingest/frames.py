@@ -215,9 +215,9 @@ def format_notes(pairs: FramePairs) -> list[Note]:
 
     Examples
     --------
-    >>> pairs = FramePairs(Path(), ((), ()), (64, 64), (8, 8), warnings=("", "AVI stores 8 bits"))
+    >>> pairs = FramePairs(Path(), ((), ()), (64, 64), (8, 8), warnings=("", "no counts"))
     >>> print(*format_notes(pairs))
-    camera2: AVI stores 8 bits
+    camera2: no counts
     """
     notes = [
         warn(f"camera{camera}", warning)

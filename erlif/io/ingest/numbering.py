@@ -95,8 +95,8 @@ def name_lost(page: Page, number: int) -> Page:
     return replace(page, path=page.path.with_name(stem + page.path.suffix))
 
 
-def fill_gaps(pairs: FramePairs) -> FramePairs:
-    """Pairs with those of the numbers that neither camera has, which are left out.
+def add_lost_pairs(pairs: FramePairs) -> FramePairs:
+    """Add the pairs whose numbers neither camera has, as pairs that are left out.
 
     Parameters
     ----------

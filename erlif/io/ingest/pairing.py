@@ -30,19 +30,8 @@ from erlif.io.readers.base import describe_shape
 # Least width and height of a frame: registration needs several windows along each axis. [px]
 _SMALLEST = 64
 
-_STAMPED = (
-    "the first pixels of {name} hold the time {time}, as PCO cameras write it, and no light; as "
-    "text it covers 8 rows of 271 pixels. Switch the time stamp off, or choose a region of "
-    "interest below it."
-)
-
 # Difference of the times of two channels from which on they are no pair: stamps have 1 us. [s]
 _TOGETHER = 2e-6
-
-_APART = (
-    "its frames are {apart:.3g} ms {order} than those of camera 1 by the times in {name}, and a "
-    "pair must be of one laser pulse. Choose the channels of one exposure."
-)
 
 
 def pair_cameras(
@@ -133,7 +122,13 @@ def pair_cameras(
 def _find_time(counts: Counts, name: str) -> str:
     """That the first pixels of a page hold its time; empty where they hold light."""
     time = find_stamp(counts)
-    return _STAMPED.format(name=name, time=time) if time else ""
+    if not time:
+        return ""
+    return (
+        f"the first pixels of {name} hold the time {time}, as PCO cameras write it, and no light; "
+        "as text it covers 8 rows of 271 pixels. Switch the time stamp off, or choose a region of "
+        "interest below it."
+    )
 
 
 def _compare_exposures(one: CameraFiles, two: CameraFiles) -> str:
@@ -144,7 +139,11 @@ def _compare_exposures(one: CameraFiles, two: CameraFiles) -> str:
     if not channels or abs(apart) < _TOGETHER:
         return ""
     order = "later" if apart > 0 else "earlier"
-    return _APART.format(apart=1e3 * abs(apart), order=order, name=first.path.name)
+    return (
+        f"its frames are {1e3 * abs(apart):.3g} ms {order} than those of camera 1 by the times in "
+        f"{first.path.name}, and a pair must be of one laser pulse. Choose the channels of one "
+        "exposure."
+    )
 
 
 def _check_kinds(

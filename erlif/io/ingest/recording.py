@@ -23,7 +23,7 @@ from erlif.io.ingest.images import match_files
 from erlif.io.ingest.logs.checks import is_nearly_by_frame
 from erlif.io.ingest.logs.columns import MEANINGS, ColumnChoice
 from erlif.io.ingest.logs.resample import ContinuousLog, find_pulses, find_rises, sample_log
-from erlif.io.ingest.numbering import fill_gaps
+from erlif.io.ingest.numbering import add_lost_pairs
 from erlif.io.ingest.pairing import pair_cameras
 from erlif.io.ingest.selection import select_counts
 from erlif.io.settings import (
@@ -157,7 +157,7 @@ def open_run(
     pairs = _open_pairs(run_dir, settings, skip_bad_frames=skip_bad_frames)
 
     # the log may have rows of pulses that neither camera has; it fits with them or without
-    whole = fill_gaps(pairs) if skip_bad_frames else pairs
+    whole = add_lost_pairs(pairs) if skip_bad_frames else pairs
     if whole is not pairs and settings.encoder is not None and settings.encoder.file is not None:
         with suppress(EncoderError):
             log, notes = _open_log(run_dir, settings, whole, find_start, skip=True)
@@ -420,15 +420,11 @@ def _open_pairs(
 def _refuse_references(directory: Path, number: int, camera: CameraSettings) -> None:
     """Refuse a pattern of the frames that matches the darks or flats of the camera as well."""
     frames = match_files(directory, camera.files)
-    stated = {
-        "dark": camera.dark if camera.dark_dataset is None else None,
-        "flat": camera.flat if camera.flat_dataset is None else None,
-        "background": camera.background if camera.background_dataset is None else None,
-    }
     among = {
         path: key
-        for key, pattern in stated.items()
-        if pattern is not None and pattern != camera.files
+        for key in ("dark", "flat", "background")
+        if (pattern := getattr(camera, key)) not in (None, camera.files)
+        and getattr(camera, f"{key}_dataset") is None
         for path in match_files(directory, pattern)
         if path in frames
     }

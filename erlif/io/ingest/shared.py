@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Collection
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,6 +15,7 @@ import numpy as np
 
 from erlif.core.arrays import Array, Counts
 from erlif.core.errors import FrameError
+from erlif.io.ingest.naming import purpose_of, split_words
 from erlif.io.readers import open_frames
 from erlif.io.readers.hdf5 import list_datasets
 
@@ -23,8 +25,6 @@ _MOST_SIDE = 256
 # Peak of the correlation of two halves over its own standard deviation from which they show the
 # same object; the highest of 2**15 values of pure noise is at 4.5.
 _ALIKE = 8.0
-
-_DARK_WORDS, _FLAT_WORDS = ("dark", "bias", "black"), ("flat", "white", "uniform")
 
 
 @dataclass(frozen=True)
@@ -100,22 +100,16 @@ def find_cameras_in_file(path: Path, rows: Collection[int] = ()) -> SharedFile |
 
 def _sort_datasets(names: list[str]) -> SharedFile | None:
     """Frames, darks and flats of both cameras by the names of their datasets."""
-
-    def pick(words: tuple[str, ...]) -> list[str]:
-        return [name for name in names if any(word in name.lower() for word in words)]
-
-    darks, flats = pick(_DARK_WORDS), pick(_FLAT_WORDS)
-    frames = [name for name in names if name not in darks and name not in flats]
-    if len(frames) != 2:
-        return None
-    one, two = frames
-    return SharedFile(
-        "dataset",
-        (one, two),
-        "the file has two datasets of frames",
-        (darks[0], darks[1]) if len(darks) == 2 else None,
-        (flats[0], flats[1]) if len(flats) == 2 else None,
+    groups: dict[str, list[str]] = defaultdict(list)
+    for name in names:
+        groups[purpose_of(split_words(name))].append(name)
+    frames, darks, flats = (
+        (found[0], found[1]) if len(found := groups[purpose]) == 2 else None
+        for purpose in ("frames", "darks", "flats")
     )
+    if frames is None:
+        return None
+    return SharedFile("dataset", frames, "the file has two datasets of frames", darks, flats)
 
 
 def _compare_halves(image: Counts) -> SharedFile | None:

@@ -126,6 +126,12 @@ class Format:
         Extra of erlif that installs what the reader needs; empty where nothing more is needed.
     open_dataset : Callable[[Path, str], FrameFile] | None
         Opens one of several arrays in a file by its path; None for a format without such paths.
+    movie : bool
+        Whether a file is a whole recording. Files of another format may be parts of one, whose
+        names differ in their numbers alone.
+    beside : tuple[str, ...]
+        Endings of what lies beside a file under its name and belongs to the same recording: a
+        header, or the counts; empty for a folder.
     """
 
     name: str
@@ -134,6 +140,8 @@ class Format:
     open: Callable[[Path], FrameFile]
     extra: str = ""
     open_dataset: Callable[[Path, str], FrameFile] | None = None
+    movie: bool = False
+    beside: tuple[str, ...] = ()
 
     def fits(self, path: Path, head: bytes) -> bool:
         """Whether a file is of this format, from its path and its first bytes."""

@@ -34,6 +34,9 @@ _FORMAT = re.compile(r"Mono(8|10|12|14|16)|Mono(10|12)(p|Packed|pmsb)")
 # Order of packed bits by the end of the name of a pixel format.
 _PACKINGS = {"p": "LOW", "Packed": "SPLIT", "pmsb": "HIGH"}
 
+# Endings of the file that describes the frames.
+_DESCRIPTIONS = (".toml", ".json")
+
 _EXAMPLE = 'width = 1280, height = 1024, pixel_format = "Mono12p"'
 
 
@@ -56,7 +59,7 @@ def open_raw(path: Path) -> FrameFile:
     `path` is the `.raw` file. As `Format.open`: FrameError if the description is missing
     or does not fit the file.
     """
-    beside = find_beside(path, (".toml", ".json"))
+    beside = find_beside(path, _DESCRIPTIONS)
     if beside is None:
         raise FrameError(
             f"the format of raw frames stands in no file. Put {path.stem}.toml beside them, with "
@@ -101,4 +104,4 @@ def _read_description(path: Path) -> _Description:
 
 
 # Raw frames of industrial cameras.
-GENICAM = Format("GenICam raw", (".raw",), None, open_raw)
+GENICAM = Format("GenICam raw", (".raw",), None, open_raw, beside=_DESCRIPTIONS)

@@ -130,7 +130,8 @@ def list_datasets(path: Path) -> list[str]:
     Returns
     -------
     list of str
-        In the order of the file; empty for a file of another format, or a damaged one.
+        In the order of the file; empty for a file of another format, a damaged one, or one that
+        erlif has written.
 
     Examples
     --------
@@ -143,7 +144,8 @@ def list_datasets(path: Path) -> list[str]:
 
     try:
         with open_hdf5(path) as file:
-            return _candidates(file, 3) or _candidates(file, 2)
+            own = "erlif_version" in file.attrs
+            return [] if own else _candidates(file, 3) or _candidates(file, 2)
     except Exception:  # h5py raises several types on damaged bytes
         return []
 

@@ -268,9 +268,11 @@ def open_set(path: Path) -> FrameFile:
     return SetFrames(sorted(images, key=lambda found: (len(found.name), found.name)))
 
 
-# the header of an IM7 begins with zeros, as do many files: only its suffix marks it
-# Images of DaVis; its vector fields have the same header and are refused by it.
-IM7 = Format("LaVision IM7", (".im7", ".vc7"), None, open_im7)
+# Images of DaVis. Their header begins with zeros, as do many files: only the suffix marks it. That
+# of vector fields is the same, and refuses them; their suffix is not one of frames.
+IM7 = Format(
+    "LaVision IM7", (".im7",), lambda path, _: path.suffix.lower() in (".im7", ".vc7"), open_im7
+)
 
 # Folders of images of DaVis.
-SET = Format("LaVision SET", (".set",), None, open_set)
+SET = Format("LaVision SET", (".set",), None, open_set, movie=True, beside=("",))

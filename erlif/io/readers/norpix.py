@@ -146,4 +146,4 @@ def _is_norpix(path: Path, head: bytes) -> bool:
 
 
 # Sequences of StreamPix.
-NORPIX = Format("NorPix SEQ", (".seq",), _is_norpix, open_norpix)
+NORPIX = Format("NorPix SEQ", (".seq",), _is_norpix, open_norpix, movie=True)

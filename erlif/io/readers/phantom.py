@@ -184,4 +184,4 @@ def _is_phantom(path: Path, head: bytes) -> bool:
 
 
 # Recordings of Phantom cameras.
-PHANTOM = Format("Phantom CINE", (".cine", ".cin"), _is_phantom, open_phantom)
+PHANTOM = Format("Phantom CINE", (".cine", ".cin"), _is_phantom, open_phantom, movie=True)

@@ -207,4 +207,6 @@ def _whole(entries: dict[str, str], name: str) -> int:
 
 
 # Counts of Photron cameras with their header.
-PHOTRON = Format("Photron MRAW", (".mraw", *_HEADERS), None, open_photron)
+PHOTRON = Format(
+    "Photron MRAW", (".mraw", *_HEADERS), None, open_photron, movie=True, beside=_HEADERS
+)

@@ -1,4 +1,4 @@
-"""PNG, BMP and PGM pictures with grey counts; formats that change the counts are refused."""
+"""PNG, BMP and PGM pictures with grey counts."""
 
 from __future__ import annotations
 
@@ -27,9 +27,6 @@ _BMP_HEADERS = tuple(bytes([size, 0, 0, 0]) for size in (40, 52, 56, 108, 124))
 
 # Size of the largest header of a BMP with its palette. [byte]
 _LARGEST_BITMAP = 124 + 4 * 256
-
-# Codecs of AVI that are grey bytes, row by row from the top.
-_TOP_DOWN = (b"Y800", b"Y8  ", b"GREY")
 
 # Colour types of PNG.
 _GREY, _INDEXED = 0, 3
@@ -80,66 +77,29 @@ def open_bmp(path: Path) -> FrameFile:
     """
     with Source(path) as source:
         (start,) = struct.unpack("<I", source.read(10, 4))
-        layout = bitmap_layout(source.read(14, min(_LARGEST_BITMAP, source.size - 14)))
+        header = source.read(14, min(_LARGEST_BITMAP, source.size - 14))
+        if len(header) < 40:
+            raise FrameError("the file is damaged: the header of its images is too short")
+        size, width, height, _, depth, codec = struct.unpack_from("<IiiHH4s", header)
+        if size < 40 or codec != bytes(4) or depth != 8:
+            name = codec.decode("latin-1").strip("\0 ") or f"{depth} bits"
+            raise FrameError(
+                f"its images are compressed or in colours ({name}), and no counts. Save the raw "
+                "counts of the camera, one channel, as grey TIFF."
+            )
+
+        # the count of an entry of the palette is its grey
+        (used,) = struct.unpack_from("<I", header, 32)
+        palette = np.frombuffer(header[size:][: 4 * (used or 256)], np.uint8)
+        greys = palette[: palette.size // 4 * 4].reshape(-1, 4)[:, :3]
+        if len(greys) > 256 or (greys != np.arange(len(greys))[:, None]).any():
+            raise FrameError(_PALETTE)
+
+        row = -(-width // 4) * 4  # rows end at a multiple of four bytes
+        shape = abs(height), width
+        layout = FrameLayout(shape, "|u1", row_bytes=row, bottom_up=height > 0)
         check_claim(1, layout.kind, source.size)
     return RawFrames(path, layout, [start])
-
-
-def bitmap_layout(header: bytes) -> FrameLayout:
-    """Layout of an image of 8 grey bits by its BITMAPINFOHEADER and the palette behind it.
-
-    Parameters
-    ----------
-    header : bytes
-        What comes after the palette is ignored.
-
-    Returns
-    -------
-    FrameLayout
-
-    Raises
-    ------
-    FrameError
-        With the bare reason, if the image is compressed, or has colours.
-    """
-    if len(header) < 40:
-        raise FrameError("the file is damaged: the header of its images is too short")
-    size, width, height, _, depth, codec = struct.unpack_from("<IiiHH4s", header)
-    (used,) = struct.unpack_from("<I", header, 32)
-    if codec in _TOP_DOWN:
-        return FrameLayout((abs(height), width), "|u1")
-    if size < 40 or codec != bytes(4) or depth != 8:
-        name = codec.decode("latin-1").strip("\0 ") or f"{depth} bits"
-        raise FrameError(
-            f"its images are compressed or in colours ({name}), and no counts. Save the raw counts "
-            "of the camera, one channel, as grey TIFF."
-        )
-    palette = np.frombuffer(header[size:][: 4 * (used or 256)], np.uint8)
-    check_grey_palette(palette[: palette.size // 4 * 4].reshape(-1, 4))
-    row = -(-width // 4) * 4  # rows end at a multiple of four bytes
-    return FrameLayout((abs(height), width), "|u1", row_bytes=row, bottom_up=height > 0)
-
-
-def check_grey_palette(palette: AnyArray) -> None:
-    """Refuse a palette that gives any count another value than its own.
-
-    Parameters
-    ----------
-    palette : array of uint8, (entry, 4)
-        Blue, green and red of each count.
-
-    Raises
-    ------
-    FrameError
-        With the bare reason.
-
-    Examples
-    --------
-    >>> check_grey_palette(np.repeat(np.arange(256, dtype=np.uint8)[:, None], 4, axis=1))
-    """
-    ramp = np.arange(len(palette), dtype=np.uint8)[:, None]
-    if len(palette) > 256 or (palette[:, :3] != ramp).any():
-        raise FrameError(_PALETTE)
 
 
 def open_pgm(path: Path) -> FrameFile:
@@ -172,26 +132,6 @@ def open_pgm(path: Path) -> FrameFile:
     return RawFrames(path, layout, places, bits=most.bit_length())
 
 
-def _lossy_name(head: bytes) -> str:
-    """Name of a format that changes counts; empty for other files."""
-    if head[:3] == b"\xff\xd8\xff":
-        return "JPEG"
-    if head[:4] == b"GIF8":
-        return "GIF"
-    if head[:4] == b"RIFF" and head[8:12] == b"WEBP":
-        return "WebP"
-    return "JPEG 2000" if head[4:8] == b"jP  " else ""
-
-
-def _refuse(path: Path) -> FrameFile:
-    with path.open("rb") as file:
-        name = _lossy_name(file.read(12)) or path.suffix
-    raise FrameError(
-        f"it is a {name} image, compressed with losses or with a palette: its values are no "
-        "counts. Save the raw counts as TIFF."
-    )
-
-
 PNG = Format("PNG", (".png",), lambda path, head: head[:8] == _PNG_START, PngPicture)
 BMP = Format(
     "BMP",
@@ -200,9 +140,3 @@ BMP = Format(
     open_bmp,
 )
 PGM = Format("PGM", (".pgm", ".pnm"), lambda path, head: head[:2] in (b"P5", b"P2"), open_pgm)
-LOSSY = Format(
-    "JPEG, GIF, WebP",
-    (".jpg", ".jpeg", ".jpe", ".gif", ".webp", ".jp2"),
-    lambda path, head: bool(_lossy_name(head)),
-    _refuse,
-)

@@ -157,4 +157,4 @@ def _one_region(regions: int) -> str:
 
 # the header has no letters at its start: only the suffix marks it
 # Recordings of WinView and LightField.
-PRINCETON = Format("Princeton SPE", (".spe",), None, open_princeton)
+PRINCETON = Format("Princeton SPE", (".spe",), None, open_princeton, movie=True)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+import re
 import stat
 import threading
 import weakref
@@ -15,7 +16,6 @@ from pathlib import Path
 
 from erlif.core.errors import FrameError
 from erlif.core.guarded import file_stamp
-from erlif.io.readers.avi import AVI
 from erlif.io.readers.base import MOST_FRAMES, MOST_PIXELS, Format, FrameFile
 from erlif.io.readers.fits import FITS
 from erlif.io.readers.genicam import GENICAM
@@ -26,25 +26,51 @@ from erlif.io.readers.npy import NPY
 from erlif.io.readers.pco import PCO
 from erlif.io.readers.phantom import PHANTOM
 from erlif.io.readers.photron import PHOTRON
-from erlif.io.readers.pictures import BMP, LOSSY, PGM, PNG
+from erlif.io.readers.pictures import BMP, PGM, PNG
 from erlif.io.readers.princeton import PRINCETON
 from erlif.io.readers.tiff import TIFF
 
 # The formats of erlif, in the order in which a file is compared with them.
 FORMATS: tuple[Format, ...] = (
     *(TIFF, PHOTRON, PHANTOM, NORPIX, GENICAM, IM7, SET, PCO, PRINCETON),
-    *(PNG, BMP, PGM, NPY, FITS, HDF5, AVI, LOSSY),
+    *(PNG, BMP, PGM, NPY, FITS, HDF5),
 )
 
-# Formats that are known and not read, by their first bytes; a package may read them.
-_UNREAD = {
-    b"Andor Technology Multi-Channel File": (
-        "an Andor SIF file",
-        "Export the frames in Andor Solis as TIFF of 16 bits or as FITS.",
+_NO_COUNTS = (
+    "compressed with losses or with a palette: its values are no counts. Save the raw counts as "
+    "TIFF."
+)
+
+# Formats that are known and not read: suffixes, first bytes, reason. A package may read them.
+_UNREAD: tuple[tuple[tuple[str, ...], bytes, str], ...] = (
+    ((".jpg", ".jpeg", ".jpe"), rb"\xff\xd8\xff", f"it is a JPEG image, {_NO_COUNTS}"),
+    ((".jp2",), rb".{4}jP  ", f"it is a JPEG 2000 image, {_NO_COUNTS}"),
+    ((".gif",), rb"GIF8", f"it is a GIF image, {_NO_COUNTS}"),
+    ((".webp",), rb"RIFF.{4}WEBP", f"it is a WebP image, {_NO_COUNTS}"),
+    (
+        (".avi",),
+        rb"RIFF.{4}AVI ",
+        "it is an AVI film, which is not read: it has 8 bits, and most programs change the counts. "
+        "Export the raw counts of the camera as TIFF.",
     ),
-    b"DCIMG": ("a Hamamatsu DCIMG file", "Export the frames in HCImage as TIFF of 16 bits."),
-    b"\x1f\x8b": ("compressed by gzip", "Expand the file with gunzip."),
-}
+    (
+        (".sif",),
+        rb"Andor Technology Multi-Channel File",
+        "it is an Andor SIF file, which is not read. Export the frames in Andor Solis as TIFF of "
+        "16 bits or as FITS.",
+    ),
+    (
+        (".dcimg",),
+        rb"DCIMG",
+        "it is a Hamamatsu DCIMG file, which is not read. Export the frames in HCImage as TIFF of "
+        "16 bits.",
+    ),
+    (
+        (".gz",),
+        rb"\x1f\x8b",
+        "it is compressed by gzip, which is not read. Expand the file with gunzip.",
+    ),
+)
 
 # Group of entry points in which other packages name a `Format`.
 ENTRY_POINTS = "erlif.readers"
@@ -120,28 +146,82 @@ def find_format(path: Path, head: bytes) -> Format:
     >>> find_format(Path("frame.dat"), b"II*\\0").name
     'TIFF'
     """
-    for entry in FORMATS:
-        if entry.fits(path, head):
-            return entry
-    foreign, faults = _foreign_formats()
-    for entry in foreign:
-        with suppress(Exception, SystemExit):  # a fault of another package is none of the file
-            if entry.fits(path, head):
-                return entry
-
-    for start, (what, advice) in _UNREAD.items():
-        if head.startswith(start):
-            raise FrameError(f"it is {what}, which is not read. {advice}")
+    if found := _find_by_content(path, head):
+        return found
+    for _, start, reason in _UNREAD:
+        if re.match(start, head, re.DOTALL):
+            raise FrameError(reason)
 
     # a damaged start hides the format from all, the suffix still names it
-    for entry in (*FORMATS, *foreign):
-        if path.suffix.lower() in entry.suffixes:
-            return entry
-    known = ", ".join(entry.name for entry in (*FORMATS, *foreign) if entry is not LOSSY)
+    named = find_by_suffix(path.suffix)
+    if named is not None:
+        return named
+    if unread := why_unread(path.suffix):
+        raise FrameError(unread)
+    foreign, faults = _foreign_formats()
+    known = ", ".join(entry.name for entry in (*FORMATS, *foreign))
     raise FrameError(
         f"its format is none of those that are read: {known}. Convert it to TIFF, or install a "
         f"package that has a reader for it.{''.join(faults)}"
     )
+
+
+def find_by_content(path: Path) -> Format | None:
+    """The format of a file by its first bytes, whatever its suffix.
+
+    Returns
+    -------
+    Format or None
+        None where no reader takes the file, or it cannot be read.
+
+    Examples
+    --------
+    >>> find_by_content(Path("calibration/wedge/camera1_dark.tif")).name
+    'TIFF'
+    """
+    try:
+        return _find_by_content(path, _read_head(path))
+    except (OSError, FrameError):
+        return None
+
+
+def _find_by_content(path: Path, head: bytes) -> Format | None:
+    for entry in FORMATS:
+        if entry.fits(path, head):
+            return entry
+    for entry in _foreign_formats()[0]:
+        with suppress(Exception, SystemExit):  # a fault of another package is none of the file
+            if entry.fits(path, head):
+                return entry
+    return None
+
+
+def find_by_suffix(suffix: str) -> Format | None:
+    """The format that the suffix of a file names, in upper or lower case.
+
+    Returns
+    -------
+    Format or None
+        None where no reader, of erlif or of another package, has this suffix.
+
+    Examples
+    --------
+    >>> find_by_suffix(".MRAW").name
+    'Photron MRAW'
+    """
+    known = (*FORMATS, *_foreign_formats()[0])
+    return next((entry for entry in known if suffix.lower() in entry.suffixes), None)
+
+
+def why_unread(suffix: str) -> str:
+    """Why files of this suffix are not read, and what to do; empty for any other suffix.
+
+    Examples
+    --------
+    >>> why_unread(".gz")
+    'it is compressed by gzip, which is not read. Expand the file with gunzip.'
+    """
+    return next((reason for suffixes, _, reason in _UNREAD if suffix.lower() in suffixes), "")
 
 
 @contextmanager

@@ -78,7 +78,6 @@ def store(path, **attributes):
         ("map.png", lambda path: path.write_text("erlif")),
         ("film.mat", lambda path: path.write_bytes(b"MATLAB 5.0 MAT-file, Platform: GLNXA64")),
         ("film.tif", lambda path: path.write_bytes(b"II*\0 somebody's image")),
-        ("film.npz", lambda path: path.write_bytes(b"PK\3\4 somebody's archive")),
         ("folder", lambda path: (path / "inner").mkdir(parents=True)),
     ],
 )

@@ -8,7 +8,7 @@ from scenes.tiff_pages import write_pages
 
 from erlif.core.errors import FrameError
 from erlif.io.ingest import read_frames, read_pair
-from erlif.io.ingest.numbering import fill_gaps
+from erlif.io.ingest.numbering import add_lost_pairs
 from erlif.io.ingest.pairing import pair_cameras
 from erlif.io.ingest.recording import number_frames
 from erlif.io.ingest.selection import Selection
@@ -190,13 +190,13 @@ def test_frames_without_numbers_that_show_the_lost_one_stay_refused(record, one,
 
 def test_numbers_that_neither_camera_has_are_pairs_that_are_left_out(record):
     pairs = pair(record([0, 1, 2, 4, 5], [0, 1, 2, 4]), skip_bad_frames=True)
-    whole = fill_gaps(pairs)
+    whole = add_lost_pairs(pairs)
     assert [page.name for page in whole.pages[1]] == [f"f_{number}.tif" for number in range(6)]
     assert whole.skipped == {
         3: "neither camera has f_3.tif",
         5: "camera2/f_5.tif: the file is missing",
     }
-    assert fill_gaps(whole) is whole
+    assert add_lost_pairs(whole) is whole
 
 
 # two cameras in one file

@@ -1,18 +1,27 @@
 """Frames, darks, flats and tables found by their names, as laboratories name them."""
 
-import tomllib
 from pathlib import Path
 
+import h5py
 import numpy as np
 import pytest
 import tifffile
-from scenes.camera_files import random_frames, write_cine, write_genicam, write_mraw, write_seq
+from scenes.camera_files import (
+    random_frames,
+    write_cine,
+    write_genicam,
+    write_im7,
+    write_mraw,
+    write_seq,
+)
 
 from erlif.core.errors import FrameError
+from erlif.io.ingest import survey
 from erlif.io.ingest.survey import survey_directory
+from erlif.io.readers import registry
+from erlif.io.readers.hdf5 import HDF5
 
 GREY = np.full((64, 80), 1000, np.uint16)
-NAMES = tomllib.loads(Path(__file__).with_name("names.toml").read_text(encoding="utf-8"))
 
 
 def photograph(directory: Path, *names: str, image=GREY, pages: int = 1) -> None:
@@ -29,16 +38,6 @@ def numbered(pattern: str, count: int = 3) -> list[str]:
     return [pattern.format(number) for number in range(count)]
 
 
-@pytest.mark.parametrize(("one", "two", "patterns"), NAMES["cameras"])
-def test_two_cameras_are_distinguished_by_the_names_of_their_files(tmp_path, one, two, patterns):
-    photograph(tmp_path, *numbered(one), *numbered(two))
-    cameras = survey_directory(tmp_path).cameras
-    assert [camera.frames.pages for camera in cameras] == [3, 3]
-    for camera, pattern in zip(cameras, patterns, strict=True):
-        assert set(tmp_path.glob(camera.frames.pattern)) == set(camera.frames.files)
-        assert camera.frames.pattern == pattern
-
-
 def test_cameras_stand_in_the_order_of_their_wavelengths(tmp_path):
     photograph(tmp_path, *numbered("cam1_610nm/{}.tif"), *numbered("cam2_580nm/{}.tif"))
     cameras = survey_directory(tmp_path).cameras
@@ -51,46 +50,62 @@ def test_a_number_that_both_cameras_share_is_not_a_wavelength(tmp_path):
     assert [camera.wavelength for camera in survey_directory(tmp_path).cameras] == [None, None]
 
 
-@pytest.mark.parametrize(("dark", "flat", "dry"), NAMES["references"])
-def test_darks_and_flats_are_assigned_to_their_camera_by_name(tmp_path, dark, flat, dry):
-    for camera in (1, 2):
-        photograph(tmp_path, *numbered(f"camera{camera}/frame_{{}}.tif"))
-        for pages, name in ((4, dark), (6, flat), (2, dry)):
-            photograph(tmp_path, name.format(camera), pages=pages)
-    survey = survey_directory(tmp_path)
-    assert survey.unassigned == ()
-    for number, camera in enumerate(survey.cameras, 1):
-        sets = (camera.frames, camera.darks, camera.flats, camera.backgrounds)
-        assert [one.pages for one in sets] == [3, 4, 6, 2]
-        assert [one.pattern for one in sets[1:]] == [
-            name.format(number) for name in (dark, flat, dry)
-        ]
-        assert set(tmp_path.glob(camera.frames.pattern)) == set(camera.frames.files)
-
-
 @pytest.mark.parametrize(
-    "darks", [["darks/left.tif", "darks/right.tif"], ["2_left_dark.tif", "1_right_dark.tif"]]
+    "suffix",
+    [
+        suffix
+        for form in registry.FORMATS
+        for suffix in form.suffixes
+        if form is not HDF5 and suffix not in form.beside
+    ],
 )
-@pytest.mark.parametrize("folder", ["", "raw/"])
-def test_darks_of_left_and_right_are_found_in_their_own_folder(tmp_path, darks, folder):
-    for side in ("left", "right"):
-        photograph(tmp_path, *numbered(f"{side}/{folder}{{}}.tif"))
-    photograph(tmp_path, *darks)
-    assert [camera.darks.pattern for camera in survey_directory(tmp_path).cameras] == darks
+def test_every_suffix_of_a_format_is_seen(tmp_path, suffix):
+    """Whatever the files hold: a damaged frame is a frame."""
+    for name in ("left/1", "left/2", "right/1", "right/2"):
+        path = tmp_path / f"{name}{suffix}"
+        path.parent.mkdir(exist_ok=True)
+        path.write_bytes(b"damaged")
+    cameras = survey_directory(tmp_path).cameras
+    assert [camera.frames.pattern for camera in cameras] == [f"left/*{suffix}", f"right/*{suffix}"]
 
 
-@pytest.mark.parametrize("sides", [("left", "right"), ("a_", "b_"), ("cam0_", "cam1_")])
-def test_two_names_in_one_folder_are_two_cameras_with_their_darks_and_flats(tmp_path, sides):
-    """Given against the order of the names, in which they would be taken else."""
-    photograph(tmp_path, *(f"images/{side}{k}.tif" for side in sides for k in range(3)))
-    words = [side.rstrip("_") for side in sides]
-    photograph(tmp_path, f"dark_{words[1]}.tif", f"1_flat_{words[1]}.tif", f"2_flat_{words[0]}.tif")
-    survey = survey_directory(tmp_path)
-    one, two = survey.cameras
-    assert [one.frames.pattern, two.frames.pattern] == [f"images/{side}*.tif" for side in sides]
-    assert [one.darks, two.darks.pattern] == [None, f"dark_{words[1]}.tif"]
-    assert one.flats.pattern == f"2_flat_{words[0]}.tif"
-    assert survey.in_order == ()
+@pytest.mark.parametrize("suffix", HDF5.suffixes)
+def test_files_of_hdf5_are_seen_where_they_hold_frames(tmp_path, suffix):
+    """Logs and films of erlif are no frames."""
+    for name, data in (("camera1", np.zeros((3, 64, 80))), ("log", np.zeros(9))):
+        with h5py.File(tmp_path / f"{name}{suffix}", "w") as file:
+            file["data"] = data
+    with h5py.File(tmp_path / "film.nc", "w") as file:
+        file["thickness"] = np.zeros((3, 64, 80))
+        file.attrs["erlif_version"] = "0.1.0"
+    (camera,) = survey_directory(tmp_path).cameras
+    assert (camera.frames.pattern, camera.frames.pages) == (f"camera1{suffix}", 3)
+
+
+@pytest.mark.parametrize("name", ["{}.img", "{}", "frame.{:04}", "run{}.dat"])
+def test_frames_known_by_their_content_alone_are_found_with_a_few_looks(
+    tmp_path, name, monkeypatch
+):
+    looks = []
+    find = survey.find_by_content
+    monkeypatch.setattr(survey, "find_by_content", lambda path: looks.append(path) or find(path))
+    photograph(tmp_path, *numbered(f"left/{name}", 20), *numbered(f"right/{name}", 20))
+    (tmp_path / "readme").write_text("none")
+    (tmp_path / "notes.txt").write_text("none")
+    found = survey_directory(tmp_path)
+    assert [camera.frames.pages for camera in found.cameras] == [20, 20]
+    assert len(looks) <= 3
+
+
+def test_a_set_of_lavision_is_one_recording_with_its_folder(tmp_path):
+    for camera in ("left", "right"):
+        (tmp_path / camera).mkdir()
+        for number in range(3):
+            write_im7(tmp_path / camera / f"B{number}.im7", np.ones((1, 64, 80), np.uint16))
+        (tmp_path / f"{camera}.set").write_text("SetType = 1")
+    cameras = survey_directory(tmp_path).cameras
+    assert [one.frames.pattern for one in cameras] == ["left.set", "right.set"]
+    assert [one.frames.pages for one in cameras] == [3, 3]
 
 
 @pytest.mark.parametrize(
@@ -119,41 +134,6 @@ def test_a_photograph_of_the_scale_is_not_a_frame(tmp_path):
     survey = survey_directory(tmp_path)
     assert [camera.frames.pages for camera in survey.cameras] == [3, 3]
     assert survey.unassigned == (tmp_path / "scale.tif",)
-
-
-def test_frames_that_no_single_pattern_matches_have_none(tmp_path):
-    photograph(tmp_path, *numbered("cam1_{}.tif"), "cam1_dark_1.tif", *numbered("cam2_{}.tif"))
-    cameras = survey_directory(tmp_path).cameras
-    assert cameras[0].frames.pattern == "cam1_[0-9]*.tif"  # the dark is left out
-    photograph(tmp_path, "cam1_3_dark.tif")
-    assert survey_directory(tmp_path).cameras[0].frames.pattern is None
-
-
-def graded(highest, *, many=False):
-    """Counts of many levels; `many` pixels at the highest one, or a single pixel."""
-    counts = np.linspace(3, highest - 5, 64 * 80).astype(np.uint16)
-    counts[-40 if many else -1 :] = highest
-    return counts.reshape(64, 80)
-
-
-@pytest.mark.parametrize(
-    ("counts", "depth", "unused", "certain"),
-    [
-        (graded(250).astype(np.uint8), 8, 0, False),
-        (graded(900), 12, 0, False),
-        (graded(4095, many=True), 12, 0, True),
-        (graded(4096), 14, 0, False),
-        (graded(65535, many=True), 16, 0, True),
-        (graded(4095, many=True) << 4, 12, 4, True),
-        (graded(16383) << 2, 14, 2, False),
-        (np.full((64, 80), 1024, np.uint16), 12, 0, False),  # too uniform to show padding
-    ],
-)
-def test_the_bit_depth_follows_from_the_largest_counts(tmp_path, counts, depth, unused, certain):
-    photograph(tmp_path, "cam1.tif", "cam2.tif", image=counts)
-    found = survey_directory(tmp_path).cameras[0].counts
-    assert (found.bit_depth, found.unused_bits, found.full_scale_seen) == (depth, unused, certain)
-    assert found.highest == counts.max()
 
 
 def test_tables_are_listed_with_header_and_rows(tmp_path):
@@ -191,10 +171,18 @@ def test_a_camera_whose_files_are_all_damaged_has_no_counts(tmp_path):
     assert len(two.frames.faults) == 3
 
 
+def write_upper(path, frames):
+    """A recording as cameras on Windows name it."""
+    write_mraw(path, frames, stored=16, depth=12)
+    header = path.with_suffix(".cihx")
+    header.rename(header.with_suffix(".CIHX"))
+
+
 @pytest.mark.parametrize(
     ("suffix", "write"),
     [
         (".mraw", lambda path, frames: write_mraw(path, frames, stored=16, depth=12)),
+        (".MRAW", lambda path, frames: write_upper(path, frames)),
         (".cine", lambda path, frames: write_cine(path, frames, depth=12)),
         (".seq", lambda path, frames: write_seq(path, frames, significant=12)),
         (".raw", lambda path, frames: write_genicam(path, frames, "Mono12p")),
@@ -251,14 +239,6 @@ def test_numbered_parts_of_a_recording_are_one(tmp_path):
     photograph(tmp_path, *numbered("left/rec_{}.tif", 3), *numbered("right/rec_{}.tif"), pages=4)
     cameras = survey_directory(tmp_path).cameras
     assert [(camera.frames.pages, camera.recordings) for camera in cameras] == [(12, ())] * 2
-
-
-def test_counts_above_the_depth_of_the_header_overrule_it(tmp_path):
-    frames = random_frames(np.random.default_rng(1), bits=14)
-    write_mraw(tmp_path / "camera1.mraw", frames, stored=16, depth=12)
-    (camera,) = survey_directory(tmp_path).cameras
-    assert camera.counts.bit_depth == 14
-    assert not camera.counts.stated
 
 
 def test_parts_of_one_file_stand_in_the_order_of_their_pages(tmp_path):

@@ -75,6 +75,7 @@ def test_a_dataset_is_refused_where_the_format_has_none(tmp_path):
     [
         (b"Andor Technology Multi-Channel File\n65538 1\n", "an Andor SIF file, .* Andor Solis as"),
         (b"DCIMG\0\0\0\7\0\0\0", "a Hamamatsu DCIMG file, .* HCImage as TIFF"),
+        (b"RIFF\0\0\0\0AVI LIST", "an AVI film, .* Export the raw counts of the camera as TIFF"),
         (gzip.compress(b"SIMPLE  =", mtime=0), "compressed by gzip, .* Expand"),
     ],
 )
