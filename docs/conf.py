@@ -180,7 +180,7 @@ STAGES = (
     "trend",
     "prediction",
     "pipeline",
-    "review.audit",
+    "review.check",
     "io.conversion",
     "review.comparison",
     "joint.friction",

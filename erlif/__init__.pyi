@@ -29,9 +29,9 @@ from .pipeline.physics.predict import predict
 from .pipeline.physics.pressure import pressure_from_film
 from .pipeline.run import process
 from .planning.plan import plan
-from .review import audit, comparison
-from .review.audit import check
+from .review import comparison
 from .review.budget import budget
+from .review.check import check
 from .review.comparison import compare
 from .review.init import init
 from .rig import simulate
@@ -46,7 +46,6 @@ __all__ = [
     "__version__",
     "analyse_endurance",
     "analyse_friction",
-    "audit",
     "batch",
     "budget",
     "calibrate",

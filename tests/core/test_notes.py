@@ -13,7 +13,7 @@ TABLES = (
     ("erlif.pipeline.audit", "notes.toml"),
     ("erlif.prediction", "notes.toml"),
     ("erlif.review", "init.toml"),
-    ("erlif.review.audit", "notes.toml"),
+    ("erlif.review.check", "notes.toml"),
 )
 
 
@@ -38,7 +38,7 @@ def test_every_note_of_a_table_is_made_somewhere(package, name):
 
 
 def test_a_note_with_a_cure_is_a_warning_where_the_cure_is_needed():
-    write = note_writer("erlif.review.audit")
+    write = note_writer("erlif.review.check")
     assert write("overlap", overlap=0.4).level is Level.WARNING
     assert write("overlap", overlap=0.4).text.endswith(
         ". Turn the cameras until both show the same part of the joint"

@@ -5,9 +5,9 @@ import numpy.testing as npt
 import pytest
 
 from erlif.pipeline.audit.log import Steps
-from erlif.review.audit.cameras import Picture
-from erlif.review.audit.counts import CountSurvey, FrameCounts
-from erlif.show.plots.audit import (
+from erlif.review.check.cameras import Picture
+from erlif.review.check.counts import CountSurvey, FrameCounts
+from erlif.show.plots.check import (
     histogram_figure,
     light_figure,
     pair_figure,

@@ -26,15 +26,15 @@ from erlif.pipeline.physics.clock import fit_start
 from erlif.pipeline.physics.joint import locate_run
 from erlif.pipeline.recording.cameras import characterise_cameras
 from erlif.pipeline.recording.omissions import note_omissions
-from erlif.review.audit.calibration import note_calibration
-from erlif.review.audit.cameras import (
+from erlif.review.check.calibration import note_calibration
+from erlif.review.check.cameras import (
     CameraSurvey,
     note_pulses,
     note_registration,
     note_textures,
     survey_cameras,
 )
-from erlif.review.audit.counts import (
+from erlif.review.check.counts import (
     MOST_SPREAD,
     CountSurvey,
     find_copies,
@@ -44,7 +44,7 @@ from erlif.review.audit.counts import (
     note_light,
     survey_counts,
 )
-from erlif.review.audit.pairing import PairRow, note_numbers, tabulate_pairs
+from erlif.review.check.pairing import PairRow, note_numbers, tabulate_pairs
 
 _logger = logging.getLogger(__name__)
 
@@ -53,7 +53,7 @@ Step = Callable[[], Iterator[Note]]
 
 
 @dataclass
-class Audit:
+class Examination:
     """What was found in a directory.
 
     Attributes
@@ -118,7 +118,7 @@ def check(
     Parameters
     ----------
     directory, skip_bad_frames, allow_outside, progress
-        As for `erlif.review.audit.audit`.
+        As for `erlif.review.check.examine`.
 
     Returns
     -------
@@ -131,7 +131,7 @@ def check(
     ...     print(note.level, note.subject)
     error settings and files
     """
-    return audit(
+    return examine(
         directory,
         skip_bad_frames=skip_bad_frames,
         allow_outside=allow_outside,
@@ -140,13 +140,13 @@ def check(
 
 
 @takes(directory="directory")
-def audit(
+def examine(
     directory: str | Path,
     *,
     skip_bad_frames: bool = False,
     allow_outside: bool = False,
     progress: ShowProgress = None,
-) -> Audit:
+) -> Examination:
     """Examine a run or fixture directory before anything is computed.
 
     At most 24 frame pairs of a long recording are read, evenly spread, and 16 consecutive ones.
@@ -164,15 +164,15 @@ def audit(
 
     Returns
     -------
-    Audit
+    Examination
 
     Examples
     --------
-    >>> audit("an empty folder").count(Level.ERROR)
+    >>> examine("an empty folder").count(Level.ERROR)
     1
     """
     progress = choose_progress(progress)
-    result = Audit(Path(directory))
+    result = Examination(Path(directory))
     subject = "settings and files"
     try:
         recording = _open(
@@ -230,7 +230,7 @@ class _Parts:
 
     recording: Run | Fixture
     run: Run | None
-    found: Audit
+    found: Examination
     allow_outside: bool
     survey: CountSurvey = field(init=False)
     cameras: CameraSurvey = field(init=False)

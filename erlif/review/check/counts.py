@@ -16,7 +16,7 @@ from erlif.correction import count_pixels
 from erlif.correction.saturation import Histogram
 from erlif.io.ingest import FramePairs, depth_warning, read_pair
 
-_note = note_writer("erlif.review.audit")
+_note = note_writer("erlif.review.check")
 
 # Frame pairs that are read of a long recording, evenly spread over it.
 MOST_SPREAD = 24

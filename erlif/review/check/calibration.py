@@ -15,9 +15,9 @@ from erlif.io.ingest import Run, hash_inputs, open_fixture
 from erlif.pipeline.fixture import before_wall_of
 from erlif.pipeline.recording.swap import judge_ratios
 from erlif.registration import MapNodes
-from erlif.review.audit.cameras import CameraSurvey
+from erlif.review.check.cameras import CameraSurvey
 
-_note = note_writer("erlif.review.audit")
+_note = note_writer("erlif.review.check")
 
 _LARGEST = 2**31  # size of a fixture up to which its files are hashed [byte]
 

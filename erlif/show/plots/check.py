@@ -8,8 +8,8 @@ from matplotlib.figure import Figure
 from erlif.core.arrays import Array
 from erlif.core.statistics import central_range
 from erlif.pipeline.audit.log import Steps
-from erlif.review.audit.cameras import Picture
-from erlif.review.audit.counts import CountSurvey
+from erlif.review.check.cameras import Picture
+from erlif.review.check.counts import CountSurvey
 from erlif.show.plots import style
 from erlif.show.plots.style import MUTED, ONE_COLUMN, OUTWARD, RETURN, TWO_COLUMNS, styled
 
