@@ -27,7 +27,7 @@ from erlif.prediction.pressure import find_pressures
 from erlif.rig import cavitation
 from erlif.rig.film import crank_at, cycle_time, rocker_angle, rocker_range, rocker_speed
 from erlif.rig.journal import follow_pin
-from erlif.rig.orbit import Bearing
+from erlif.rig.orbit import RigidBearing
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 from scenes.pin import RIG, follow_true_pin, replace
@@ -151,7 +151,7 @@ def measure(truth: Truth, rig, seed: int, cells: tuple[int, int]):
     motion = find_pin_motion(
         truth.time, truth.angle, truth.turning, position, period=cycle_time(rig), **errors
     )
-    bearing = Bearing(
+    bearing = RigidBearing(
         1e-3 * rig.journal_radius, 1e-6 * rig.clearance, 1e-3 * rig.length, rig.viscosity
     )
     joint = Journal(

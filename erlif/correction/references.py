@@ -169,7 +169,7 @@ def make_references(
     notes: list[Note] = []
     dry = any(camera.background is not None for camera in measured)
     for number, sources in enumerate(zip(measured, declared, estimated, strict=True), 1):
-        camera = _Camera(f"camera{number}", *sources)
+        camera = _CameraEvidence(f"camera{number}", *sources)
         dataset = camera.to_dataset()
         if dry:
             dataset = dataset.assign(_describe_background(camera.measured, dataset))
@@ -186,7 +186,7 @@ def make_references(
 
 
 @dataclass(frozen=True)
-class _Camera:
+class _CameraEvidence:
     """One camera with all that is known of its noise."""
 
     name: str

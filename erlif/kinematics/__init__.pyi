@@ -2,14 +2,14 @@ from .clock import ClockOffset, find_clock_offset
 from .encoder import Encoder, Mechanism, choose_link, read_link_angle
 from .folding import fold_frames
 from .locate import encoder_notes, entrained_stroke, joint_speed, locate_frames
-from .motion import Rotation, Sinusoid, locate_logged, locate_rotation, locate_slider
+from .motion import Sinusoid, TurningDisc, locate_logged, locate_rotation, locate_slider
 
 __all__ = [
     "ClockOffset",
     "Encoder",
     "Mechanism",
-    "Rotation",
     "Sinusoid",
+    "TurningDisc",
     "choose_link",
     "encoder_notes",
     "entrained_stroke",

@@ -29,7 +29,7 @@ _DISC, _SLIDER = (0.0, math.pi), (-math.pi / 2, math.pi / 2)
 
 
 @dataclass(frozen=True)
-class Rotation:
+class TurningDisc:
     """A disc or shaft that turns past the contact.
 
     Attributes
@@ -63,7 +63,7 @@ class Sinusoid:
 def locate_rotation(
     log: EncoderLog,
     *,
-    rotation: Rotation,
+    rotation: TurningDisc,
     zero: float = 0.0,
     triggers_per_cycle: int | None = None,
     bins: int | None = None,
@@ -76,7 +76,7 @@ def locate_rotation(
         number (frame); angle (frame) [degree], time (frame) [s], angle_rate (frame) [degree/s],
         rotation_speed (frame) [rad s-1] and sliding_speed (frame) [m s-1] where they are known. A
         logged speed takes the place of that of the settings, and both of the slope of the angle.
-    rotation : Rotation
+    rotation : TurningDisc
     zero : float
         Angle of the disc at reading 0. [rad]
     triggers_per_cycle : int, optional
@@ -100,7 +100,7 @@ def locate_rotation(
     A track of 20 mm radius at 10 rad/s:
 
     >>> log = EncoderLog(xr.Dataset({"number": ("frame", [0, 1])}))
-    >>> locate_rotation(log, rotation=Rotation(0.02, 10.0)).sliding_speed.values
+    >>> locate_rotation(log, rotation=TurningDisc(0.02, 10.0)).sliding_speed.values
     array([0.2, 0.2])
     """
     require(log, "number")
@@ -322,7 +322,7 @@ def _wrap(angle: Array) -> Array:
     return np.asarray((angle + _TURN / 2) % _TURN - _TURN / 2)
 
 
-def _choose_rate(log: EncoderLog, rotation: Rotation) -> float | Array:
+def _choose_rate(log: EncoderLog, rotation: TurningDisc) -> float | Array:
     """Speed of rotation as logged, as given, or as the angle changes. [rad/s]"""
     if "rotation_speed" in log:
         return np.asarray(log.rotation_speed.values)

@@ -1,8 +1,8 @@
 from .design import (
     Band,
-    Camera,
     Design,
-    References,
+    FilteredCamera,
+    ReferencePages,
     band_of,
     emitted_light,
     log_ratio,
@@ -16,7 +16,7 @@ from .design import (
 )
 from .optimum import Optimum, find_optimum, largest_error
 from .precision import (
-    Film,
+    WantedFilm,
     calibrated_range,
     frames_needed,
     log_ratio_variance,
@@ -31,20 +31,20 @@ from .spectra import (
     read_spectrum,
     synthetic_spectra,
 )
-from .tolerances import TOLERANCES, Change, vary_tolerances
+from .tolerances import TOLERANCES, ToleranceEffect, vary_tolerances
 
 __all__ = [
     "SYNTHETIC",
     "TOLERANCES",
     "Band",
-    "Camera",
-    "Change",
     "Design",
     "Dye",
-    "Film",
+    "FilteredCamera",
     "Optimum",
-    "References",
+    "ReferencePages",
     "Spectrum",
+    "ToleranceEffect",
+    "WantedFilm",
     "band_of",
     "calibrated_range",
     "emitted_light",

@@ -18,7 +18,7 @@ _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(12)
 
 
 @dataclass(frozen=True)
-class Camera:
+class FilteredCamera:
     """A camera behind its filter.
 
     Attributes
@@ -55,7 +55,7 @@ class Camera:
 
 
 @dataclass(frozen=True)
-class References:
+class ReferencePages:
     """Pages from which darks and flats are averaged.
 
     Attributes
@@ -80,23 +80,23 @@ class Design:
     ----------
     dyes : tuple[Dye, ...]
         Dye 1, whose light is reabsorbed, and dye 2, which reabsorbs it.
-    cameras : tuple[Camera, ...]
+    cameras : tuple[FilteredCamera, ...]
         Camera 1 in the band that is reabsorbed, and camera 2.
     laser : float
         Wavelength. [nm]
     energy : float
         Pulse energy over the stated one. [1]
-    references : References
+    references : ReferencePages
         Dark and flat pages.
     corner : float
         Light at the corners of the field over that in its middle, of beam and lens. [1]
     """
 
     dyes: tuple[Dye, ...]
-    cameras: tuple[Camera, ...]
+    cameras: tuple[FilteredCamera, ...]
     laser: float
     energy: float = 1.0
-    references: References = References()
+    references: ReferencePages = ReferencePages()
     corner: float = 1.0
 
     def with_concentrations(self, concentrations: npt.ArrayLike) -> Design:
@@ -352,7 +352,9 @@ def example_design() -> Design:
         Dye(concentration, 0.7, *synthetic_spectra(name))
         for concentration, name in zip((0.008, 0.024), SYNTHETIC, strict=True)
     )
-    cameras = tuple(Camera(band, 10.0, 4.4, 9.0, 20000.0, 4095 - 64) for band in (580.0, 610.0))
+    cameras = tuple(
+        FilteredCamera(band, 10.0, 4.4, 9.0, 20000.0, 4095 - 64) for band in (580.0, 610.0)
+    )
     design = Design(dyes, cameras, laser=532.0)
     return scaled_to(design, (11000.0, 11500.0))
 

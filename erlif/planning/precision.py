@@ -27,7 +27,7 @@ _GRID = 200  # films at which the ends of a range are looked for
 
 
 @dataclass(frozen=True)
-class Film:
+class WantedFilm:
     """The films to be measured, and how.
 
     Attributes
@@ -185,7 +185,7 @@ def _is_below_full_scale(design: Design, thickness: npt.ArrayLike) -> npt.NDArra
     return np.asarray(np.all(below, axis=0))
 
 
-def calibrated_range(design: Design, film: Film) -> tuple[float, float]:
+def calibrated_range(design: Design, film: WantedFilm) -> tuple[float, float]:
     """Range in which the calibration of this design would hold.
 
     The fixture covers it, and the noise of one pixel of one frame leaves a thickness: it ends where
@@ -194,7 +194,7 @@ def calibrated_range(design: Design, film: Film) -> tuple[float, float]:
     Parameters
     ----------
     design : Design
-    film : Film
+    film : WantedFilm
 
     Returns
     -------
@@ -204,7 +204,7 @@ def calibrated_range(design: Design, film: Film) -> tuple[float, float]:
     Examples
     --------
     >>> from erlif.planning.design import example_design
-    >>> low, high = calibrated_range(example_design(), Film(1.0, 10.0, (0.1, 18.0)))
+    >>> low, high = calibrated_range(example_design(), WantedFilm(1.0, 10.0, (0.1, 18.0)))
     >>> low, round(high)
     (0.1, 17)
     """
@@ -222,7 +222,7 @@ def calibrated_range(design: Design, film: Film) -> tuple[float, float]:
     return low, _edge(useful, last, last + grid[1] - grid[0])
 
 
-def measurable_range(design: Design, film: Film) -> tuple[float, float]:
+def measurable_range(design: Design, film: WantedFilm) -> tuple[float, float]:
     """Range in which one pixel is valid, by the rules of `erlif.thickness`.
 
     The film lies within the calibrated range and two standard deviations of its ratio from the ends
@@ -231,7 +231,7 @@ def measurable_range(design: Design, film: Film) -> tuple[float, float]:
     Parameters
     ----------
     design : Design
-    film : Film
+    film : WantedFilm
         `frames` and `covered` are used.
 
     Returns
@@ -242,7 +242,7 @@ def measurable_range(design: Design, film: Film) -> tuple[float, float]:
     Examples
     --------
     >>> from erlif.planning.design import example_design
-    >>> low, high = measurable_range(example_design(), Film(1.0, 10.0, (0.1, 18.0)))
+    >>> low, high = measurable_range(example_design(), WantedFilm(1.0, 10.0, (0.1, 18.0)))
     >>> round(low, 1), round(high)
     (0.8, 13)
     """

@@ -1,4 +1,4 @@
-from .comparison import Candidate, Comparison, compare_models
+from .comparison import FilmModel, ModelComparison, compare_models
 from .fit import Estimate, MotionFit, film_temperature, fit_motion
 from .given import GivenErrors
 from .measured import MeasuredMotion, measured_minima, measured_positions
@@ -14,21 +14,21 @@ from .triggers import (
     predict_triggers,
     speed_correlation,
 )
-from .view import View, gap_in_view, summarise_gap
+from .view import ImageLine, gap_in_view, summarise_gap
 
 __all__ = [
-    "Candidate",
-    "Comparison",
     "Estimate",
+    "FilmModel",
     "FrameMotion",
     "GivenErrors",
+    "ImageLine",
     "MeasuredMotion",
+    "ModelComparison",
     "MotionFit",
     "OverlapError",
     "PinMotion",
     "SmoothPath",
     "StartFilm",
-    "View",
     "average_triggers",
     "compare_models",
     "film_temperature",

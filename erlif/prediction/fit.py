@@ -13,7 +13,7 @@ from erlif.core.arrays import Array
 from erlif.core.errors import ConfigError, ModelError
 from erlif.core.notes import Level, Note
 from erlif.models.reynolds import Journal, Motion
-from erlif.prediction.given import FITTED, Change, GivenErrors, follow_changes, share_of_fitted
+from erlif.prediction.given import FITTED, GivenErrors, GivenStep, follow_changes, share_of_fitted
 from erlif.prediction.least_squares import (
     CONVERGED,
     ONE_SIDED,
@@ -27,7 +27,7 @@ from erlif.prediction.least_squares import (
 from erlif.prediction.measured import MeasuredMotion
 from erlif.prediction.motion import FrameMotion
 from erlif.prediction.orbits import ATMOSPHERE, FreeOrbits, HeldOrbits, Orbits, lead_of
-from erlif.prediction.problem import Frames, Problem
+from erlif.prediction.problem import FrameSteps, Problem
 from erlif.trend import VogelLaw
 
 # Measured positions below which nothing is fitted.
@@ -234,7 +234,7 @@ def fit_motion(
     >>> round(found.estimates["viscosity"].value, 4)
     0.15
     """
-    frames = Frames.of(measured, motion.steps, trigger)
+    frames = FrameSteps.of(measured, motion.steps, trigger)
     _check(measured, frames, sideways, fitted)
     orbits: Orbits = FreeOrbits(journal, motion.motion)
     if sideways != "free":
@@ -365,7 +365,7 @@ def _begin(problem: Problem, unknowns: Unknowns) -> Minimum | None:
     if not isinstance(orbits, HeldOrbits) or inside.all() or whole.size < _FEWEST_FIRST:
         return None
     orbits = replace(orbits, motion=orbits.motion.at(slice(_FIRST_STEPS)))
-    kept = Frames(frames.steps[inside], frames.trigger[inside], whole, frames.count)
+    kept = FrameSteps(frames.steps[inside], frames.trigger[inside], whole, frames.count)
 
     minimum = None
     for corrected in (False, True):
@@ -380,7 +380,9 @@ def _begin(problem: Problem, unknowns: Unknowns) -> Minimum | None:
     return minimum
 
 
-def _check(measured: MeasuredMotion, frames: Frames, sideways: str, fitted: Sequence[str]) -> None:
+def _check(
+    measured: MeasuredMotion, frames: FrameSteps, sideways: str, fitted: Sequence[str]
+) -> None:
     """Refuse what cannot be fitted."""
     if sideways not in SIDEWAYS:
         raise ConfigError(
@@ -468,7 +470,7 @@ def _describe(
 def _widened(
     estimates: Mapping[str, Estimate],
     unknowns: Unknowns,
-    changes: Mapping[str, Change],
+    changes: Mapping[str, GivenStep],
     within: Mapping[str, Mapping[str, Estimate]],
 ) -> dict[str, Estimate]:
     """Estimates with the errors of given numbers, of which they hold those of `within`."""

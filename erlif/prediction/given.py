@@ -69,7 +69,7 @@ class GivenErrors:
 
 
 @dataclass(frozen=True)
-class Change:
+class GivenStep:
     """A given number that is changed by a step, and the fit that follows.
 
     Attributes
@@ -90,7 +90,7 @@ class Change:
 
 def follow_changes(
     problem: Problem, least: LeastSquares, minimum: Minimum, given: GivenErrors
-) -> dict[str, Change]:
+) -> dict[str, GivenStep]:
     """Move the least squares with each given number that has an error.
 
     One film for each number, at the fitted unknowns; the derivatives of the fit do the rest.
@@ -106,7 +106,7 @@ def follow_changes(
 
     Returns
     -------
-    dict of str to Change
+    dict of str to GivenStep
         By the names of `GivenErrors`, of those above zero that are not fitted.
     """
     journal = problem.orbits.journal
@@ -130,7 +130,7 @@ def follow_changes(
         wider = moved.orbits.journal.clearance - journal.clearance
         widening = problem.measured.widening[problem.frames.measured]
         off = least.observed.whiten(least.observed.value + wider * widening - films) - here
-        changes[name] = Change(moved, steps, minimum.value + _follow(least, minimum, off))
+        changes[name] = GivenStep(moved, steps, minimum.value + _follow(least, minimum, off))
     return changes
 
 

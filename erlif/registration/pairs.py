@@ -172,7 +172,7 @@ def normalise_both(
 
 
 @dataclass(frozen=True)
-class Frames:
+class PairSeries:
     """Frames that can be read again and again, one pair in memory at a time.
 
     Attributes
@@ -198,7 +198,7 @@ class Frames:
             yield make_pair(*self.source[number], self.settings)
 
 
-def open_frames(source: Pairs, settings: RegistrationSettings) -> Frames:
+def open_frames(source: Pairs, settings: RegistrationSettings) -> PairSeries:
     """Count the frames and choose those for the map, evenly spaced.
 
     Raises
@@ -215,4 +215,4 @@ def open_frames(source: Pairs, settings: RegistrationSettings) -> Frames:
     # the middle of each of equal parts of the run
     most = min(count, settings.frames_for_map)
     chosen = tuple(sorted({round((i + 0.5) * count / most - 0.5) for i in range(most)}))
-    return Frames(source, count, chosen, settings)
+    return PairSeries(source, count, chosen, settings)

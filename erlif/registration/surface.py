@@ -211,7 +211,7 @@ def degree_basis(degree: int) -> Array:
 
 
 @dataclass(frozen=True)
-class Equations:
+class SplineEquations:
     """Normal equations of one spline grid.
 
     Attributes
@@ -302,7 +302,9 @@ def _box3(cells: Array) -> Array:
     return np.asarray(p[:, :-2] + p[:, 1:-1] + p[:, 2:])
 
 
-def equations(cells: Cells, elements: tuple[int, int], *, box: Box | None = None) -> Equations:
+def equations(
+    cells: Cells, elements: tuple[int, int], *, box: Box | None = None
+) -> SplineEquations:
     """Assemble the normal equations of a spline grid.
 
     Parameters
@@ -316,7 +318,7 @@ def equations(cells: Cells, elements: tuple[int, int], *, box: Box | None = None
 
     Returns
     -------
-    Equations
+    SplineEquations
         Solved by `solve_surface`.
     """
     box = cells.box if box is None else box
@@ -342,7 +344,9 @@ def equations(cells: Cells, elements: tuple[int, int], *, box: Box | None = None
 
     xx, xy, yy = blocks.reshape(3, p, p)
     matrix = np.block([[xx, xy], [xy, yy]])
-    return Equations(box, elements, matrix, right.reshape(2 * p), _plane(cells, box, elements))
+    return SplineEquations(
+        box, elements, matrix, right.reshape(2 * p), _plane(cells, box, elements)
+    )
 
 
 def _plane(cells: Cells, box: Box, elements: tuple[int, int]) -> Array:
@@ -360,7 +364,7 @@ def _plane(cells: Cells, box: Box, elements: tuple[int, int]) -> Array:
     return np.concatenate([(fit[0, k] + fit[1, k] * gx + fit[2, k] * gy).ravel() for k in range(2)])
 
 
-def solve_surface(system: Equations, *, basis: Array | None = None) -> Surface:
+def solve_surface(system: SplineEquations, *, basis: Array | None = None) -> Surface:
     """Solve for the surface; ``basis`` restricts its coefficients (see `degree_basis`).
 
     The unknowns are the departures from the plane, so that the ridge pulls towards the plane.

@@ -2,7 +2,7 @@ from .background import BackgroundEstimate, estimate_background
 from .bleaching import Trend, fit_trend
 from .blocks import BLOCK, BlockSums, sum_blocks
 from .cells import LightRecord
-from .course import Change, find_ratio_change, find_shift
+from .course import CourseChange, find_ratio_change, find_shift
 from .curve import FilmCurve
 from .exponent import (
     LARGEST_BEYOND,
@@ -13,7 +13,7 @@ from .exponent import (
     mean_at_constant_minimum,
 )
 from .form import SCALE_STD, SIGNIFICANT, Cause, GapForm, judge_form
-from .gap import Contact, GapMinimum, choose_contact, find_gap_minima, find_gap_minimum
+from .gap import GapMinimum, GapShape, choose_contact, find_gap_minima, find_gap_minimum
 from .position import (
     PARAMETERS,
     FittedNumbers,
@@ -34,16 +34,16 @@ from .profile import (
 from .region import Region, find_region
 from .rigidity import (
     CLEARANCE_STD,
-    Equations,
     ErrorEstimate,
-    Unknowns,
+    RatioEquations,
+    RigidityUnknowns,
     estimate_errors,
     gap_of_pin,
     solve_equations,
 )
 from .statistics import FilmStatistics, summarise_blocks, summarise_film
 from .theory import (
-    Joint,
+    LubricatedJoint,
     Solid,
     VogelLaw,
     compare_with_roughness,
@@ -63,9 +63,7 @@ __all__ = [
     "BackgroundEstimate",
     "BlockSums",
     "Cause",
-    "Change",
-    "Contact",
-    "Equations",
+    "CourseChange",
     "ErrorEstimate",
     "Exponent",
     "FilmCurve",
@@ -73,15 +71,17 @@ __all__ = [
     "FittedNumbers",
     "GapForm",
     "GapMinimum",
-    "Joint",
+    "GapShape",
     "LightRecord",
+    "LubricatedJoint",
     "PinPosition",
     "PinView",
+    "RatioEquations",
     "Region",
     "RigidGap",
+    "RigidityUnknowns",
     "Solid",
     "Trend",
-    "Unknowns",
     "VogelLaw",
     "average_across_sliding",
     "choose_contact",

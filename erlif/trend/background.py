@@ -195,7 +195,7 @@ def estimate_background(
     if known.any(axis=1).sum() < FEWEST_FRAMES:
         return None
     used = known.any(axis=1)
-    fit = _Fit(
+    fit = _BackgroundFit(
         LightRecord(*(np.asarray(part, float)[used] for part in record)),
         known[used],
         places,
@@ -206,7 +206,7 @@ def estimate_background(
     return fit.solve()
 
 
-class _Point(NamedTuple):
+class _Linearisation(NamedTuple):
     """The equations at given shares, each (frame, cell).
 
     Logarithm of light over that of the film, films without noise [um], and cells that are used.
@@ -217,7 +217,7 @@ class _Point(NamedTuple):
     chosen: Mask
 
 
-class _Step(NamedTuple):
+class _LinearSolution(NamedTuple):
     """One linear solution; the correction is to be added to the noise. [1]"""
 
     share: Array
@@ -228,7 +228,7 @@ class _Step(NamedTuple):
     energy_std: float
 
 
-class _Fit:
+class _BackgroundFit:
     """Gauss-Newton for shares, calibration, energies and illumination."""
 
     def __init__(
@@ -298,7 +298,9 @@ class _Fit:
             energy_std=math.nan if self.energies is None else energy_std,
         )
 
-    def _evaluate(self, share: Array, energies: Array, chosen: Mask | None) -> _Point | None:
+    def _evaluate(
+        self, share: Array, energies: Array, chosen: Mask | None
+    ) -> _Linearisation | None:
         """Light over the light of the film, where these shares are subtracted."""
         light, log_ratio = self._subtract(share, energies)
         film, smooth, inside = self._measure_films(log_ratio)
@@ -308,7 +310,7 @@ class _Fit:
                 return None
         if not (smooth[chosen] > _LOST_FILM).all():
             return None
-        return _Point(self._compare(light, film, smooth, chosen), smooth, chosen)
+        return _Linearisation(self._compare(light, film, smooth, chosen), smooth, chosen)
 
     def _subtract(self, share: Array, energies: Array) -> tuple[Array, Array]:
         """Logarithms of light and ratio without the background."""
@@ -396,11 +398,11 @@ class _Fit:
 
     def _solve_linear(
         self,
-        point: _Point,
+        point: _Linearisation,
         illumination: Array,
         noise: float,
         energy_std: float,
-    ) -> _Step:
+    ) -> _LinearSolution:
         value, smooth, chosen = point
         design, response = self._design(np.where(chosen, smooth, 3.0), illumination)
         variance = noise + response**2 * np.where(chosen, self.record.variance, 0.0)
@@ -441,7 +443,7 @@ class _Fit:
         left = np.where(chosen, rest - energies[:, None], 0.0)
         freedom = int(chosen.sum()) - int(chosen.any(axis=0).sum()) - frames
         reduced = float((weight * left**2).sum()) / max(freedom, 1)
-        return _Step(
+        return _LinearSolution(
             solution[:2],
             covariance,
             energies,

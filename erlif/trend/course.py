@@ -38,7 +38,7 @@ _SETTLED = 0.1  # rest of a change over its standard deviation at which the sear
 
 
 @dataclass(frozen=True)
-class Change:
+class CourseChange:
     """A step or a drift.
 
     Attributes
@@ -134,7 +134,7 @@ def _courses(count: int) -> Array:
     return np.concatenate([frame[None] / (count - 1), steps.astype(float)])
 
 
-def find_shift(frames: AnyArray, values: Array) -> Change | None:
+def find_shift(frames: AnyArray, values: Array) -> CourseChange | None:
     """The largest step or drift of one number of each frame.
 
     Parameters
@@ -146,7 +146,7 @@ def find_shift(frames: AnyArray, values: Array) -> Change | None:
 
     Returns
     -------
-    Change or None
+    CourseChange or None
         None with fewer than 12 frames.
 
     Examples
@@ -166,7 +166,7 @@ def find_shift(frames: AnyArray, values: Array) -> Change | None:
     # values that wander have their largest step somewhere: one that counts exceeds their scatter
     scatter = float(np.std(rows.value - size * courses[best]))
     significance = abs(size) / max(scatter, _TINY)
-    return Change(_frame_of(best, frames[known]), size, std, significance)
+    return CourseChange(_frame_of(best, frames[known]), size, std, significance)
 
 
 def find_ratio_change(
@@ -174,7 +174,7 @@ def find_ratio_change(
     record: LightRecord,
     places: tuple[Array, Array],
     calibration: Calibration,
-) -> Change | None:
+) -> CourseChange | None:
     """The largest step or drift of the logarithm of the ratio at equal film.
 
     Parameters
@@ -189,7 +189,7 @@ def find_ratio_change(
 
     Returns
     -------
-    Change or None
+    CourseChange or None
         None where too few frames or cells show a film within the calibrated range, or where one
         film in all cells and frames leaves nothing to compare.
 
@@ -244,7 +244,7 @@ def find_ratio_change(
         return None
     drift = settle(0, drifting) if best else (total, std)
     median = float(np.median(film[used][chosen]))
-    return Change(_frame_of(best, frames[used]), total, std, significance, median, drift)
+    return CourseChange(_frame_of(best, frames[used]), total, std, significance, median, drift)
 
 
 def _frame_of(course: int, frames: AnyArray) -> int | None:

@@ -38,7 +38,7 @@ _FEWEST = 60  # blocks that distinguish them from marks
 _OUTLIER = 4.685  # departure beyond which a block counts as one of this size [std]
 
 
-class Contact(StrEnum):
+class GapShape(StrEnum):
     """Smooth gap between two surfaces."""
 
     PLANE = "plane"
@@ -47,7 +47,7 @@ class Contact(StrEnum):
 
 
 # Number of the shapes 1, s, z, s^2 and z^2 that a gap has.
-_SHAPES = {Contact.PLANE: 3, Contact.LINE: 4, Contact.POINT: 5}
+_SHAPES = {GapShape.PLANE: 3, GapShape.LINE: 4, GapShape.POINT: 5}
 
 
 class GapMinimum(NamedTuple):
@@ -93,7 +93,7 @@ def find_gap_minimum(
     *,
     region: Region,
     sliding_along_x: bool,
-    contact: Contact = Contact.LINE,
+    contact: GapShape = GapShape.LINE,
 ) -> GapMinimum:
     """Fit the smooth gap of a contact to the blocks of a region and find its minimum within it.
 
@@ -103,7 +103,7 @@ def find_gap_minimum(
     curve : FilmCurve
     region, sliding_along_x
         As for `erlif.trend.summarise_film`; the region is that of the sums.
-    contact : Contact
+    contact : GapShape
 
     Returns
     -------
@@ -138,7 +138,12 @@ def find_gap_minimum(
 
 
 def _fit_gap(
-    blocks: BlockMeans, curve: FilmCurve, region: Region, contact: Contact, *, sliding_along_x: bool
+    blocks: BlockMeans,
+    curve: FilmCurve,
+    region: Region,
+    contact: GapShape,
+    *,
+    sliding_along_x: bool,
 ) -> GapMinimum:
     """The minimum of the gap of one contact through the means of blocks."""
     s, z = blocks.along, blocks.across
@@ -157,7 +162,7 @@ def _fit_gap(
         return nothing
 
     bends = nothing
-    if contact is Contact.POINT:
+    if contact is GapShape.POINT:
         pulls = np.linalg.inv(fit.curvature)[-2:] @ fit.jacobian
         variances = np.array([_split_variance(pull, fit, blocks) for pull in pulls])
         bends = nothing._replace(
@@ -199,19 +204,19 @@ def find_gap_minima(
     *,
     region: Region,
     sliding_along_x: bool,
-    contacts: Sequence[Contact],
-) -> dict[Contact, GapMinimum]:
+    contacts: Sequence[GapShape],
+) -> dict[GapShape, GapMinimum]:
     """The minimum of the gap of each of some contacts.
 
     Arguments that are not listed are those of `find_gap_minimum`.
 
     Parameters
     ----------
-    contacts : sequence of Contact
+    contacts : sequence of GapShape
 
     Returns
     -------
-    dict of Contact to GapMinimum
+    dict of GapShape to GapMinimum
 
     Examples
     --------
@@ -222,9 +227,9 @@ def find_gap_minima(
     >>> dark = BlockSums((32, 32), 0.0, *[one] * 12, valid=0, beyond=0)
     >>> whole, curve = Region(slice(0, 32), slice(0, 32)), FilmCurve.of(example_calibration())
     >>> found = find_gap_minima(
-    ...     dark, curve, region=whole, sliding_along_x=True, contacts=[Contact.LINE]
+    ...     dark, curve, region=whole, sliding_along_x=True, contacts=[GapShape.LINE]
     ... )
-    >>> found[Contact.LINE].value
+    >>> found[GapShape.LINE].value
     nan
     """
     blocks = average_blocks(sums, sliding_along_x=sliding_along_x)
@@ -234,19 +239,19 @@ def find_gap_minima(
     }
 
 
-def choose_contact(triggers: Sequence[Mapping[Contact, GapMinimum]]) -> Contact:
+def choose_contact(triggers: Sequence[Mapping[GapShape, GapMinimum]]) -> GapShape:
     """The simplest gap that the curvatures of all triggers of a run allow.
 
     Noise is new at every trigger, marks of the surfaces are taken as common to all.
 
     Parameters
     ----------
-    triggers : sequence of mapping of Contact to GapMinimum
+    triggers : sequence of mapping of GapShape to GapMinimum
         With the gap of a point contact.
 
     Returns
     -------
-    Contact
+    GapShape
         A point contact where the mean curvature across sliding is above three standard deviations,
         a line contact where only that along sliding is, else a plane. A line contact where no
         trigger has a gap.
@@ -256,16 +261,16 @@ def choose_contact(triggers: Sequence[Mapping[Contact, GapMinimum]]) -> Contact:
     >>> small, none = np.full(2, 1e-4), np.zeros(2)
     >>> place = gradient = none
     >>> bent = GapMinimum(1.0, 0.1, 0.1, gradient, place, 0.0, np.array([3.0, 2.0]), small, small)
-    >>> str(choose_contact([{Contact.POINT: bent}]))
+    >>> str(choose_contact([{GapShape.POINT: bent}]))
     'point'
     >>> bent = bent._replace(bend=np.array([3.0, 0.01]))
-    >>> str(choose_contact([{Contact.POINT: bent}]))
+    >>> str(choose_contact([{GapShape.POINT: bent}]))
     'line'
     """
-    gaps = [one[Contact.POINT] for one in triggers]
+    gaps = [one[GapShape.POINT] for one in triggers]
     bent = [one for one in gaps if np.isfinite(one.bend).all()]
     if not bent:
-        return Contact.LINE
+        return GapShape.LINE
     value, random, surface = (
         np.array([getattr(one, name) for one in bent])
         for name in ("bend", "bend_random_var", "bend_surface_var")
@@ -275,7 +280,7 @@ def choose_contact(triggers: Sequence[Mapping[Contact, GapMinimum]]) -> Contact:
     mean = (weight * value).sum(axis=0)
     variance = (weight**2 * random).sum(axis=0) + (weight * np.sqrt(surface)).sum(axis=0) ** 2
     along, across = np.abs(mean) > _CURVED * np.sqrt(variance)
-    return Contact.POINT if across else Contact.LINE if along else Contact.PLANE
+    return GapShape.POINT if across else GapShape.LINE if along else GapShape.PLANE
 
 
 def _lowest(slope: float, bend: float) -> float:

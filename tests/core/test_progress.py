@@ -8,6 +8,7 @@ import erlif
 from erlif.core.errors import ErlifError
 from erlif.core.progress import choose_progress
 from erlif.pipeline.physics.fit import fit_film
+from erlif.review.check import examine
 
 
 @pytest.mark.parametrize("asked", ["bar", True])

@@ -2,7 +2,7 @@
 
 import pytest
 
-from erlif.planning import Film
+from erlif.planning import WantedFilm
 from erlif.planning.design import example_design
 
 
@@ -14,4 +14,4 @@ def design():
 
 @pytest.fixture(scope="package")
 def film():
-    return Film(2.0, 10.0, (0.1, 18.0))
+    return WantedFilm(2.0, 10.0, (0.1, 18.0))

@@ -13,7 +13,7 @@ from erlif.core.arrays import Array
 from erlif.core.notes import Note, note_writer
 from erlif.correction import UnlitPixels
 from erlif.pipeline.engines.results import FrameResult
-from erlif.trend import Change, find_shift
+from erlif.trend import CourseChange, find_shift
 
 _note = note_writer("erlif.pipeline")
 
@@ -38,7 +38,7 @@ class DarkLevel:
         Its standard deviation, with the light that the noise of the pixels allows. [DN]
     light : float
         Median light of the run. [DN]
-    change : Change | None
+    change : CourseChange | None
         Step or drift during the run; None where there is none of consequence. [DN]
     """
 
@@ -46,7 +46,7 @@ class DarkLevel:
     level: float
     std: float
     light: float
-    change: Change | None = None
+    change: CourseChange | None = None
 
     @property
     def counts(self) -> bool:

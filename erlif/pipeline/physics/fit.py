@@ -22,10 +22,10 @@ from erlif.pipeline.physics.position import clearance_std
 from erlif.pipeline.physics.predict import film_beside, is_film, read_film
 from erlif.pipeline.physics.prediction import build_journal, build_motion
 from erlif.prediction import (
-    Comparison,
     Estimate,
     GivenErrors,
     MeasuredMotion,
+    ModelComparison,
     compare_models,
     film_temperature,
     measured_minima,
@@ -53,7 +53,7 @@ _STEADY = {"film_hamrock_dowson": "film_hamrock_dowson", "film_regime_map": "fil
 
 
 @takes(path="run or film")
-def fit_film(path: str | Path, *, progress: ShowProgress = None) -> Comparison:
+def fit_film(path: str | Path, *, progress: ShowProgress = None) -> ModelComparison:
     """Fit the models of what may carry the film of an oscillating joint, and compare them.
 
     A pin on a sideways spring is fitted where no other model describes the positions.
@@ -67,7 +67,7 @@ def fit_film(path: str | Path, *, progress: ShowProgress = None) -> Comparison:
 
     Returns
     -------
-    Comparison
+    ModelComparison
 
     Raises
     ------
@@ -192,7 +192,7 @@ def _compare(
     frames: xr.Dataset,
     sideways: Sequence[str],
     progress: Progress = silent,
-) -> Comparison:
+) -> ModelComparison:
     """The models of what may carry a film; a spring takes positions."""
     if "load" not in frames:
         raise ConfigError(

@@ -37,7 +37,7 @@ from erlif.pipeline.plane import ObjectPlane
 from erlif.ratio import cell_places
 from erlif.trend import (
     BackgroundEstimate,
-    Change,
+    CourseChange,
     LightRecord,
     Region,
     Trend,
@@ -389,7 +389,7 @@ def is_beyond_widths(
     calibration: Calibration,
     background: BackgroundEstimate | None,
     bleaching: Trend | None,
-    course: Change | None,
+    course: CourseChange | None,
     pulses: int,
 ) -> bool:
     """Whether a run shows a change that the widths of its errors do not hold.
@@ -424,12 +424,12 @@ def is_beyond_widths(
     return bool(abs(course.size) > (most if course.frame is None else most / _MOST_RISING))
 
 
-def describe_course(course: Change | None, calibration: Calibration) -> list[Note]:
+def describe_course(course: CourseChange | None, calibration: Calibration) -> list[Note]:
     """Notes about a step or a drift of the ratio.
 
     Parameters
     ----------
-    course : Change or None
+    course : CourseChange or None
     calibration : Calibration
 
     Returns

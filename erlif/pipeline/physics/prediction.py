@@ -19,14 +19,14 @@ from erlif.pipeline.physics.joint import build_linkage, describe_joint
 from erlif.pipeline.plane import ObjectPlane
 from erlif.prediction import (
     FrameMotion,
-    View,
+    ImageLine,
     follow_motion,
     gap_in_view,
     predict_triggers,
     speed_correlation,
 )
 from erlif.prediction.triggers import CELLS
-from erlif.trend import Joint, viscosity_at
+from erlif.trend import LubricatedJoint, viscosity_at
 
 _note = note_writer("erlif.pipeline")
 
@@ -82,12 +82,12 @@ class SwingingJoint(NamedTuple):
     crank_speed : float
         [rad/s]
     linkage : CrankRocker
-    joint : Joint
+    joint : LubricatedJoint
     """
 
     crank_speed: float
     linkage: CrankRocker
-    joint: Joint
+    joint: LubricatedJoint
 
 
 def swinging_joint(settings: RunSettings, what: str = "the prediction") -> SwingingJoint:
@@ -257,7 +257,7 @@ def predict_run(
         motion,
         trigger=frames.trigger.values,
         used=frames.used.values,
-        view=View(1e-3 * (plane.along - line), plane.within),
+        view=ImageLine(1e-3 * (plane.along - line), plane.within),
         sideways=options.sideways if isinstance(options.sideways, str) else float(options.sideways),
         start_film=None if options.start_film == "fit" else float(options.start_film),
         cells=cells,

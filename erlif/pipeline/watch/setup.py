@@ -37,7 +37,7 @@ class _References:
     fault: str
 
 
-class Setup(Follower):
+class SetupWatch(Follower):
     """A run directory in which the cameras write trial frames; the newest pair is looked at.
 
     Parameters and errors as for `Follower`.

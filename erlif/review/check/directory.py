@@ -28,7 +28,7 @@ from erlif.pipeline.recording.cameras import characterise_cameras
 from erlif.pipeline.recording.omissions import note_omissions
 from erlif.review.check.calibration import note_calibration
 from erlif.review.check.cameras import (
-    CameraSurvey,
+    RatioSurvey,
     note_pulses,
     note_registration,
     note_textures,
@@ -71,7 +71,7 @@ class Examination:
         Counts of the frames that were read; None where none could be read.
     darks : tuple[float, float]
         Dark level of camera 1 and camera 2. [DN]
-    cameras : CameraSurvey | None
+    cameras : RatioSurvey | None
         Registration and ratio; None where the audit ended before.
     steps : Steps | None
         Angles and times of the log; None for a fixture.
@@ -83,7 +83,7 @@ class Examination:
     pairs: list[PairRow] = field(default_factory=list)
     survey: CountSurvey | None = None
     darks: tuple[float, float] = (0.0, 0.0)
-    cameras: CameraSurvey | None = None
+    cameras: RatioSurvey | None = None
     steps: Steps | None = None
 
     def count(self, level: Level) -> int:
@@ -233,7 +233,7 @@ class _Parts:
     found: Examination
     allow_outside: bool
     survey: CountSurvey = field(init=False)
-    cameras: CameraSurvey = field(init=False)
+    cameras: RatioSurvey = field(init=False)
 
     def list(self) -> list[tuple[str, Step]]:
         """Subject and function of each part."""

@@ -5,7 +5,7 @@ import numpy.testing as npt
 import pytest
 
 from erlif.pipeline.audit.log import Steps
-from erlif.review.check.cameras import Picture
+from erlif.review.check.cameras import PairPicture
 from erlif.review.check.counts import CountSurvey, FrameCounts
 from erlif.show.plots.check import (
     histogram_figure,
@@ -20,7 +20,7 @@ def picture():
     light = np.arange(48.0, dtype=np.float32).reshape(6, 8)
     difference = (0.01 * np.sin(light)).astype(np.float32)
     difference[0] = np.nan
-    return Picture(7, (light, 2 * light), difference)
+    return PairPicture(7, (light, 2 * light), difference)
 
 
 @pytest.fixture
