@@ -21,7 +21,7 @@ from scipy.interpolate import CubicSpline
 from erlif.models.mechanism import CrankRocker
 from erlif.models.reynolds import Journal
 from erlif.prediction import follow_motion
-from erlif.prediction.gaps import fill_gaps
+from erlif.prediction.gaps import find_motion_in_gaps
 from erlif.prediction.pin_motion import find_pin_motion
 from erlif.prediction.pressure import find_pressures
 from erlif.rig import cavitation
@@ -171,7 +171,7 @@ def measure(truth: Truth, rig, seed: int, cells: tuple[int, int]):
             "cycle": np.zeros(time.size, int),
             "load": np.full(time.size, rig.load),
         }
-        return fill_gaps(
+        return find_motion_in_gaps(
             joint,
             follow_motion(
                 xr.Dataset({name: ("frame", values) for name, values in columns.items()}),

@@ -378,8 +378,8 @@ class _CameraEvidence:
         # in electrons these three mean nothing without a gain, and are then left out
         measured, spread, known = self.measured, self.response.spread, self.gain.known
         electronic = [
-            _describe("gain", self.gain, "electron/DN", self.declared.gain),
-            _describe("read noise", self.read_noise, "electron", self.declared.read_noise),
+            _describe_quantity("gain", self.gain, "electron/DN", self.declared.gain),
+            _describe_quantity("read noise", self.read_noise, "electron", self.declared.read_noise),
         ]
         parts = [
             *(electronic if known else ["gain not known yet"]),
@@ -410,7 +410,7 @@ def _describe_background(measured: CameraMeasurement, dataset: xr.Dataset) -> xr
     )
 
 
-def _describe(what: str, quantity: _Quantity, unit: str, declared: float | None) -> str:
+def _describe_quantity(what: str, quantity: _Quantity, unit: str, declared: float | None) -> str:
     if np.isnan(quantity.measured):
         origin = "declared" if declared is not None else "assumed"
         return f"{what} {quantity.value:g} {unit} ({origin})"

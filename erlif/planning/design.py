@@ -149,7 +149,7 @@ def band_of(design: Design, number: int) -> Band:
 
     Examples
     --------
-    >>> band = band_of(example_design(), 1)
+    >>> band = band_of(example_dye_design(), 1)
     >>> bool(band.attenuation.min() > 0)
     True
     """
@@ -186,7 +186,7 @@ def emitted_light(design: Design, number: int, thickness: npt.ArrayLike) -> Arra
 
     Examples
     --------
-    >>> float(emitted_light(example_design(), 1, 0.0))
+    >>> float(emitted_light(example_dye_design(), 1, 0.0))
     0.0
     """
     band, film = band_of(design, number), np.asarray(thickness, float)
@@ -204,7 +204,7 @@ def signal(design: Design, number: int, thickness: npt.ArrayLike) -> Array:
 
     Examples
     --------
-    >>> bool(signal(example_design(), 1, 5.0) > signal(example_design(), 1, 2.0))
+    >>> bool(signal(example_dye_design(), 1, 5.0) > signal(example_dye_design(), 1, 2.0))
     True
     """
     scale = design.energy * design.cameras[number - 1].scale
@@ -221,7 +221,7 @@ def log_ratio(design: Design, thickness: npt.ArrayLike) -> Array:
 
     Examples
     --------
-    >>> bool(log_ratio(example_design(), 5.0) > log_ratio(example_design(), 2.0))
+    >>> bool(log_ratio(example_dye_design(), 5.0) > log_ratio(example_dye_design(), 2.0))
     True
     """
     return np.log(signal(design, 2, thickness)) - np.log(signal(design, 1, thickness))
@@ -239,7 +239,7 @@ def log_ratio_slope(design: Design, thickness: npt.ArrayLike) -> Array:
     --------
     The slope of a very thin film is half the difference of the attenuations:
 
-    >>> design = example_design()
+    >>> design = example_dye_design()
     >>> p, q = (mean_attenuation(design, number) for number in (1, 2))
     >>> round(float(log_ratio_slope(design, 1e-3)) / (p - q), 3)
     0.5
@@ -269,7 +269,7 @@ def mean_attenuation(design: Design, number: int) -> float:
 
     Examples
     --------
-    >>> design = example_design()
+    >>> design = example_dye_design()
     >>> [round(mean_attenuation(design, number), 2) for number in (1, 2)]
     [0.4, 0.25]
     """
@@ -296,7 +296,7 @@ def optical_thickness(design: Design) -> tuple[float, float]:
 
     Examples
     --------
-    >>> reabsorption, absorption = optical_thickness(example_design())
+    >>> reabsorption, absorption = optical_thickness(example_dye_design())
     >>> round(reabsorption / absorption, 2)
     0.97
     """
@@ -322,7 +322,7 @@ def scaled_to(design: Design, thick_film: tuple[float, float]) -> Design:
 
     Examples
     --------
-    >>> design = scaled_to(example_design(), (5000.0, 6000.0))
+    >>> design = scaled_to(example_dye_design(), (5000.0, 6000.0))
     >>> round(float(signal(design, 1, 1e4)))
     5000
     """
@@ -336,7 +336,7 @@ def scaled_to(design: Design, thick_film: tuple[float, float]) -> Design:
     return replace(design, cameras=tuple(cameras))
 
 
-def example_design() -> Design:
+def example_dye_design() -> Design:
     """The design of Farzaneh (2002) with invented spectra, light and cameras.
 
     Returns
@@ -345,7 +345,7 @@ def example_design() -> Design:
 
     Examples
     --------
-    >>> example_design().concentrations
+    >>> example_dye_design().concentrations
     array([0.008, 0.024])
     """
     dyes = tuple(
@@ -429,7 +429,7 @@ def saturation_fluence(design: Design) -> float:
 
     Examples
     --------
-    >>> round(saturation_fluence(example_design()), 4)
+    >>> round(saturation_fluence(example_dye_design()), 4)
     0.0011
     """
     largest = max(float(dye.absorption.at(design.laser)) for dye in design.dyes)

@@ -203,7 +203,7 @@ def design_of(settings: PlanSettings, folder: Path) -> Design:
         corner=settings.laser.corner,
     )
     _refuse_useless(design)
-    return _with_light(design, settings)
+    return _with_scales(design, settings)
 
 
 def _dye_of(
@@ -253,7 +253,7 @@ def _refuse_useless(design: Design) -> None:
         )
 
 
-def _with_light(design: Design, settings: PlanSettings) -> Design:
+def _with_scales(design: Design, settings: PlanSettings) -> Design:
     """The design with the scale of each camera, measured or from optics."""
     known = scaled_to(
         design,

@@ -219,7 +219,7 @@ def calibrated_range(design: Design, film: WantedFilm) -> tuple[float, float]:
     def useful(thickness: Array) -> npt.NDArray[np.bool_]:
         return np.asarray(thickness_std(design, thickness) / thickness <= limit)
 
-    return low, _edge(useful, last, last + grid[1] - grid[0])
+    return low, _end_of_condition(useful, last, last + grid[1] - grid[0])
 
 
 def measurable_range(design: Design, film: WantedFilm) -> tuple[float, float]:
@@ -265,12 +265,14 @@ def measurable_range(design: Design, film: WantedFilm) -> tuple[float, float]:
         return math.nan, math.nan
     first, last = inside[[0, -1]]
     return (
-        _edge(is_valid, grid[first], grid[max(first - 1, 0)]),
-        _edge(is_valid, grid[last], grid[min(last + 1, _GRID - 1)]),
+        _end_of_condition(is_valid, grid[first], grid[max(first - 1, 0)]),
+        _end_of_condition(is_valid, grid[last], grid[min(last + 1, _GRID - 1)]),
     )
 
 
-def _edge(holds: Callable[[Array], npt.NDArray[np.bool_]], inside: float, outside: float) -> float:
+def _end_of_condition(
+    holds: Callable[[Array], npt.NDArray[np.bool_]], inside: float, outside: float
+) -> float:
     """Thickness between two neighbours of a grid at which a condition ends. [um]"""
     films = np.linspace(inside, outside, _GRID)
     return float(films[max(np.flatnonzero(holds(films)), default=0)])

@@ -79,7 +79,7 @@ def sample_cells(light: Image, log_ratio: Image, variance: Image, flags: FlagIma
     if blocks[0] < CELLS[0] or blocks[1] < CELLS[1]:
         return NO_CELLS
     sums = np.zeros((6, CELLS[0] * CELLS[1]))
-    _sum(light, log_ratio, variance, flags, 2 if light.size >= _LARGE else 1, sums)
+    _sum_logarithms(light, log_ratio, variance, flags, 2 if light.size >= _LARGE else 1, sums)
     number, used, of_light, of_ratio, squares, noise = sums
 
     # a cell with missing blocks would show another part of the beam
@@ -139,7 +139,7 @@ def cell_centres(shape: tuple[int, int]) -> tuple[Array, Array]:
 
 
 @numba.njit(nogil=True, cache=True)
-def _sum(light, log_ratio, variance, flags, step, sums):  # type: ignore[no-untyped-def]
+def _sum_logarithms(light, log_ratio, variance, flags, step, sums):  # type: ignore[no-untyped-def]
     """Blocks, used blocks, and sums over the used ones, of each cell; one block in step counts."""
     down, along = light.shape[0] // BLOCK, light.shape[1] // BLOCK
     of_blocks = np.empty((4, along))

@@ -17,7 +17,7 @@ from erlif.registration.coarse import coarse_binning, find_start
 from erlif.registration.drift import FEWEST_CELLS, DriftSearch
 from erlif.registration.interpolation import laid_over
 from erlif.registration.matching import cell_sums, correlation, products_of
-from erlif.registration.pairs import Pair, Pairs, PairSeries, open_frames, textures
+from erlif.registration.pairs import Pair, Pairs, PairSeries, open_series, textures
 from erlif.registration.selection import (
     FINE_LADDER,
     Model,
@@ -138,7 +138,7 @@ def register_frames(
     ([[0.5, 0.0], [0.5, 0.0]], True)
     """
     settings = RegistrationSettings() if settings is None else settings
-    frames = open_frames(pairs, settings)
+    frames = open_series(pairs, settings)
     number, first, surface = start_with_any(frames)
     views = TextureViews(frames, first, number=number)
     del first  # its textures are kept, so the frame itself need not be

@@ -86,13 +86,13 @@ def make_pair(
         If the arrays are not images of at least 64 by 64 pixels, or a weight does not fit its
         image.
     """
-    one, weight_one = _checked(1, reference, weight_reference)
-    two, weight_two = _checked(2, moving, weight_moving)
+    one, weight_one = _as_kernels_take(1, reference, weight_reference)
+    two, weight_two = _as_kernels_take(2, moving, weight_moving)
     turned, weight_turned = Pair(one, two, weight_one, weight_two).turned(settings.orientation)
     return Pair(one, turned, weight_one, weight_turned)
 
 
-def _checked(
+def _as_kernels_take(
     camera: int, image: AnyArray, weight: AnyArray | None
 ) -> tuple[AnyArray, Image | None]:
     """The image and its weight as the kernels take them; anything but a grey image is refused."""
@@ -198,7 +198,7 @@ class PairSeries:
             yield make_pair(*self.source[number], self.settings)
 
 
-def open_frames(source: Pairs, settings: RegistrationSettings) -> PairSeries:
+def open_series(source: Pairs, settings: RegistrationSettings) -> PairSeries:
     """Count the frames and choose those for the map, evenly spaced.
 
     Raises

@@ -11,7 +11,7 @@ from erlif.core.arrays import Array, Image, Mask
 from erlif.core.errors import RegistrationError
 from erlif.registration import local
 from erlif.registration.camera_map import CameraMap, MapKind
-from erlif.registration.matching import EE, WEIGHT, cell_centres, without_noise
+from erlif.registration.matching import EE, WEIGHT, centres_along_axis, without_noise
 from erlif.registration.selection import Model
 from erlif.registration.surface import ROWS, Cells, Surface, bilinear
 from erlif.registration.uncertainty import surface_covariance, surface_std
@@ -147,7 +147,7 @@ def solve_local(views: TextureViews, surface: Surface, slope: float, scale: Arra
     settings = views.settings
     sigma = local.window_sigma(settings.window, settings.step)
     base_x, base_y = surface.on_pixels(views.shape)
-    y, x = (cell_centres(n, settings.step) for n in views.shape)
+    y, x = (centres_along_axis(n, settings.step) for n in views.shape)
 
     def dense(field: Array) -> tuple[Image, Image]:
         return (

@@ -19,8 +19,8 @@ from erlif.registration.matching import (
     GRADIENT_PRODUCTS,
     SCORES,
     WEIGHT,
-    cell_centres,
     cell_sums,
+    centres_along_axis,
     merge_cells,
     move_sums,
     solve_shift,
@@ -28,7 +28,13 @@ from erlif.registration.matching import (
 )
 from erlif.registration.pairs import Pair, PairSeries, Textures, textures
 from erlif.registration.surface import Cells, Surface, cell_weights
-from erlif.registration.whitening import Filter, Spectra, measure_spectra, padded_size, whiten
+from erlif.registration.whitening import (
+    Filter,
+    Spectra,
+    measure_spectra,
+    padded_size,
+    whiten_texture,
+)
 
 # A surface needs this many cells with weight: four for each coefficient of an affine map.
 FEWEST_CELLS: Final = 16
@@ -69,8 +75,8 @@ def make_cells(sums: Array, step: int, surface: Surface, *, binning: int = 1) ->
     """
     rows, cols = sums.shape[:2]
     centre = (binning - 1) / 2  # of a binned pixel, from the centre of its first full pixel
-    x = cell_centres(cols * step, step) * binning + centre
-    y = cell_centres(rows * step, step) * binning + centre
+    x = centres_along_axis(cols * step, step) * binning + centre
+    y = centres_along_axis(rows * step, step) * binning + centre
 
     # gradients per binned pixel become gradients per full pixel
     scaled = sums.copy()
@@ -170,7 +176,9 @@ class TextureViews:
             self._grids[size] = whitening.on_grid(size)
         # a frame that is kept filtered is not needed as it was
         out = (texture, weight) if self._keep else None
-        return whiten(texture, weight, self._grids[size], threads=self.settings.threads, out=out)
+        return whiten_texture(
+            texture, weight, self._grids[size], threads=self.settings.threads, out=out
+        )
 
     def _prepared(self, plain: Textures) -> TextureView:
         """A frame as it is summed: filtered, if there is a filter, with its spline."""

@@ -243,7 +243,7 @@ class _BackgroundFit:
         self.record, self.known, self.calibration = record, known, calibration
         self.energies, self.passed = energies, passed
         self.fitted = replace(calibration, systematics=None)
-        self.surface = _quadratic(places)
+        self.surface = _quadratic_terms(places)
         light = np.where(known, record.light, 0.0)
         self.unit = (
             float(np.median(np.exp(light[known]))),
@@ -464,7 +464,7 @@ class _BackgroundFit:
         return max(math.sqrt(max(scatter - noise, 0.0)), _LEAST_ENERGY_STD)
 
 
-def _quadratic(places: tuple[Array, Array]) -> Array:
+def _quadratic_terms(places: tuple[Array, Array]) -> Array:
     """Terms of a quadratic surface, (cell, 6)."""
     x, y = places
     return np.stack([np.ones_like(x), x, y, x * x, x * y, y * y], axis=1)

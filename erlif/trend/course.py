@@ -211,7 +211,7 @@ def find_ratio_change(
     light, chosen = record.light[used], chosen[used]
     log_ratio = np.where(chosen, record.log_ratio[used], record.log_ratio[used][chosen].mean())
 
-    rows = _compare(light, log_ratio, chosen, places, calibration)
+    rows = _light_rows(light, log_ratio, chosen, places, calibration)
     best, size, std = rows.find(courses)
     if not std < _LOOSE:
         return None
@@ -224,7 +224,7 @@ def find_ratio_change(
         course, total, step, rest, rate = courses[number], size, size, size, 1.0
         for _ in range(_ROUNDS - 1):
             shifted = log_ratio - total * course[:, None]
-            left = _compare(light, shifted, chosen, places, calibration)
+            left = _light_rows(light, shifted, chosen, places, calibration)
             _, size, std = left.find(course[None])
             if not std < _LOOSE:
                 return float("nan"), float("nan")
@@ -261,7 +261,7 @@ def _choose(log_ratio: Array, light: Array, calibration: Calibration) -> tuple[A
     return film, choose_cells(film, known, calibration)
 
 
-def _compare(
+def _light_rows(
     light: Array, log_ratio: Array, chosen: Mask, places: tuple[Array, Array], cal: Calibration
 ) -> _Rows:
     """Equations of the light of camera 1 over that of the film which the ratio shows."""

@@ -164,7 +164,7 @@ def _fit_gap(
     bends = nothing
     if contact is GapShape.POINT:
         pulls = np.linalg.inv(fit.curvature)[-2:] @ fit.jacobian
-        variances = np.array([_split_variance(pull, fit, blocks) for pull in pulls])
+        variances = np.array([_variance_parts(pull, fit, blocks) for pull in pulls])
         bends = nothing._replace(
             bend=fit.amplitudes[-2:],
             bend_random_var=variances[:, 0],
@@ -175,13 +175,13 @@ def _fit_gap(
     )
 
     _, b, c, d, e = np.pad(fit.amplitudes, (0, len(shapes) - count))
-    along, across = _lowest(b, d), _lowest(c, e)
+    along, across = _lowest_place(b, d), _lowest_place(c, e)
     at = np.array([1.0, along, across, along**2, across**2])[:count]
 
     # change of the minimum with the ratio of each block, through the reweighted fit
     pull = np.linalg.solve(fit.curvature, at) @ fit.jacobian
     by_block = pull * fit.response / fit.total_var
-    value, (random, surface) = float(at @ fit.amplitudes), _split_variance(pull, fit, blocks)
+    value, (random, surface) = float(at @ fit.amplitudes), _variance_parts(pull, fit, blocks)
     tolerated = max(_TOLERATED, _TOLERATED_SHARE * value)
     # below zero the smooth gap passes through a contact that is flattened
     through = value + _BELOW_ZERO * math.sqrt(random + surface) < 0
@@ -194,7 +194,7 @@ def _fit_gap(
         random_std=math.sqrt(random),
         surface_std=math.sqrt(surface),
         gradient=np.asarray(-curve.calibration.gradient(fit.film) @ by_block),
-        place=_place(region, (along, across) if sliding_along_x else (across, along)),
+        place=_pixel_of(region, (along, across) if sliding_along_x else (across, along)),
     )
 
 
@@ -283,12 +283,12 @@ def choose_contact(triggers: Sequence[Mapping[GapShape, GapMinimum]]) -> GapShap
     return GapShape.POINT if across else GapShape.LINE if along else GapShape.PLANE
 
 
-def _lowest(slope: float, bend: float) -> float:
+def _lowest_place(slope: float, bend: float) -> float:
     """Where slope x + bend x^2 is lowest from -1 to 1: the vertex where it opens upwards."""
     return float(np.clip(-slope / (2 * bend), -1, 1)) if bend > 0 else -math.copysign(1.0, slope)
 
 
-def _split_variance(pull: Array, fit: BlockFit, blocks: BlockMeans) -> tuple[float, float]:
+def _variance_parts(pull: Array, fit: BlockFit, blocks: BlockMeans) -> tuple[float, float]:
     """Variance of a number of the fit by noise, and by the surfaces. [um2]
 
     The scatter of the blocks about the fit beyond their noise is that of the surfaces.
@@ -329,7 +329,7 @@ def _measure_misfit(blocks: BlockMeans, fit: BlockFit, thickest: float) -> float
     return smooth / count / max(rest, float((blocks.variance[use] / slope**2).mean()))
 
 
-def _place(region: Region, position: tuple[float, float]) -> Array:
+def _pixel_of(region: Region, position: tuple[float, float]) -> Array:
     """Column and row of a position (x, y) from -1 to 1 over a region. [px]"""
     return np.array(
         [

@@ -3,13 +3,13 @@
 import pytest
 
 from erlif.planning import WantedFilm
-from erlif.planning.design import example_design
+from erlif.planning.design import example_dye_design
 
 
 @pytest.fixture(scope="package")
 def design():
     """Concentrations of the thesis, invented spectra."""
-    return example_design()
+    return example_dye_design()
 
 
 @pytest.fixture(scope="package")

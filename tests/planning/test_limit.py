@@ -4,10 +4,10 @@ import numpy as np
 import numpy.testing as npt
 
 from erlif.planning import WantedFilm, log_ratio
-from erlif.planning.design import example_design
+from erlif.planning.design import example_dye_design
 from erlif.planning.limit import FILMS, ImagedJoint, attainable_errors
 
-DESIGN, WANTED = example_design(), WantedFilm(2.0, 10.0, (0.1, 18.0))
+DESIGN, WANTED = example_dye_design(), WantedFilm(2.0, 10.0, (0.1, 18.0))
 JOINT = ImagedJoint(33.36, 33.59, 19.2, frames=40)
 
 

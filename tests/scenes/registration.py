@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from erlif.registration import RegistrationSettings, views
 from erlif.registration.matching import GXX, GXY, GYY, SUMS
-from erlif.registration.pairs import Pairs, open_frames
+from erlif.registration.pairs import Pairs, open_series
 from erlif.registration.surface import Surface, affine_surface
 
 Array = NDArray[Any]
@@ -271,7 +271,7 @@ def translation(
 
 def map_views(pairs: Pairs) -> views.TextureViews:
     """Frames from which a map is made, on one thread; the first one is that of the start."""
-    frames = open_frames(pairs, RegistrationSettings(threads=1))
+    frames = open_series(pairs, RegistrationSettings(threads=1))
     return views.TextureViews(frames, next(iter(frames.pick([0]))))
 
 

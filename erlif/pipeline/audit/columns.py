@@ -58,7 +58,7 @@ def note_columns(evidence: Evidence) -> Iterator[Note]:
         odd = find_single(values, least=least)
         if odd.size:
             counted = name == "load" or (oil is not None and oil.vogel is not None)
-            yield _describe(name, values, odd, unit, counted=counted)
+            yield _note_single(name, values, odd, unit, counted=counted)
         elif name == "load":
             lost = find_lost(values)
             if lost.size:
@@ -93,7 +93,7 @@ def without_single(log: EncoderLog) -> EncoderLog:
     return EncoderLog(log.isel(frame=rows))
 
 
-def _describe(name: str, values: Array, odd: AnyArray, unit: str, *, counted: bool) -> Note:
+def _note_single(name: str, values: Array, odd: AnyArray, unit: str, *, counted: bool) -> Note:
     shown = ", ".join(f"{values[k]:.5g}" for k in odd[:5])
     others = np.delete(values, odd)
     rows, which = list_some(odd), "row" if odd.size == 1 else "rows"

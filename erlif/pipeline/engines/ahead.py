@@ -60,8 +60,8 @@ def compiling_ahead() -> Iterator[None]:
 
 def is_compiled() -> bool:
     """Whether the largest kernel is kept, of this version of erlif or another."""
-    stats = getattr(film._measure, "stats", None)  # none where numba compiles nothing
-    return stats is None or any(Path(stats.cache_path).glob("film._measure-*.nbi"))
+    stats = getattr(film._measure_film, "stats", None)  # none where numba compiles nothing
+    return stats is None or any(Path(stats.cache_path).glob("film._measure_film-*.nbi"))
 
 
 def compile_kernels() -> None:

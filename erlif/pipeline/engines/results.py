@@ -210,11 +210,11 @@ class TriggerResult:
         kept: dict[str, Any] = {}
         for one in fields(FilmStatistics):
             # numbers of the statistics are floats, their gradients and places arrays
-            kept[one.name] = _number(arrays[f"film_{one.name}"])
+            kept[one.name] = _as_stored(arrays[f"film_{one.name}"])
         statistics = FilmStatistics(**kept)
         minima = {
             contact: GapMinimum(
-                *(_number(arrays[f"gap_{contact}_{name}"]) for name in GapMinimum._fields)
+                *(_as_stored(arrays[f"gap_{contact}_{name}"]) for name in GapMinimum._fields)
             )
             for contact in GapShape
             if f"gap_{contact}_value" in arrays
@@ -247,7 +247,7 @@ class TriggerResult:
         return cls(statistics, frames, tuple(arrays["pixels"].tolist()), position, minima)
 
 
-def _number(value: AnyArray) -> Any:
+def _as_stored(value: AnyArray) -> Any:
     """A float from an array without dimensions, other arrays as they are."""
     return value if value.ndim else float(value)
 

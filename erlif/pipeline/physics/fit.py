@@ -90,10 +90,10 @@ def fit_film(path: str | Path, *, progress: ShowProgress = None) -> ModelCompari
     source = read_film(place)
     with open_film(place) as film:
         run = film, source.settings, source.frames
-        comparison = _compare(*run, ("free", "guided"), progress=report)
+        comparison = _compare_models(*run, ("free", "guided"), progress=report)
         # of four unknowns in a film with cavities: slow, and needed by no other film
         if not comparison.candidates[0].describes:
-            comparison = _compare(*run, ("free", "guided", "spring"), progress=report)
+            comparison = _compare_models(*run, ("free", "guided", "spring"), progress=report)
 
     if comparison.fit is None:
         return comparison
@@ -103,7 +103,7 @@ def fit_film(path: str | Path, *, progress: ShowProgress = None) -> ModelCompari
     line, seen = found.get("load_line"), source.film.get("pin_displacement", xr.DataArray())
     if line is not None and "load_line" in seen.attrs:
         about = 1e-3 * float(seen.attrs["load_line"])
-        beside["load_line"] = _place(line, about)
+        beside["load_line"] = _load_line_place(line, about)
         if abs(line.value) > _FAR * line.std and comparison.fit.sideways == "free":
             values = {"about": about, "place": about + line.value, "std": line.std}
             in_mm = {name: _MILLI * value for name, value in values.items()}
@@ -112,7 +112,7 @@ def fit_film(path: str | Path, *, progress: ShowProgress = None) -> ModelCompari
     return replace(comparison, fit=fit)
 
 
-def _place(line: Estimate, about: float) -> Estimate:
+def _load_line_place(line: Estimate, about: float) -> Estimate:
     """The place of a load line in the image, from its deviation from another place. [m]"""
     low, high = line.low + about, line.high + about
     return replace(line, value=line.value + about, low=low, high=high)
@@ -173,7 +173,7 @@ def state_physics(film: xr.Dataset, settings: RunSettings, frames: xr.Dataset) -
     if "film_predicted_min" not in film or not all(name in film for name in _POSITIONS):
         return ""
     try:
-        comparison = _compare(film, settings, frames, ("free", "any guided"))
+        comparison = _compare_models(film, settings, frames, ("free", "any guided"))
     # the measured film is complete without this sentence
     except (ErlifError, ArithmeticError, ValueError, np.linalg.LinAlgError):
         return ""
@@ -186,7 +186,7 @@ def state_physics(film: xr.Dataset, settings: RunSettings, frames: xr.Dataset) -
     return str(_TEXTS["undecided"].format(best=best.name, inflation=best.inflation))
 
 
-def _compare(
+def _compare_models(
     film: xr.Dataset,
     settings: RunSettings,
     frames: xr.Dataset,
@@ -208,7 +208,7 @@ def _compare(
     }
     given = _given_errors(settings, film, frames)
     line = given.load_line
-    measured = _measured(film, journal)
+    measured = _measured_motion(film, journal)
     return compare_models(
         measured,
         journal,
@@ -257,7 +257,7 @@ def _tilt(film: xr.Dataset) -> float:
     return 1e-3 * float(np.sqrt(np.mean(tilt[known]) ** 2 + np.mean(cov[known])))
 
 
-def _measured(film: xr.Dataset, journal: Journal) -> MeasuredMotion:
+def _measured_motion(film: xr.Dataset, journal: Journal) -> MeasuredMotion:
     """Positions of the pin, else minima where too few positions are known."""
     if all(name in film for name in _POSITIONS):
         positions = measured_positions(film, calibration_of(film).full_covariance)

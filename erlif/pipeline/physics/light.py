@@ -26,7 +26,7 @@ from erlif.pipeline.physics.gap import describe_gap, find_errors, with_errors
 from erlif.pipeline.physics.reference import (
     describe_reference,
     describe_scale,
-    find_scale,
+    fit_patch_scale,
 )
 from erlif.pipeline.physics.systematics import (
     with_background,
@@ -188,10 +188,12 @@ def describe_background(
         ),
         "background_std": FILM["background_std"].fill(estimate.std),
     }
-    return variables, [_describe(estimate, calibration, corrected=corrected)]
+    return variables, [_note_background(estimate, calibration, corrected=corrected)]
 
 
-def _describe(estimate: BackgroundEstimate, calibration: Calibration, *, corrected: bool) -> Note:
+def _note_background(
+    estimate: BackgroundEstimate, calibration: Calibration, *, corrected: bool
+) -> Note:
     """What was found, in one line."""
     texts = _TEXTS["background"]
     one, two = (
@@ -360,7 +362,7 @@ def find_light(
 ) -> LightFindings:
     """Background, bleaching, course and errors of a run, and the scale of its ratio on a patch.
 
-    Parameters as for the first two, and as for `find_dark_levels`, `find_errors` and `find_scale`.
+    Parameters as for the first two, `find_dark_levels`, `find_errors` and `fit_patch_scale`.
     """
     bleaching, source = find_bleaching(lights, triggers, energies)
     course = None
@@ -375,7 +377,7 @@ def find_light(
     background = find_background(lights, calibration, energies, pairs=triggers.size)
     scale = None
     if reference is not None:
-        scale = find_scale(lights, calibration, reference, pairs=triggers.size)
+        scale = fit_patch_scale(lights, calibration, reference, pairs=triggers.size)
     darks = find_dark_levels(lights, correct.unlit, correct.references.gain.values)
     errors = None
     beyond = bool(darks)  # a background beyond its width

@@ -163,7 +163,7 @@ def _note_cause(form: GapForm, view: PinView, joint: JointSettings) -> Note:
         for one in form.imitations[:_LISTED]
     ]
     if form.cause is Cause.BENDING:
-        causes = _list([_TEXTS["by_bending"], _TEXTS["by_dark"], *imitations])
+        causes = _list_causes([_TEXTS["by_bending"], _TEXTS["by_dark"], *imitations])
         return Note(
             Level.WARNING,
             "pin",
@@ -189,7 +189,7 @@ def _note_cause(form: GapForm, view: PinView, joint: JointSettings) -> Note:
     # radii and scale are known better than the errors that frames do not show, or less well
     own_cost = (form.excess / math.hypot(std / view.clearance, SCALE_STD)) ** 2
     first = bool(form.imitations) and form.imitations[0].cost < own_cost
-    causes = _list([*imitations, *own] if first else [*own, *imitations])
+    causes = _list_causes([*imitations, *own] if first else [*own, *imitations])
     std = 100 * form.excess_std
     return Note(
         Level.WARNING,
@@ -200,7 +200,7 @@ def _note_cause(form: GapForm, view: PinView, joint: JointSettings) -> Note:
     )
 
 
-def _list(causes: Sequence[str]) -> str:
+def _list_causes(causes: Sequence[str]) -> str:
     """Causes as one text, numbered where there are several."""
     if len(causes) == 1:
         return causes[0]

@@ -175,8 +175,8 @@ def _write_prediction(
                 chunks = unfinished.maps.encode({MAP.name: plane.spread(gap)})
                 unfinished.put(trigger, chunks, {})
             progress("prediction", trigger + 1, len(gaps))
-        described = _describe(source, prediction).assign_coords(grid.coords)
-        write_film(unfinished, described, {"frames": _describe_frames(source, prediction)})
+        described = _predicted_triggers(source, prediction).assign_coords(grid.coords)
+        write_film(unfinished, described, {"frames": _predicted_frames(source, prediction)})
 
 
 def read_film(path: Path) -> PredictionInputs:
@@ -236,7 +236,7 @@ def _read_run(run_dir: Path, allow_outside: bool) -> PredictionInputs:
     return PredictionInputs(run.settings, kept, frames, run.pairs.shape, hashes)
 
 
-def _describe(source: PredictionInputs, prediction: Prediction) -> xr.Dataset:
+def _predicted_triggers(source: PredictionInputs, prediction: Prediction) -> xr.Dataset:
     """Everything of the triggers, and the record of how it was made."""
     settings = source.settings
     start = prediction.triggers.film_predicted_min.attrs
@@ -257,7 +257,7 @@ def _describe(source: PredictionInputs, prediction: Prediction) -> xr.Dataset:
     )
 
 
-def _describe_frames(source: PredictionInputs, prediction: Prediction) -> xr.Dataset:
+def _predicted_frames(source: PredictionInputs, prediction: Prediction) -> xr.Dataset:
     """The positions of the frames: those averaged in a trigger each have their own film."""
     belong = source.frames[["trigger", "cycle"]].copy()
     for name in ("trigger", "cycle"):

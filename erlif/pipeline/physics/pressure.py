@@ -29,7 +29,7 @@ from erlif.pipeline.physics.prediction import (
 )
 from erlif.pipeline.plane import ObjectPlane
 from erlif.prediction.fit import LOAD_LINE_STD
-from erlif.prediction.gaps import LARGEST_GAP, MOST_FILLED, fill_gaps
+from erlif.prediction.gaps import LARGEST_GAP, MOST_FILLED, find_motion_in_gaps
 from erlif.prediction.pin_motion import PinMotion, find_pin_motion
 from erlif.prediction.pressure import CHANGING, CLEAR, find_pressures
 from erlif.prediction.smoothing import FEWEST
@@ -94,21 +94,21 @@ def pressure_from_film(
     report = choose_progress(progress)
     if isinstance(film, str | Path):
         with open_film(film) as source:
-            return _find(source, report)
-    return _find(take(film, "film", where="film"), report)
+            return _find_pressure(source, report)
+    return _find_pressure(take(film, "film", where="film"), report)
 
 
-def _find(film: xr.Dataset, progress: Progress) -> xr.Dataset:
+def _find_pressure(film: xr.Dataset, progress: Progress) -> xr.Dataset:
     """The pressure of an open film."""
     settings = settings_of(film)
     view = _view(film, settings)
     known = _known(film)
-    positions = _follow(film, settings, known)
+    positions = _follow_pin(film, settings, known)
     motion, order = _lay_path(positions), positions.order
     joint = swinging_joint(settings).joint
     conditions = film[[name for name in ("crank_angle", "temperature") if name in film]].load()
     viscosity = viscosity_at(conditions, joint.viscosity)[order]
-    x, y = _grid(film)
+    x, y = _image_grid(film)
     line = settings.prediction.load_line_std
     if line is None:
         line = film.pin_displacement.attrs.get("load_line_std", 0.0) / _MILLI
@@ -121,10 +121,10 @@ def _find(film: xr.Dataset, progress: Progress) -> xr.Dataset:
         axial=(across - view.axial_origin) / _MILLI,
         settings_std=_settings_std(settings, viscosity),
         load_line_std=float(line),
-        fill=partial(_fill, film, settings, positions),
+        fill=partial(_fill_motion, film, settings, positions),
         progress=progress,
     )
-    return _describe(film, settings, view, pressures, motion, order, (x, y))
+    return _pressure_by_trigger(film, settings, view, pressures, motion, order, (x, y))
 
 
 def _settings_std(settings: RunSettings, viscosity: Array) -> tuple[float, float]:
@@ -192,7 +192,7 @@ class _Positions(NamedTuple):
     period: float
 
 
-def _follow(film: xr.Dataset, settings: RunSettings, known: Mask) -> _Positions:
+def _follow_pin(film: xr.Dataset, settings: RunSettings, known: Mask) -> _Positions:
     """Positions of the pin, and the motion of the bushing."""
     frames = xr.Dataset(
         {
@@ -237,7 +237,7 @@ def _lay_path(at: _Positions) -> PinMotion:
     return find_pin_motion(at.time, at.angle, at.turning, at.value, period=at.period, **errors)
 
 
-def _fill(film: xr.Dataset, settings: RunSettings, at: _Positions) -> PinMotion | None:
+def _fill_motion(film: xr.Dataset, settings: RunSettings, at: _Positions) -> PinMotion | None:
     """The motion of a guided pin through the gaps of its triggers; None without a known load."""
     load = film["load"].values if "load" in film else np.full(film.sizes["trigger"], settings.load)
     if not np.isfinite(load[at.order].astype(float)).all():
@@ -253,7 +253,7 @@ def _fill(film: xr.Dataset, settings: RunSettings, at: _Positions) -> PinMotion 
     options = settings.prediction
     line = float(options.load_line_std or 0.1 * LOAD_LINE_STD)
     errors: dict[str, Any] = dict(at.errors)
-    return fill_gaps(
+    return find_motion_in_gaps(
         build_journal(settings, moved.viscosity),
         moved,
         time=time,
@@ -277,7 +277,7 @@ def _covariances(film: xr.Dataset, order: npt.NDArray[np.intp]) -> tuple[Array, 
     return random, whole - random - shared - by_line, gradient
 
 
-def _grid(film: xr.Dataset) -> tuple[Array, Array]:
+def _image_grid(film: xr.Dataset) -> tuple[Array, Array]:
     """Places of the image at which the pressure is given, x and y. [mm]"""
     along_x = settings_of(film).optics.x_axis == "sliding"
     counts = GRID if along_x else GRID[::-1]
@@ -288,7 +288,7 @@ def _grid(film: xr.Dataset) -> tuple[Array, Array]:
     return x, y
 
 
-def _describe(
+def _pressure_by_trigger(
     film: xr.Dataset,
     settings: RunSettings,
     view: PinView,
@@ -401,24 +401,24 @@ def state_limits(pressure: xr.Dataset) -> str:
     quick = pressure.cavity_change.values > CHANGING
     closing = ~measured & (quick | np.roll(quick, 1) | np.roll(quick, -1))
     if closing.any():
-        lines.append(_TEXTS["closing"].format(**_list_triggers(closing)))
+        lines.append(_TEXTS["closing"].format(**_some_triggers(closing)))
     history = pressure.cavity_history.values
     if np.isinf(history).any():
         return str(_TEXTS["part_of_a_turn"].format(gap=100 * LARGEST_GAP, most=100 * MOST_FILLED))
     old = ~measured & ~closing & (history > CLEAR)
     if old.any():
-        lines.append(_TEXTS["old"].format(**_list_triggers(old)))
+        lines.append(_TEXTS["old"].format(**_some_triggers(old)))
     unsolved = pressure.pressure_solved.values == 0
     if unsolved.any():
-        lines.append(_TEXTS["unsolved"].format(**_list_triggers(unsolved)))
+        lines.append(_TEXTS["unsolved"].format(**_some_triggers(unsolved)))
     refused = ~measured & ~closing & ~old & ~unsolved
     if refused.any():
         reason = _state_refusal(pressure, refused)
-        lines.append(_TEXTS["refused"].format(reason=reason, **_list_triggers(refused)))
+        lines.append(_TEXTS["refused"].format(reason=reason, **_some_triggers(refused)))
     return " ".join(lines)
 
 
-def _list_triggers(which: Mask) -> dict[str, Any]:
+def _some_triggers(which: Mask) -> dict[str, Any]:
     """Number of the triggers of a kind, and the first eight of them."""
     names = [str(k) for k in np.flatnonzero(which)]
     return {"count": len(names), "listed": ", ".join(names[:8] + ["..."] * (len(names) > 8))}
@@ -473,7 +473,7 @@ def state_balance(pressure: xr.Dataset) -> str:
     off = np.zeros(measured.size, bool)
     off[measured] = tests.off
     if tests.off.any():
-        total, listed = measured.sum(), _list_triggers(off)
+        total, listed = measured.sum(), _some_triggers(off)
         text += _TEXTS["single"].format(limit=tests.limit, total=total, **listed)
     elif tests.differs and not tests.shifted:
         text += _TEXTS["together"].format(chance=tests.chance)

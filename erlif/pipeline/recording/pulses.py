@@ -136,7 +136,7 @@ def refuse_stuck_cameras(pairs: FramePairs) -> None:
             return
     if len(stuck) == 2:
         raise PulseError(_one_image(len(pairs.usable), [page.name for page in pairs.pages[0]]))
-    raise PulseError(_one_camera(stuck.pop(), len(pairs.usable), pairs))
+    raise PulseError(_missing_in_camera(stuck.pop(), len(pairs.usable), pairs))
 
 
 def check_pulses(
@@ -249,7 +249,7 @@ def _check_stuck(ordered: Sequence[FrameResult], pairs: FramePairs) -> list[Note
         if copies < 1:
             continue
         if len(set(known)) == 1 and len(known) == len(ordered):
-            raise PulseError(_one_camera(camera + 1, len(known), pairs))
+            raise PulseError(_missing_in_camera(camera + 1, len(known), pairs))
         subject, count = f"camera{camera + 1}", len(known)
         notes.append(
             Note(
@@ -262,7 +262,7 @@ def _check_stuck(ordered: Sequence[FrameResult], pairs: FramePairs) -> list[Note
     return notes
 
 
-def _one_camera(camera: int, count: int, pairs: FramePairs) -> str:
+def _missing_in_camera(camera: int, count: int, pairs: FramePairs) -> str:
     pages = pairs.pages[camera - 1]
     names = {"first": pages[0].name, "second": pages[1].name}
     return str(_TEXTS["one_camera"].format(count=count, camera=camera, **names))

@@ -127,7 +127,7 @@ def survey_cameras(recording: Run | Fixture) -> RatioSurvey:
                 some = pair.flags[::step, ::step] == 0
                 kept.append(np.asarray(pair.log_ratio[::step, ::step][some], float))
             if frame == middle:
-                picture = _draw(frame, pair)
+                picture = _picture_of(frame, pair)
     return RatioSurvey(
         chain, prepared.sample, tuple(frames), np.array(lights), np.concatenate(kept), picture
     )
@@ -159,7 +159,7 @@ def _median_light(light: Image, log_ratio: Image, flags: AnyArray) -> tuple[floa
     return float(np.median(one)), float(np.median(one * ratio))
 
 
-def _draw(frame: int, pair: PairRatio) -> PairPicture:
+def _picture_of(frame: int, pair: PairRatio) -> PairPicture:
     """The pair as it is shown on the page."""
     # flagged pixels hold numbers that mean nothing
     valid = pair.flags == 0

@@ -21,7 +21,7 @@ from erlif.pipeline.audit.audits import audit_run
 from erlif.pipeline.audit.bits import note_bits
 from erlif.pipeline.audit.evidence import Evidence
 from erlif.pipeline.audit.log import Steps, note_conditions, note_energy, note_motion
-from erlif.pipeline.film import describe_cycle, describe_triggers
+from erlif.pipeline.film import describe_triggers, summarise_cycle
 from erlif.pipeline.physics.clock import fit_start
 from erlif.pipeline.physics.joint import locate_run
 from erlif.pipeline.recording.cameras import characterise_cameras
@@ -175,11 +175,11 @@ def examine(
     result = Examination(Path(directory))
     subject = "settings and files"
     try:
-        recording = _open(
+        recording = _open_recording(
             result.directory, skip_bad_frames=skip_bad_frames, allow_outside=allow_outside
         )
         result.name = recording.settings.name
-        result.notes.append(_describe(recording))
+        result.notes.append(_note_frames(recording))
         # pairs are listed even where a later part fails
         run = recording if isinstance(recording, Run) else None
         result.pairs = tabulate_pairs(recording.pairs, run)
@@ -197,7 +197,7 @@ def examine(
     return result
 
 
-def _open(directory: Path, **options: bool) -> Run | Fixture:
+def _open_recording(directory: Path, **options: bool) -> Run | Fixture:
     """The run or the fixture in the directory."""
     if (directory / "run.toml").is_file():
         return open_run(directory, find_start=fit_start, **options)
@@ -214,7 +214,7 @@ def _open(directory: Path, **options: bool) -> Run | Fixture:
     )
 
 
-def _describe(recording: Run | Fixture) -> Note:
+def _note_frames(recording: Run | Fixture) -> Note:
     height, width = recording.pairs.shape
     count, name = len(recording.pairs.usable), recording.settings.name
     some = f"; counts of {MOST_SPREAD} of them, evenly spread, are examined"
@@ -303,7 +303,7 @@ class _Parts:
         encoder = run.settings.encoder
         logged = encoder is not None and encoder.file is not None
         subject = "encoder log" if logged else "no encoder log"
-        yield Note(Level.NOTE, subject, f"{describe_cycle(located)}")
+        yield Note(Level.NOTE, subject, f"{summarise_cycle(located)}")
         yield from note_motion(run.log, located, run.settings)
         yield from note_conditions(run.log, run.settings)
         numbers = [one.frame for one in self.cameras.frames]
