@@ -1,39 +1,21 @@
-from .bands import check_bands, note_pitch, share_bands
-from .comparison import Comparison, compare_calibrations
-from .curve import DIRECTION, Calibration
-from .fit import DIM_LIGHT, USEFUL, fit_calibration
-from .inverse import InverseTable
-from .profile import Profile, read_profile
-from .regression import Reabsorption
-from .storage import (
-    calibration_of,
-    open_calibration,
-    record_calibration,
-    save_calibration,
-)
-from .systematics import TERMS, Systematics
-from .wall import change_wall
-
-__all__ = [
-    "DIM_LIGHT",
-    "DIRECTION",
-    "TERMS",
-    "USEFUL",
-    "Calibration",
-    "Comparison",
-    "InverseTable",
-    "Profile",
-    "Reabsorption",
-    "Systematics",
-    "calibration_of",
-    "change_wall",
-    "check_bands",
-    "compare_calibrations",
-    "fit_calibration",
-    "note_pitch",
-    "open_calibration",
-    "read_profile",
-    "record_calibration",
-    "save_calibration",
-    "share_bands",
-]
+from .bands import check_bands as check_bands
+from .bands import note_pitch as note_pitch
+from .bands import share_bands as share_bands
+from .comparison import Comparison as Comparison
+from .comparison import compare_calibrations as compare_calibrations
+from .curve import DIRECTION as DIRECTION
+from .curve import Calibration as Calibration
+from .fit import DIM_LIGHT as DIM_LIGHT
+from .fit import USEFUL as USEFUL
+from .fit import fit_calibration as fit_calibration
+from .inverse import InverseTable as InverseTable
+from .profile import Profile as Profile
+from .profile import read_profile as read_profile
+from .regression import Reabsorption as Reabsorption
+from .storage import calibration_of as calibration_of
+from .storage import open_calibration as open_calibration
+from .storage import record_calibration as record_calibration
+from .storage import save_calibration as save_calibration
+from .systematics import TERMS as TERMS
+from .systematics import Systematics as Systematics
+from .wall import change_wall as change_wall

@@ -1,56 +1,30 @@
-from .agreement import find_reference_faults
-from .camera import CameraMeasurement, measure_camera
-from .darks import Background, Darks, declare_darks, reduce_background, reduce_darks
-from .flats import FlatField, make_flat_field
-from .frames import correct_frames, gather_light
-from .light import CameraTables, NoiseTables, PairLight
-from .pages import PageStack
-from .photon_transfer import (
-    LightLevel,
-    PhotonTransfer,
-    fit_photon_transfer,
-    measure_response_spread,
-    reduce_level,
-)
-from .references import (
-    CHARACTERISTICS,
-    CameraNoise,
-    Cameras,
-    DeclaredNoise,
-    make_references,
-)
-from .saturation import count_pixels, find_pile_up
-from .unlit import UnlitPixels, find_unlit
-
-__all__ = [
-    "CHARACTERISTICS",
-    "Background",
-    "CameraMeasurement",
-    "CameraNoise",
-    "CameraTables",
-    "Cameras",
-    "Darks",
-    "DeclaredNoise",
-    "FlatField",
-    "LightLevel",
-    "NoiseTables",
-    "PageStack",
-    "PairLight",
-    "PhotonTransfer",
-    "UnlitPixels",
-    "correct_frames",
-    "count_pixels",
-    "declare_darks",
-    "find_pile_up",
-    "find_reference_faults",
-    "find_unlit",
-    "fit_photon_transfer",
-    "gather_light",
-    "make_flat_field",
-    "make_references",
-    "measure_camera",
-    "measure_response_spread",
-    "reduce_background",
-    "reduce_darks",
-    "reduce_level",
-]
+from .agreement import find_reference_faults as find_reference_faults
+from .camera import CameraMeasurement as CameraMeasurement
+from .camera import measure_camera as measure_camera
+from .darks import Background as Background
+from .darks import Darks as Darks
+from .darks import declare_darks as declare_darks
+from .darks import reduce_background as reduce_background
+from .darks import reduce_darks as reduce_darks
+from .flats import FlatField as FlatField
+from .flats import make_flat_field as make_flat_field
+from .frames import correct_frames as correct_frames
+from .frames import gather_light as gather_light
+from .light import CameraTables as CameraTables
+from .light import NoiseTables as NoiseTables
+from .light import PairLight as PairLight
+from .pages import PageStack as PageStack
+from .photon_transfer import LightLevel as LightLevel
+from .photon_transfer import PhotonTransfer as PhotonTransfer
+from .photon_transfer import fit_photon_transfer as fit_photon_transfer
+from .photon_transfer import measure_response_spread as measure_response_spread
+from .photon_transfer import reduce_level as reduce_level
+from .references import CHARACTERISTICS as CHARACTERISTICS
+from .references import CameraNoise as CameraNoise
+from .references import Cameras as Cameras
+from .references import DeclaredNoise as DeclaredNoise
+from .references import make_references as make_references
+from .saturation import count_pixels as count_pixels
+from .saturation import find_pile_up as find_pile_up
+from .unlit import UnlitPixels as UnlitPixels
+from .unlit import find_unlit as find_unlit

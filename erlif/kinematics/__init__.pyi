@@ -1,24 +1,16 @@
-from .clock import ClockOffset, find_clock_offset
-from .encoder import Encoder, Mechanism, choose_link, read_link_angle
-from .folding import fold_frames
-from .locate import encoder_notes, entrained_stroke, joint_speed, locate_frames
-from .motion import Sinusoid, TurningDisc, locate_logged, locate_rotation, locate_slider
-
-__all__ = [
-    "ClockOffset",
-    "Encoder",
-    "Mechanism",
-    "Sinusoid",
-    "TurningDisc",
-    "choose_link",
-    "encoder_notes",
-    "entrained_stroke",
-    "find_clock_offset",
-    "fold_frames",
-    "joint_speed",
-    "locate_frames",
-    "locate_logged",
-    "locate_rotation",
-    "locate_slider",
-    "read_link_angle",
-]
+from .clock import ClockOffset as ClockOffset
+from .clock import find_clock_offset as find_clock_offset
+from .encoder import Encoder as Encoder
+from .encoder import Mechanism as Mechanism
+from .encoder import choose_link as choose_link
+from .encoder import read_link_angle as read_link_angle
+from .folding import fold_frames as fold_frames
+from .locate import encoder_notes as encoder_notes
+from .locate import entrained_stroke as entrained_stroke
+from .locate import joint_speed as joint_speed
+from .locate import locate_frames as locate_frames
+from .motion import Sinusoid as Sinusoid
+from .motion import TurningDisc as TurningDisc
+from .motion import locate_logged as locate_logged
+from .motion import locate_rotation as locate_rotation
+from .motion import locate_slider as locate_slider

@@ -1,69 +1,32 @@
-from .design import (
-    Band,
-    Design,
-    FilteredCamera,
-    ReferencePages,
-    band_of,
-    emitted_light,
-    log_ratio,
-    log_ratio_slope,
-    mean_attenuation,
-    optical_thickness,
-    saturation_fluence,
-    scale_of_optics,
-    scaled_to,
-    signal,
-)
-from .optimum import Optimum, find_optimum, largest_error
-from .precision import (
-    WantedFilm,
-    calibrated_range,
-    frames_needed,
-    log_ratio_variance,
-    measurable_range,
-    thickness_std,
-)
-from .spectra import (
-    SYNTHETIC,
-    Dye,
-    Spectrum,
-    normalise_emission,
-    read_spectrum,
-    synthetic_spectra,
-)
-from .tolerances import TOLERANCES, ToleranceEffect, vary_tolerances
-
-__all__ = [
-    "SYNTHETIC",
-    "TOLERANCES",
-    "Band",
-    "Design",
-    "Dye",
-    "FilteredCamera",
-    "Optimum",
-    "ReferencePages",
-    "Spectrum",
-    "ToleranceEffect",
-    "WantedFilm",
-    "band_of",
-    "calibrated_range",
-    "emitted_light",
-    "find_optimum",
-    "frames_needed",
-    "largest_error",
-    "log_ratio",
-    "log_ratio_slope",
-    "log_ratio_variance",
-    "mean_attenuation",
-    "measurable_range",
-    "normalise_emission",
-    "optical_thickness",
-    "read_spectrum",
-    "saturation_fluence",
-    "scale_of_optics",
-    "scaled_to",
-    "signal",
-    "synthetic_spectra",
-    "thickness_std",
-    "vary_tolerances",
-]
+from .design import Band as Band
+from .design import Design as Design
+from .design import FilteredCamera as FilteredCamera
+from .design import ReferencePages as ReferencePages
+from .design import band_of as band_of
+from .design import emitted_light as emitted_light
+from .design import log_ratio as log_ratio
+from .design import log_ratio_slope as log_ratio_slope
+from .design import mean_attenuation as mean_attenuation
+from .design import optical_thickness as optical_thickness
+from .design import saturation_fluence as saturation_fluence
+from .design import scale_of_optics as scale_of_optics
+from .design import scaled_to as scaled_to
+from .design import signal as signal
+from .optimum import Optimum as Optimum
+from .optimum import find_optimum as find_optimum
+from .optimum import largest_error as largest_error
+from .precision import WantedFilm as WantedFilm
+from .precision import calibrated_range as calibrated_range
+from .precision import frames_needed as frames_needed
+from .precision import log_ratio_variance as log_ratio_variance
+from .precision import measurable_range as measurable_range
+from .precision import thickness_std as thickness_std
+from .spectra import SYNTHETIC as SYNTHETIC
+from .spectra import Dye as Dye
+from .spectra import Spectrum as Spectrum
+from .spectra import normalise_emission as normalise_emission
+from .spectra import read_spectrum as read_spectrum
+from .spectra import synthetic_spectra as synthetic_spectra
+from .tolerances import TOLERANCES as TOLERANCES
+from .tolerances import ToleranceEffect as ToleranceEffect
+from .tolerances import vary_tolerances as vary_tolerances

@@ -1,49 +1,29 @@
-from .comparison import FilmModel, ModelComparison, compare_models
-from .fit import Estimate, MotionFit, film_temperature, fit_motion
-from .given import GivenErrors
-from .measured import MeasuredMotion, measured_minima, measured_positions
-from .motion import FrameMotion, follow_motion
-from .pin_film import OverlapError, solve_pin_motion
-from .pin_motion import PinMotion, find_pin_motion
-from .pressure import find_pressures
-from .smoothing import SmoothPath, smooth_path
-from .start import StartFilm, find_start_film
-from .triggers import (
-    average_triggers,
-    predict_frames,
-    predict_triggers,
-    speed_correlation,
-)
-from .view import ImageLine, gap_in_view, summarise_gap
-
-__all__ = [
-    "Estimate",
-    "FilmModel",
-    "FrameMotion",
-    "GivenErrors",
-    "ImageLine",
-    "MeasuredMotion",
-    "ModelComparison",
-    "MotionFit",
-    "OverlapError",
-    "PinMotion",
-    "SmoothPath",
-    "StartFilm",
-    "average_triggers",
-    "compare_models",
-    "film_temperature",
-    "find_pin_motion",
-    "find_pressures",
-    "find_start_film",
-    "fit_motion",
-    "follow_motion",
-    "gap_in_view",
-    "measured_minima",
-    "measured_positions",
-    "predict_frames",
-    "predict_triggers",
-    "smooth_path",
-    "solve_pin_motion",
-    "speed_correlation",
-    "summarise_gap",
-]
+from .comparison import FilmModel as FilmModel
+from .comparison import ModelComparison as ModelComparison
+from .comparison import compare_models as compare_models
+from .fit import Estimate as Estimate
+from .fit import MotionFit as MotionFit
+from .fit import film_temperature as film_temperature
+from .fit import fit_motion as fit_motion
+from .given import GivenErrors as GivenErrors
+from .measured import MeasuredMotion as MeasuredMotion
+from .measured import measured_minima as measured_minima
+from .measured import measured_positions as measured_positions
+from .motion import FrameMotion as FrameMotion
+from .motion import follow_motion as follow_motion
+from .pin_film import OverlapError as OverlapError
+from .pin_film import solve_pin_motion as solve_pin_motion
+from .pin_motion import PinMotion as PinMotion
+from .pin_motion import find_pin_motion as find_pin_motion
+from .pressure import find_pressures as find_pressures
+from .smoothing import SmoothPath as SmoothPath
+from .smoothing import smooth_path as smooth_path
+from .start import StartFilm as StartFilm
+from .start import find_start_film as find_start_film
+from .triggers import average_triggers as average_triggers
+from .triggers import predict_frames as predict_frames
+from .triggers import predict_triggers as predict_triggers
+from .triggers import speed_correlation as speed_correlation
+from .view import ImageLine as ImageLine
+from .view import gap_in_view as gap_in_view
+from .view import summarise_gap as summarise_gap

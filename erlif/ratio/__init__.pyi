@@ -1,41 +1,26 @@
-from .accumulation import RatioSum, combine_frames
-from .bubbles import find_bubbles, flag_bubbles
-from .camera_noise import NoiseEstimate, NoiseView, estimate_camera_noise
-from .cells import NO_CELLS, LightCells, cell_centres, cell_places, sample_cells
-from .excess import ExcessSums
-from .focus import measure_sharpness
-from .log_ratio import compute_ratio
-from .noise_fit import NoiseUnknowns
-from .pair import NO_DARK, PairRatio
-from .pulses import NO_PULSE, PulseFault, PulseSample, find_pulse_faults, sample_pulse
-from .sharpness import BlurDifference, BlurMoments
-from .smoothing import smooth_ratio
-
-__all__ = [
-    "NO_CELLS",
-    "NO_DARK",
-    "NO_PULSE",
-    "BlurDifference",
-    "BlurMoments",
-    "ExcessSums",
-    "LightCells",
-    "NoiseEstimate",
-    "NoiseUnknowns",
-    "NoiseView",
-    "PairRatio",
-    "PulseFault",
-    "PulseSample",
-    "RatioSum",
-    "cell_centres",
-    "cell_places",
-    "combine_frames",
-    "compute_ratio",
-    "estimate_camera_noise",
-    "find_bubbles",
-    "find_pulse_faults",
-    "flag_bubbles",
-    "measure_sharpness",
-    "sample_cells",
-    "sample_pulse",
-    "smooth_ratio",
-]
+from .accumulation import RatioSum as RatioSum
+from .accumulation import combine_frames as combine_frames
+from .bubbles import find_bubbles as find_bubbles
+from .bubbles import flag_bubbles as flag_bubbles
+from .camera_noise import NoiseEstimate as NoiseEstimate
+from .camera_noise import NoiseView as NoiseView
+from .camera_noise import estimate_camera_noise as estimate_camera_noise
+from .cells import NO_CELLS as NO_CELLS
+from .cells import LightCells as LightCells
+from .cells import cell_centres as cell_centres
+from .cells import cell_places as cell_places
+from .cells import sample_cells as sample_cells
+from .excess import ExcessSums as ExcessSums
+from .focus import measure_sharpness as measure_sharpness
+from .log_ratio import compute_ratio as compute_ratio
+from .noise_fit import NoiseUnknowns as NoiseUnknowns
+from .pair import NO_DARK as NO_DARK
+from .pair import PairRatio as PairRatio
+from .pulses import NO_PULSE as NO_PULSE
+from .pulses import PulseFault as PulseFault
+from .pulses import PulseSample as PulseSample
+from .pulses import find_pulse_faults as find_pulse_faults
+from .pulses import sample_pulse as sample_pulse
+from .sharpness import BlurDifference as BlurDifference
+from .sharpness import BlurMoments as BlurMoments
+from .smoothing import smooth_ratio as smooth_ratio

@@ -1,38 +1,22 @@
-from .alignment import align_bands, align_frames
-from .background import divide_by_light, is_steep
-from .camera_map import CameraMap, MapKind, describe_map, move_map
-from .drift import Drift, check_map, estimate_drift
-from .estimate import register, register_frames
-from .interpolation import (
-    interpolation_variance_factor,
-    sample_spline,
-    spline_coefficients,
-    warp,
-)
-from .inverse import InverseComparison, MapNodes, compare_with_inverse
-from .settings import RegistrationSettings, orient
-
-__all__ = [
-    "CameraMap",
-    "Drift",
-    "InverseComparison",
-    "MapKind",
-    "MapNodes",
-    "RegistrationSettings",
-    "align_bands",
-    "align_frames",
-    "check_map",
-    "compare_with_inverse",
-    "describe_map",
-    "divide_by_light",
-    "estimate_drift",
-    "interpolation_variance_factor",
-    "is_steep",
-    "move_map",
-    "orient",
-    "register",
-    "register_frames",
-    "sample_spline",
-    "spline_coefficients",
-    "warp",
-]
+from .alignment import align_bands as align_bands
+from .alignment import align_frames as align_frames
+from .background import divide_by_light as divide_by_light
+from .background import is_steep as is_steep
+from .camera_map import CameraMap as CameraMap
+from .camera_map import MapKind as MapKind
+from .camera_map import describe_map as describe_map
+from .camera_map import move_map as move_map
+from .drift import Drift as Drift
+from .drift import check_map as check_map
+from .drift import estimate_drift as estimate_drift
+from .estimate import register as register
+from .estimate import register_frames as register_frames
+from .interpolation import interpolation_variance_factor as interpolation_variance_factor
+from .interpolation import sample_spline as sample_spline
+from .interpolation import spline_coefficients as spline_coefficients
+from .interpolation import warp as warp
+from .inverse import InverseComparison as InverseComparison
+from .inverse import MapNodes as MapNodes
+from .inverse import compare_with_inverse as compare_with_inverse
+from .settings import RegistrationSettings as RegistrationSettings
+from .settings import orient as orient

@@ -1,18 +1,7 @@
-from .directory import simulate
-from .endurance import (
-    EnduranceRig,
-    EnduranceTruth,
-    simulate_endurance,
-    write_endurance_log,
-)
-from .settings import DyeSpectra, RigSettings
-
-__all__ = [
-    "DyeSpectra",
-    "EnduranceRig",
-    "EnduranceTruth",
-    "RigSettings",
-    "simulate",
-    "simulate_endurance",
-    "write_endurance_log",
-]
+from .directory import simulate as simulate
+from .endurance import EnduranceRig as EnduranceRig
+from .endurance import EnduranceTruth as EnduranceTruth
+from .endurance import simulate_endurance as simulate_endurance
+from .endurance import write_endurance_log as write_endurance_log
+from .settings import DyeSpectra as DyeSpectra
+from .settings import RigSettings as RigSettings

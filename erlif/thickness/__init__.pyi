@@ -1,19 +1,10 @@
-from .islands import flag_beyond_maximum
-from .maps import measure_thickness
-from .patch import NO_PATCH, PatchMean, sample_patch
-from .pulse import compare_light, measure_pulse_energy, middle_of
-from .surroundings import CLEAR
-from .tables import FilmTables
-
-__all__ = [
-    "CLEAR",
-    "NO_PATCH",
-    "FilmTables",
-    "PatchMean",
-    "compare_light",
-    "flag_beyond_maximum",
-    "measure_pulse_energy",
-    "measure_thickness",
-    "middle_of",
-    "sample_patch",
-]
+from .islands import flag_beyond_maximum as flag_beyond_maximum
+from .maps import measure_thickness as measure_thickness
+from .patch import NO_PATCH as NO_PATCH
+from .patch import PatchMean as PatchMean
+from .patch import sample_patch as sample_patch
+from .pulse import compare_light as compare_light
+from .pulse import measure_pulse_energy as measure_pulse_energy
+from .pulse import middle_of as middle_of
+from .surroundings import CLEAR as CLEAR
+from .tables import FilmTables as FilmTables

@@ -1,73 +1,30 @@
-from .hertz import (
-    THESIS_F1,
-    THESIS_F2,
-    EllipticalContact,
-    LineContact,
-    RelativeRadii,
-    hertz_ellipse,
-    hertz_line,
-    relative_radii,
-    thesis_ellipse,
-)
-from .impact import (
-    impact_force,
-    impact_stiffness,
-)
-from .persson import (
-    FULL_CONTACT,
-    ConformalContact,
-    closed_contact_pressure,
-    persson_contact,
-    persson_group,
-    persson_half_angle,
-    persson_load,
-    persson_peak_group,
-    persson_pressure,
-    projected_pressure,
-    sinusoidal_pressure,
-)
-from .scaling import (
-    conformal_radius,
-    contact_modulus,
-    scale_load,
-    scale_stress,
-)
-from .winkler import (
-    WinklerContact,
-    winkler_contact,
-    winkler_load,
-    winkler_modulus,
-)
-
-__all__ = [
-    "FULL_CONTACT",
-    "THESIS_F1",
-    "THESIS_F2",
-    "ConformalContact",
-    "EllipticalContact",
-    "LineContact",
-    "RelativeRadii",
-    "WinklerContact",
-    "closed_contact_pressure",
-    "conformal_radius",
-    "contact_modulus",
-    "hertz_ellipse",
-    "hertz_line",
-    "impact_force",
-    "impact_stiffness",
-    "persson_contact",
-    "persson_group",
-    "persson_half_angle",
-    "persson_load",
-    "persson_peak_group",
-    "persson_pressure",
-    "projected_pressure",
-    "relative_radii",
-    "scale_load",
-    "scale_stress",
-    "sinusoidal_pressure",
-    "thesis_ellipse",
-    "winkler_contact",
-    "winkler_load",
-    "winkler_modulus",
-]
+from .hertz import THESIS_F1 as THESIS_F1
+from .hertz import THESIS_F2 as THESIS_F2
+from .hertz import EllipticalContact as EllipticalContact
+from .hertz import LineContact as LineContact
+from .hertz import RelativeRadii as RelativeRadii
+from .hertz import hertz_ellipse as hertz_ellipse
+from .hertz import hertz_line as hertz_line
+from .hertz import relative_radii as relative_radii
+from .hertz import thesis_ellipse as thesis_ellipse
+from .impact import impact_force as impact_force
+from .impact import impact_stiffness as impact_stiffness
+from .persson import FULL_CONTACT as FULL_CONTACT
+from .persson import ConformalContact as ConformalContact
+from .persson import closed_contact_pressure as closed_contact_pressure
+from .persson import persson_contact as persson_contact
+from .persson import persson_group as persson_group
+from .persson import persson_half_angle as persson_half_angle
+from .persson import persson_load as persson_load
+from .persson import persson_peak_group as persson_peak_group
+from .persson import persson_pressure as persson_pressure
+from .persson import projected_pressure as projected_pressure
+from .persson import sinusoidal_pressure as sinusoidal_pressure
+from .scaling import conformal_radius as conformal_radius
+from .scaling import contact_modulus as contact_modulus
+from .scaling import scale_load as scale_load
+from .scaling import scale_stress as scale_stress
+from .winkler import WinklerContact as WinklerContact
+from .winkler import winkler_contact as winkler_contact
+from .winkler import winkler_load as winkler_load
+from .winkler import winkler_modulus as winkler_modulus

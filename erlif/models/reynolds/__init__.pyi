@@ -1,20 +1,12 @@
-from .film import solve_film
-from .journal import Groove, Journal, Motion, Mount, crank_motion
-from .shapes import lobe_shape, pin_shape, roller_shape
-from .steady import journal_coefficients, steady_journal
-from .transient import solve_journal
-
-__all__ = [
-    "Groove",
-    "Journal",
-    "Motion",
-    "Mount",
-    "crank_motion",
-    "journal_coefficients",
-    "lobe_shape",
-    "pin_shape",
-    "roller_shape",
-    "solve_film",
-    "solve_journal",
-    "steady_journal",
-]
+from .film import solve_film as solve_film
+from .journal import Groove as Groove
+from .journal import Journal as Journal
+from .journal import Motion as Motion
+from .journal import Mount as Mount
+from .journal import crank_motion as crank_motion
+from .shapes import lobe_shape as lobe_shape
+from .shapes import pin_shape as pin_shape
+from .shapes import roller_shape as roller_shape
+from .steady import journal_coefficients as journal_coefficients
+from .steady import steady_journal as steady_journal
+from .transient import solve_journal as solve_journal

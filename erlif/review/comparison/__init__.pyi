@@ -1,20 +1,11 @@
-from .control import control_chart
-from .difference import PairDifference, average_difference, correct_for_many
-from .maps import difference_map
-from .records import RunRecord, read_run, refuse_unlike
-from .runs import compare
-from .table import NO_CHANCE, describe_comparison
-
-__all__ = [
-    "NO_CHANCE",
-    "PairDifference",
-    "RunRecord",
-    "average_difference",
-    "compare",
-    "control_chart",
-    "correct_for_many",
-    "describe_comparison",
-    "difference_map",
-    "read_run",
-    "refuse_unlike",
-]
+from .control import control_chart as control_chart
+from .difference import PairDifference as PairDifference
+from .difference import average_difference as average_difference
+from .difference import correct_for_many as correct_for_many
+from .maps import difference_map as difference_map
+from .records import RunRecord as RunRecord
+from .records import read_run as read_run
+from .records import refuse_unlike as refuse_unlike
+from .runs import compare as compare
+from .table import NO_CHANCE as NO_CHANCE
+from .table import describe_comparison as describe_comparison
