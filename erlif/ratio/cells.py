@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numba
 import numpy as np
 
-from erlif.core.arrays import Array, FlagImage, Image
+from erlif.core.arrays import AnyArray, Array, FlagImage, Image
 from erlif.correction.light import BLOCK
 
 # Rows and columns of cells over the image.
@@ -25,24 +25,26 @@ _MISSING = 0.03
 
 
 class LightCells(NamedTuple):
-    """What is kept of a frame pair, one value for each cell; NaN where pixels are missing.
+    """Light and ratio of the cells of a frame pair, (cell,), or of a run, (frame, cell).
+
+    NaN where pixels are missing, or where nothing is measured.
 
     Attributes
     ----------
-    light : Image
-        Mean logarithm of the light of camera 1, (cell,). [ln DN]
-    log_ratio : Image
-        Mean logarithm of the ratio, (cell,). [1]
-    spread : Image
-        Variance of the logarithm of the ratio within the cell, without noise, (cell,). [1]
-    variance : Image
-        Variance of log_ratio by the noise of the pixels, (cell,). [1]
+    light : AnyArray
+        Mean logarithm of the light of camera 1. [ln DN]
+    log_ratio : AnyArray
+        Mean logarithm of the ratio. [1]
+    spread : AnyArray
+        Variance of the logarithm of the ratio within a cell, without noise. [1]
+    variance : AnyArray
+        Variance of log_ratio by the noise of the pixels. [1]
     """
 
-    light: Image
-    log_ratio: Image
-    spread: Image
-    variance: Image
+    light: AnyArray
+    log_ratio: AnyArray
+    spread: AnyArray
+    variance: AnyArray
 
 
 # Stands for a frame pair without light.

@@ -1,114 +1,58 @@
-from .background import BackgroundEstimate, estimate_background
-from .bleaching import Trend, fit_trend
-from .blocks import BLOCK, BlockSums, sum_blocks
-from .cells import LightRecord
-from .course import CourseChange, find_ratio_change, find_shift
-from .curve import FilmCurve
-from .exponent import (
-    LARGEST_BEYOND,
-    LEAST_TRIGGERS,
-    SLOWEST,
-    Exponent,
-    fit_exponent,
-    mean_at_constant_minimum,
-)
-from .form import SCALE_STD, SIGNIFICANT, Cause, GapForm, judge_form
-from .gap import GapMinimum, GapShape, choose_contact, find_gap_minima, find_gap_minimum
-from .position import (
-    PARAMETERS,
-    FittedNumbers,
-    PinPosition,
-    PinView,
-    find_pin_in_blocks,
-    find_pin_position,
-    load_line_covariance,
-    pin_covariance,
-)
-from .profile import (
-    RigidGap,
-    average_across_sliding,
-    cut_through_minimum,
-    place_of_minimum,
-    rigid_gap,
-)
-from .region import Region, find_region
-from .rigidity import (
-    CLEARANCE_STD,
-    ErrorEstimate,
-    RatioEquations,
-    RigidityUnknowns,
-    estimate_errors,
-    gap_of_pin,
-    solve_equations,
-)
-from .statistics import FilmStatistics, summarise_blocks, summarise_film
-from .theory import (
-    LubricatedJoint,
-    Solid,
-    VogelLaw,
-    compare_with_roughness,
-    predict_film,
-    viscosity_at,
-)
-
-__all__ = [
-    "BLOCK",
-    "CLEARANCE_STD",
-    "LARGEST_BEYOND",
-    "LEAST_TRIGGERS",
-    "PARAMETERS",
-    "SCALE_STD",
-    "SIGNIFICANT",
-    "SLOWEST",
-    "BackgroundEstimate",
-    "BlockSums",
-    "Cause",
-    "CourseChange",
-    "ErrorEstimate",
-    "Exponent",
-    "FilmCurve",
-    "FilmStatistics",
-    "FittedNumbers",
-    "GapForm",
-    "GapMinimum",
-    "GapShape",
-    "LightRecord",
-    "LubricatedJoint",
-    "PinPosition",
-    "PinView",
-    "RatioEquations",
-    "Region",
-    "RigidGap",
-    "RigidityUnknowns",
-    "Solid",
-    "Trend",
-    "VogelLaw",
-    "average_across_sliding",
-    "choose_contact",
-    "compare_with_roughness",
-    "cut_through_minimum",
-    "estimate_background",
-    "estimate_errors",
-    "find_gap_minima",
-    "find_gap_minimum",
-    "find_pin_in_blocks",
-    "find_pin_position",
-    "find_ratio_change",
-    "find_region",
-    "find_shift",
-    "fit_exponent",
-    "fit_trend",
-    "gap_of_pin",
-    "judge_form",
-    "load_line_covariance",
-    "mean_at_constant_minimum",
-    "pin_covariance",
-    "place_of_minimum",
-    "predict_film",
-    "rigid_gap",
-    "solve_equations",
-    "sum_blocks",
-    "summarise_blocks",
-    "summarise_film",
-    "viscosity_at",
-]
+from .background import BackgroundEstimate as BackgroundEstimate
+from .background import estimate_background as estimate_background
+from .bleaching import Trend as Trend
+from .bleaching import fit_trend as fit_trend
+from .blocks import BLOCK as BLOCK
+from .blocks import BlockSums as BlockSums
+from .blocks import sum_blocks as sum_blocks
+from .course import CourseChange as CourseChange
+from .course import find_ratio_change as find_ratio_change
+from .course import find_shift as find_shift
+from .curve import FilmCurve as FilmCurve
+from .exponent import LARGEST_BEYOND as LARGEST_BEYOND
+from .exponent import LEAST_TRIGGERS as LEAST_TRIGGERS
+from .exponent import SLOWEST as SLOWEST
+from .exponent import Exponent as Exponent
+from .exponent import fit_exponent as fit_exponent
+from .exponent import mean_at_constant_minimum as mean_at_constant_minimum
+from .form import SCALE_STD as SCALE_STD
+from .form import SIGNIFICANT as SIGNIFICANT
+from .form import Cause as Cause
+from .form import GapForm as GapForm
+from .form import judge_form as judge_form
+from .gap import GapMinimum as GapMinimum
+from .gap import GapShape as GapShape
+from .gap import choose_contact as choose_contact
+from .gap import find_gap_minima as find_gap_minima
+from .gap import find_gap_minimum as find_gap_minimum
+from .position import PARAMETERS as PARAMETERS
+from .position import FittedNumbers as FittedNumbers
+from .position import PinPosition as PinPosition
+from .position import PinView as PinView
+from .position import find_pin_in_blocks as find_pin_in_blocks
+from .position import find_pin_position as find_pin_position
+from .position import load_line_covariance as load_line_covariance
+from .position import pin_covariance as pin_covariance
+from .profile import RigidGap as RigidGap
+from .profile import average_across_sliding as average_across_sliding
+from .profile import cut_through_minimum as cut_through_minimum
+from .profile import place_of_minimum as place_of_minimum
+from .profile import rigid_gap as rigid_gap
+from .region import Region as Region
+from .region import find_region as find_region
+from .rigidity import CLEARANCE_STD as CLEARANCE_STD
+from .rigidity import ErrorEstimate as ErrorEstimate
+from .rigidity import RatioEquations as RatioEquations
+from .rigidity import RigidityUnknowns as RigidityUnknowns
+from .rigidity import estimate_errors as estimate_errors
+from .rigidity import gap_of_pin as gap_of_pin
+from .rigidity import solve_equations as solve_equations
+from .statistics import FilmStatistics as FilmStatistics
+from .statistics import summarise_blocks as summarise_blocks
+from .statistics import summarise_film as summarise_film
+from .theory import LubricatedJoint as LubricatedJoint
+from .theory import Solid as Solid
+from .theory import VogelLaw as VogelLaw
+from .theory import compare_with_roughness as compare_with_roughness
+from .theory import predict_film as predict_film
+from .theory import viscosity_at as viscosity_at

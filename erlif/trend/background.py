@@ -21,7 +21,8 @@ import scipy
 from erlif.calibration import TERMS, Calibration, Systematics
 from erlif.core.arrays import Array, Mask
 from erlif.core.statistics import covariance_root
-from erlif.trend.cells import FEWEST_FRAMES, LightRecord, choose_cells, separate_light
+from erlif.ratio.cells import LightCells
+from erlif.trend.cells import FEWEST_FRAMES, choose_cells, separate_light
 
 # Chi-square of two shares that noise exceeds once in 370 cases, as a deviation of three standard
 # deviations of one number.
@@ -149,7 +150,7 @@ class BackgroundEstimate:
 
 
 def estimate_background(
-    record: LightRecord,
+    record: LightCells,
     places: tuple[Array, Array],
     calibration: Calibration,
     *,
@@ -160,7 +161,7 @@ def estimate_background(
 
     Parameters
     ----------
-    record : LightRecord
+    record : LightCells
         Frames in any order.
     places : tuple of two arrays, (cell,)
         Positions (x, y) of the cells, from -1 to 1.
@@ -181,7 +182,7 @@ def estimate_background(
     A run of four frames is too short:
 
     >>> from erlif.show.plots import example_calibration
-    >>> empty = LightRecord(*np.full((4, 4, 120), np.nan))
+    >>> empty = LightCells(*np.full((4, 4, 120), np.nan))
     >>> estimate_background(empty, (np.zeros(120), np.zeros(120)), example_calibration()) is None
     True
     """
@@ -196,7 +197,7 @@ def estimate_background(
         return None
     used = known.any(axis=1)
     fit = _BackgroundFit(
-        LightRecord(*(np.asarray(part, float)[used] for part in record)),
+        LightCells(*(np.asarray(part, float)[used] for part in record)),
         known[used],
         places,
         calibration,
@@ -233,7 +234,7 @@ class _BackgroundFit:
 
     def __init__(
         self,
-        record: LightRecord,
+        record: LightCells,
         known: Mask,
         places: tuple[Array, Array],
         calibration: Calibration,

@@ -18,7 +18,8 @@ import numpy.typing as npt
 
 from erlif.calibration import Calibration
 from erlif.core.arrays import AnyArray, Array, Mask
-from erlif.trend.cells import FEWEST_FRAMES, LightRecord, choose_cells
+from erlif.ratio.cells import LightCells
+from erlif.trend.cells import FEWEST_FRAMES, choose_cells
 
 # Standard deviations from which on a change is reported. The largest of 400 possible steps exceeds
 # them by chance once in 400 runs.
@@ -171,7 +172,7 @@ def find_shift(frames: AnyArray, values: Array) -> CourseChange | None:
 
 def find_ratio_change(
     frames: AnyArray,
-    record: LightRecord,
+    record: LightCells,
     places: tuple[Array, Array],
     calibration: Calibration,
 ) -> CourseChange | None:
@@ -181,7 +182,7 @@ def find_ratio_change(
     ----------
     frames : array of int, (frame,)
         Numbers of the frames, rising.
-    record : LightRecord
+    record : LightCells
         Of these frames.
     places : tuple of two arrays, (cell,)
         Positions (x, y) of the cells, from -1 to 1.
@@ -198,7 +199,7 @@ def find_ratio_change(
     A run of four frames is too short:
 
     >>> from erlif.show.plots import example_calibration
-    >>> empty = LightRecord(*np.full((4, 4, 120), np.nan))
+    >>> empty = LightCells(*np.full((4, 4, 120), np.nan))
     >>> places = np.zeros(120), np.zeros(120)
     >>> find_ratio_change(np.arange(4), empty, places, example_calibration()) is None
     True

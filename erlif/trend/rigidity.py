@@ -21,7 +21,8 @@ import numpy.typing as npt
 from erlif.calibration import Calibration
 from erlif.core.arrays import Array, Mask
 from erlif.core.statistics import covariance_root
-from erlif.trend.cells import FEWEST_FRAMES, LightRecord, choose_cells, separate_light
+from erlif.ratio.cells import LightCells
+from erlif.trend.cells import FEWEST_FRAMES, choose_cells, separate_light
 from erlif.trend.position import PinView
 
 # Accuracy of the clearance by the radii at best. [1]
@@ -247,7 +248,7 @@ class ErrorEstimate:
 
 
 def estimate_errors(
-    record: LightRecord,
+    record: LightCells,
     centres: tuple[Array, Array],
     calibration: Calibration,
     view: PinView,
@@ -259,7 +260,7 @@ def estimate_errors(
 
     Parameters
     ----------
-    record : LightRecord
+    record : LightCells
     centres : tuple of two arrays, (cell,)
         Columns and rows of the middles of the cells. [px]
     calibration : Calibration
@@ -280,7 +281,7 @@ def estimate_errors(
     A run of four frames is too short:
 
     >>> from erlif.show.plots import example_calibration
-    >>> empty, none = LightRecord(*np.full((4, 4, 120), np.nan)), np.zeros(120)
+    >>> empty, none = LightCells(*np.full((4, 4, 120), np.nan)), np.zeros(120)
     >>> view = PinView(33.36e-3, 33.59e-3, 0.06, load_line=9.6, axial_origin=7.7)
     >>> found = estimate_errors(
     ...     empty, (none, none), example_calibration(), view,
@@ -290,7 +291,7 @@ def estimate_errors(
     True
     """
     steps = np.unique(np.linspace(0, len(passed) - 1, _MOST_FRAMES).round().astype(int))
-    record = LightRecord(*(np.asarray(part, float)[steps] for part in record))
+    record = LightCells(*(np.asarray(part, float)[steps] for part in record))
     known = np.isfinite(record.log_ratio) & np.isfinite(record.light) & (record.variance > 0)
     film = calibration.inverse.look_up(np.where(known, record.log_ratio, 0.0))
     chosen = choose_cells(film, known, calibration)
@@ -304,7 +305,7 @@ def estimate_errors(
         view.radius,
         clearance_std=float(np.hypot(clearance_std, CLEARANCE_STD * view.clearance)),
     )
-    record = LightRecord(*(np.where(chosen, part, 0.0) for part in record))
+    record = LightCells(*(np.where(chosen, part, 0.0) for part in record))
     return _ErrorFit(record, chosen, calibration, passed[steps], gap, view.clearance).solve(film)
 
 
@@ -312,7 +313,7 @@ def estimate_errors(
 class _ErrorFit:
     """Gauss-Newton for errors, positions and form."""
 
-    record: LightRecord
+    record: LightCells
     chosen: Mask
     calibration: Calibration
     passed: Array

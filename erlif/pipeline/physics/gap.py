@@ -11,8 +11,8 @@ from erlif.core.notes import Level, Note, note_writer
 from erlif.pipeline.engines.results import FrameResult, shares_passed
 from erlif.pipeline.physics.position import clearance_std
 from erlif.pipeline.plane import ObjectPlane
-from erlif.ratio import cell_centres
-from erlif.trend import ErrorEstimate, LightRecord, estimate_errors
+from erlif.ratio import LightCells, cell_centres
+from erlif.trend import ErrorEstimate, estimate_errors
 
 _note = note_writer("erlif.pipeline")
 
@@ -58,7 +58,7 @@ def find_errors(
     inside = (rows.start <= y) & (y < rows.stop) & (columns.start <= x) & (x < columns.stop)
     parts[:, :, ~inside] = np.nan
     return estimate_errors(
-        LightRecord(*parts.transpose(1, 0, 2)),
+        LightCells(*parts.transpose(1, 0, 2)),
         centres,
         calibration,
         plane.view,

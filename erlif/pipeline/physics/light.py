@@ -34,11 +34,10 @@ from erlif.pipeline.physics.systematics import (
     without_background,
 )
 from erlif.pipeline.plane import ObjectPlane
-from erlif.ratio import cell_places
+from erlif.ratio import LightCells, cell_places
 from erlif.trend import (
     BackgroundEstimate,
     CourseChange,
-    LightRecord,
     Region,
     Trend,
     estimate_background,
@@ -143,11 +142,11 @@ def find_background(
 
 def _record(
     lights: dict[int, FrameResult], calibration: Calibration, pairs: int
-) -> tuple[LightRecord, Calibration]:
+) -> tuple[LightCells, Calibration]:
     """Light and ratio of the cells, frames in their order, and the curve that holds for all."""
     frames = np.array(sorted(lights))
     parts = np.array([lights[frame].cells for frame in frames], float)
-    record = LightRecord(*parts.transpose(1, 0, 2))
+    record = LightCells(*parts.transpose(1, 0, 2))
     if calibration.later is None:
         return record, calibration
 
