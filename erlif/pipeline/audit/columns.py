@@ -9,7 +9,7 @@ import numpy as np
 from erlif.core.arrays import AnyArray, Array
 from erlif.core.notes import Level, Note, list_some, note_writer
 from erlif.core.products import EncoderLog
-from erlif.core.statistics import robust_std
+from erlif.core.statistics import neighbours_of, robust_std
 from erlif.core.units import count_of
 from erlif.pipeline.audit.evidence import Evidence
 
@@ -134,9 +134,7 @@ def find_single(values: Array, *, least: float | None = None) -> AnyArray:
     >>> find_single(load)
     array([7])
     """
-    around = np.pad(values, 3, mode="reflect")
-    windows = np.lib.stride_tricks.sliding_window_view(around, 7)
-    off = np.abs(values - np.median(np.delete(windows, 3, axis=1), axis=1))
+    off = np.abs(values - np.median(neighbours_of(values, 3), axis=1))
     least = _RELATIVE * abs(float(np.median(values))) if least is None else least
     apart = off > max(least, _SIGMAS * robust_std(off))
 

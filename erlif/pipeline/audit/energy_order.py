@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from erlif.core.arrays import AnyArray, Array
-from erlif.core.statistics import robust_std
+from erlif.core.statistics import robust_rms, robust_std
 from erlif.pipeline.audit.rows import FARTHEST, FEW_ODD, FEWEST, ODD, SIDE, Order, shifted
 
 # Pairs with a partner in another order, at least.
@@ -58,7 +58,7 @@ def compare_energies(energies: Array, light: Array) -> tuple[Order | None, AnyAr
         return None
     logged = _without_trend(np.log(np.where(energies > 0, energies, 1.0)))
     seen = _without_trend(np.log(np.where(known, light, np.nan)))
-    spread = float(np.nanmedian(np.abs(seen)) * 1.4826), robust_std(logged)
+    spread = robust_rms(seen[np.isfinite(seen)]), robust_std(logged)
     if min(spread) < _SCATTER:
         return None
 
