@@ -173,16 +173,15 @@ def start_with_any(frames: PairSeries) -> tuple[int, Pair, Surface]:
     RegistrationError
         That of the first frame, if none of the few can be aligned.
     """
-    failure: RegistrationError | None = None
+    failures = []
     for number, pair in enumerate(frames.pick(frames.chosen[:CANDIDATES])):
         try:
             start = find_start(pair, frames.settings)
         except RegistrationError as error:
-            failure = failure or error
+            failures.append(error)
             continue
         return number, pair, align_small(pair, start, frames.settings)
-    assert failure is not None
-    raise failure
+    raise failures[0]
 
 
 def align_small(pair: Pair, start: Agreement, settings: RegistrationSettings) -> Surface:

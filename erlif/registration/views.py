@@ -5,6 +5,8 @@ if they were one frame, each frame read at its own drift.
 """
 
 from collections.abc import Iterator
+from functools import reduce
+from operator import add
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -300,11 +302,8 @@ class TextureViews:
         array, (2,)
             Mean drift, x first: what the displacement must be moved by for the sums to hold. [px]
         """
-        total: Array | None = None
-        for number, view in self._each(dx, dy):
-            sums, _ = self._sum(number, view, dx, dy, scale)
-            total = sums if total is None else total + sums
-        assert total is not None  # the frame of the start has a drift
+        frames = self._each(dx, dy)  # the frame of the start at least, which has a drift
+        total = reduce(add, (self._sum(number, view, dx, dy, scale)[0] for number, view in frames))
         return total, self._centre_drift()
 
     def look(self, surface: Surface, *, scale: Array | None = None) -> tuple[Array, Surface]:

@@ -17,10 +17,10 @@ from erlif.core.tables import read_table
 from erlif.io.files import open_film, takes
 from erlif.io.settings import RunSettings
 from erlif.models.reynolds import Journal
-from erlif.pipeline.physics.joint import describe_joint
+from erlif.pipeline.physics.joint import joint_and_oil
 from erlif.pipeline.physics.position import clearance_std
 from erlif.pipeline.physics.predict import film_beside, is_film, read_film
-from erlif.pipeline.physics.prediction import build_journal, build_motion
+from erlif.pipeline.physics.prediction import build_journal, build_motion, swinging_joint
 from erlif.prediction import (
     Estimate,
     GivenErrors,
@@ -126,12 +126,10 @@ def _beside_sheet(
     The temperature of the film does not change the viscosity that is fitted, but what is expected
     of the oil.
     """
-    joint, oil = describe_joint(settings), settings.oil
-    assert joint is not None  # as for the errors
-    assert oil is not None
-    expected = float(viscosity_at(frames, joint.viscosity).mean())
+    _, oil = joint_and_oil(settings)
+    law = swinging_joint(settings).joint.viscosity
+    expected = float(viscosity_at(frames, law).mean())
     parts = {"oil": float(oil.viscosity_std or 0.0) / expected}
-    law = joint.viscosity
     beside: dict[str, Estimate] = {}
     if isinstance(law, VogelLaw):
         parts["temperature"] = _by_kelvin(law, frames) * float(settings.temperature.reading_std)
@@ -224,13 +222,11 @@ def _compare_models(
 
 def _given_errors(settings: RunSettings, film: xr.Dataset, frames: xr.Dataset) -> GivenErrors:
     """Errors of what the settings, which have a joint, give: stated, else assumed or measured."""
-    joint, oil, options = settings.joint, settings.oil, settings.prediction
-    assert joint is not None  # `build_motion` refuses a run without one
-    assert oil is not None
-    law = describe_joint(settings)
+    (joint, oil), options = joint_and_oil(settings), settings.prediction
+    law = swinging_joint(settings).joint.viscosity
     drift = float(oil.drift_std or 0.0) / 100
-    if oil.drift_std is None and law is not None and isinstance(law.viscosity, VogelLaw):
-        drift = _by_kelvin(law.viscosity, frames) * float(settings.temperature.reading_std)
+    if oil.drift_std is None and isinstance(law, VogelLaw):
+        drift = _by_kelvin(law, frames) * float(settings.temperature.reading_std)
     rounding = 1e-6 * clearance_std(joint)
     line = options.load_line_std or 0.1 * LOAD_LINE_STD
     return GivenErrors(

@@ -11,6 +11,7 @@ from erlif.io.ingest import Run
 from erlif.io.settings import (
     CrankRockerSettings,
     EncoderSettings,
+    JointSettings,
     MaterialSettings,
     OilSettings,
     RotationSettings,
@@ -134,6 +135,13 @@ def describe_joint(settings: RunSettings) -> LubricatedJoint | None:
         pressure_viscosity=oil.pressure_viscosity,
         stroke=_entrained_travel(settings, joint.pin_radius),
     )
+
+
+def joint_and_oil(settings: RunSettings) -> tuple[JointSettings, OilSettings]:
+    """[joint] and [oil] of settings that have been found to have both, as by `swinging_joint`."""
+    assert settings.joint is not None
+    assert settings.oil is not None
+    return settings.joint, settings.oil
 
 
 def missing_load() -> ConfigError:

@@ -15,7 +15,7 @@ from erlif.io.ingest import Run
 from erlif.io.settings import CrankRockerSettings, PredictionOptions, RunSettings
 from erlif.models.mechanism import CrankRocker
 from erlif.models.reynolds import Journal
-from erlif.pipeline.physics.joint import build_linkage, describe_joint
+from erlif.pipeline.physics.joint import build_linkage, describe_joint, joint_and_oil
 from erlif.pipeline.plane import ObjectPlane
 from erlif.prediction import (
     FrameMotion,
@@ -155,15 +155,13 @@ def frames_of_run(run: Run, cycle: xr.Dataset) -> xr.Dataset:
 
 def build_journal(settings: RunSettings, viscosity: float) -> Journal:
     """The joint of the settings, which have one, with a viscosity [Pa s], for the solver."""
-    joint, options = settings.joint, settings.prediction
-    assert joint is not None  # `swinging_joint` refuses a run without them
-    assert settings.oil is not None
+    (joint, oil), options = joint_and_oil(settings), settings.prediction
     return Journal(
         pin_radius=joint.pin_radius,
         bushing_radius=joint.bushing_radius,
         length=joint.length,
         viscosity=viscosity,
-        pressure_viscosity=settings.oil.pressure_viscosity,
+        pressure_viscosity=oil.pressure_viscosity,
         cavitation_pressure=options.cavitation_pressure,
         long=options.long,
     )

@@ -21,6 +21,7 @@ from erlif.core.version import __version__
 from erlif.io.files import open_film, set_coordinates, settings_of, take
 from erlif.io.settings import RunSettings
 from erlif.models.contact import conformal_radius
+from erlif.pipeline.physics.joint import joint_and_oil
 from erlif.pipeline.physics.prediction import (
     build_journal,
     build_motion,
@@ -129,9 +130,7 @@ def _find_pressure(film: xr.Dataset, progress: Progress) -> xr.Dataset:
 
 def _settings_std(settings: RunSettings, viscosity: Array) -> tuple[float, float]:
     """Standard deviations of viscosity and clearance over their values; 0 where none is stated."""
-    joint, oil = settings.joint, settings.oil
-    assert joint is not None  # `_view` refuses a film without them
-    assert oil is not None
+    joint, oil = joint_and_oil(settings)
     clearance = joint.bushing_radius - joint.pin_radius
     return (
         float(oil.viscosity_std or 0.0) / float(np.mean(viscosity)),
@@ -325,8 +324,8 @@ def _pressure_by_trigger(
     radius = float(conformal_radius(view.pin_radius, bushing_radius=view.bushing_radius))
     thinnest = spread(view.clearance - np.hypot(*motion.position[:, :2].T) * _MICRO) / _MICRO
     reach = np.sqrt(2 * radius * np.maximum(thinnest, 0.0))
-    assert settings.joint is not None  # as above
-    columns["peak_of_load"] = _KILO * load / (settings.joint.length * 0.5 * np.pi * reach)
+    length = joint_and_oil(settings)[0].length
+    columns["peak_of_load"] = _KILO * load / (length * 0.5 * np.pi * reach)
     columns["load"] = load
 
     x, y = grid
@@ -353,12 +352,10 @@ def _pressure_by_trigger(
 
 def state_given(pressure: xr.Dataset) -> str:
     """Which errors of viscosity and clearance the pressure has, in words; as `state_limits`."""
-    settings = settings_of(pressure)
-    assert settings.joint is not None  # the pressure of another film is refused
-    assert settings.oil is not None
+    joint, oil = joint_and_oil(settings_of(pressure))
     std = {
-        "viscosity": float(settings.oil.viscosity_std or 0.0),
-        "clearance": _MICRO * float(settings.joint.clearance_std or 0.0),
+        "viscosity": float(oil.viscosity_std or 0.0),
+        "clearance": _MICRO * float(joint.clearance_std or 0.0),
     }
     stated = [name for name in std if std[name]]
     absent = [name for name in std if not std[name]]
