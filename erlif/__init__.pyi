@@ -1,93 +1,50 @@
-from . import (
-    calibration,
-    correction,
-    kinematics,
-    models,
-    pipeline,
-    planning,
-    prediction,
-    ratio,
-    registration,
-    rig,
-    thickness,
-    trend,
-)
-from .calibration import Calibration, open_calibration, save_calibration
-from .core.errors import ErlifError
-from .core.flags import Flag
-from .core.version import __version__
-from .io import conversion, files, ingest, readers, settings
-from .io.conversion import export
-from .io.files import open_film
-from .joint import endurance, friction, sizing
-from .joint.endurance import analyse_endurance, compare_designs, read_endurance_log
-from .joint.friction import analyse_friction
-from .joint.sizing.design import design
-from .pipeline.batch import batch
-from .pipeline.fixture import calibrate
-from .pipeline.physics.predict import predict
-from .pipeline.physics.pressure import pressure_from_film
-from .pipeline.run import process
-from .planning.plan import plan
-from .review import comparison
-from .review.budget import budget
-from .review.check import check
-from .review.comparison import compare
-from .review.init import init
-from .rig import simulate
-from .show import notebook, plots, report
-from .show.report import summarise
-from .trend import find_pin_position
-
-__all__ = [
-    "Calibration",
-    "ErlifError",
-    "Flag",
-    "__version__",
-    "analyse_endurance",
-    "analyse_friction",
-    "batch",
-    "budget",
-    "calibrate",
-    "calibration",
-    "check",
-    "compare",
-    "compare_designs",
-    "comparison",
-    "conversion",
-    "correction",
-    "design",
-    "endurance",
-    "export",
-    "files",
-    "find_pin_position",
-    "friction",
-    "ingest",
-    "init",
-    "kinematics",
-    "models",
-    "notebook",
-    "open_calibration",
-    "open_film",
-    "pipeline",
-    "plan",
-    "planning",
-    "plots",
-    "predict",
-    "prediction",
-    "pressure_from_film",
-    "process",
-    "ratio",
-    "read_endurance_log",
-    "readers",
-    "registration",
-    "report",
-    "rig",
-    "save_calibration",
-    "settings",
-    "simulate",
-    "sizing",
-    "summarise",
-    "thickness",
-    "trend",
-]
+from . import calibration as calibration
+from . import correction as correction
+from . import kinematics as kinematics
+from . import models as models
+from . import pipeline as pipeline
+from . import planning as planning
+from . import prediction as prediction
+from . import ratio as ratio
+from . import registration as registration
+from . import rig as rig
+from . import thickness as thickness
+from . import trend as trend
+from .calibration import Calibration as Calibration
+from .calibration import open_calibration as open_calibration
+from .calibration import save_calibration as save_calibration
+from .core.errors import ErlifError as ErlifError
+from .core.flags import Flag as Flag
+from .core.version import __version__ as __version__
+from .io import conversion as conversion
+from .io import files as files
+from .io import ingest as ingest
+from .io import readers as readers
+from .io import settings as settings
+from .io.conversion import export as export
+from .io.files import open_film as open_film
+from .joint import endurance as endurance
+from .joint import friction as friction
+from .joint import sizing as sizing
+from .joint.endurance import analyse_endurance as analyse_endurance
+from .joint.endurance import compare_designs as compare_designs
+from .joint.endurance import read_endurance_log as read_endurance_log
+from .joint.friction import analyse_friction as analyse_friction
+from .joint.sizing.design import design as design
+from .pipeline.batch import batch as batch
+from .pipeline.fixture import calibrate as calibrate
+from .pipeline.physics.predict import predict as predict
+from .pipeline.physics.pressure import pressure_from_film as pressure_from_film
+from .pipeline.run import process as process
+from .planning.plan import plan as plan
+from .review import comparison as comparison
+from .review.budget import budget as budget
+from .review.check import check as check
+from .review.comparison import compare as compare
+from .review.init import init as init
+from .rig import simulate as simulate
+from .show import notebook as notebook
+from .show import plots as plots
+from .show import report as report
+from .show.report import summarise as summarise
+from .trend import find_pin_position as find_pin_position

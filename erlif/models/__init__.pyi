@@ -1,93 +1,42 @@
-from . import (
-    arguments,
-    bearing,
-    clearance_fit,
-    contact,
-    edges,
-    film,
-    fluorescence,
-    friction,
-    linkage,
-    mechanism,
-    oil,
-    oil_fit,
-    reaction,
-    reynolds,
-    running_in,
-    slider,
-    slider_dynamics,
-    slider_wear,
-    sources,
-    wear,
-)
-from .edges import (
-    Joint,
-    Undercut,
-    edge_exponent,
-    lundberg_profile,
-    prepare_joint,
-    search_undercut,
-    section_stress,
-    solve_contact,
-    solve_joint,
-    subsurface_stress,
-)
-from .reynolds import (
-    Groove,
-    Journal,
-    Motion,
-    Mount,
-    crank_motion,
-    journal_coefficients,
-    lobe_shape,
-    pin_shape,
-    roller_shape,
-    solve_film,
-    solve_journal,
-    steady_journal,
-)
-
-__all__ = [
-    "Groove",
-    "Joint",
-    "Journal",
-    "Motion",
-    "Mount",
-    "Undercut",
-    "arguments",
-    "bearing",
-    "clearance_fit",
-    "contact",
-    "crank_motion",
-    "edge_exponent",
-    "edges",
-    "film",
-    "fluorescence",
-    "friction",
-    "journal_coefficients",
-    "linkage",
-    "lobe_shape",
-    "lundberg_profile",
-    "mechanism",
-    "oil",
-    "oil_fit",
-    "pin_shape",
-    "prepare_joint",
-    "reaction",
-    "reynolds",
-    "roller_shape",
-    "running_in",
-    "search_undercut",
-    "section_stress",
-    "slider",
-    "slider_dynamics",
-    "slider_wear",
-    "solve_contact",
-    "solve_film",
-    "solve_joint",
-    "solve_journal",
-    "sources",
-    "steady_journal",
-    "subsurface_stress",
-    "wear",
-]
+from . import arguments as arguments
+from . import bearing as bearing
+from . import clearance_fit as clearance_fit
+from . import contact as contact
+from . import edges as edges
+from . import film as film
+from . import fluorescence as fluorescence
+from . import friction as friction
+from . import linkage as linkage
+from . import mechanism as mechanism
+from . import oil as oil
+from . import oil_fit as oil_fit
+from . import reaction as reaction
+from . import reynolds as reynolds
+from . import running_in as running_in
+from . import slider as slider
+from . import slider_dynamics as slider_dynamics
+from . import slider_wear as slider_wear
+from . import sources as sources
+from . import wear as wear
+from .edges import Joint as Joint
+from .edges import Undercut as Undercut
+from .edges import edge_exponent as edge_exponent
+from .edges import lundberg_profile as lundberg_profile
+from .edges import prepare_joint as prepare_joint
+from .edges import search_undercut as search_undercut
+from .edges import section_stress as section_stress
+from .edges import solve_contact as solve_contact
+from .edges import solve_joint as solve_joint
+from .edges import subsurface_stress as subsurface_stress
+from .reynolds import Groove as Groove
+from .reynolds import Journal as Journal
+from .reynolds import Motion as Motion
+from .reynolds import Mount as Mount
+from .reynolds import crank_motion as crank_motion
+from .reynolds import journal_coefficients as journal_coefficients
+from .reynolds import lobe_shape as lobe_shape
+from .reynolds import pin_shape as pin_shape
+from .reynolds import roller_shape as roller_shape
+from .reynolds import solve_film as solve_film
+from .reynolds import solve_journal as solve_journal
+from .reynolds import steady_journal as steady_journal
