@@ -55,13 +55,14 @@ def prose(source: str) -> list[tuple[int, str]]:
 
 
 def exported(package: Path) -> set[tuple[Path, str]]:
-    """Functions that a folder exports, and the public ones of models."""
+    """Exported functions of each folder, and the public ones of models."""
     found: set[tuple[Path, str]] = set()
     for init in package.rglob("__init__.py"):
         # a face that loads its modules when they are used has its names in a stub
         stub = init.with_suffix(".pyi")
         tree = ast.parse((stub if stub.exists() else init).read_text(encoding="utf-8"))
-        names = {
+        names = {alias.asname for node in ast.walk(tree) for alias in getattr(node, "names", ())}
+        names |= {
             element.value
             for node in tree.body
             if isinstance(node, ast.Assign) and getattr(node.targets[0], "id", "") == "__all__"
@@ -95,8 +96,7 @@ def find_undocumented(package: Path) -> list[str]:
                 continue
             text = ast.get_docstring(node) or ""
             nothing = node.returns is None or ast.unparse(node.returns) in ("None", "NoReturn")
-            # a section, or the line from which `erlif.models.arguments.formula` makes one
-            if not nothing and not re.search(r"^(Returns(\n|: )|Yields\n)", text, re.MULTILINE):
+            if not nothing and not re.search(r"^(Returns|Yields)\n", text, re.MULTILINE):
                 found.append(f"{path}:{node.lineno}: {name} has no Returns")
             if ">>> " not in text:
                 found.append(f"{path}:{node.lineno}: {name} has no example")

@@ -38,7 +38,7 @@ from erlif.prediction import (
 )
 from erlif.rig import cavitation
 from erlif.rig.cavitation import follow_cavitated
-from erlif.rig.orbit import Bearing, follow_orbit
+from erlif.rig.orbit import RigidBearing, follow_orbit
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 from scenes.orbits import MOVED, WIDTHS, draw_rigs
@@ -60,7 +60,7 @@ HELD = 6  # orbits of springs, and of cavitation pressures
 
 
 def bearing(viscosity):
-    return Bearing(STATED.radius, STATED.clearance, STATED.length, viscosity)
+    return RigidBearing(STATED.radius, STATED.clearance, STATED.length, viscosity)
 
 
 def times(cycles=CYCLES):

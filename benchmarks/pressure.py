@@ -21,13 +21,13 @@ from scipy.interpolate import CubicSpline
 from erlif.models.mechanism import CrankRocker
 from erlif.models.reynolds import Journal
 from erlif.prediction import follow_motion
-from erlif.prediction.gaps import fill_gaps
+from erlif.prediction.gaps import find_motion_in_gaps
 from erlif.prediction.pin_motion import find_pin_motion
 from erlif.prediction.pressure import find_pressures
 from erlif.rig import cavitation
 from erlif.rig.film import crank_at, cycle_time, rocker_angle, rocker_range, rocker_speed
 from erlif.rig.journal import follow_pin
-from erlif.rig.orbit import Bearing
+from erlif.rig.orbit import RigidBearing
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 from scenes.pin import RIG, follow_true_pin, replace
@@ -151,7 +151,7 @@ def measure(truth: Truth, rig, seed: int, cells: tuple[int, int]):
     motion = find_pin_motion(
         truth.time, truth.angle, truth.turning, position, period=cycle_time(rig), **errors
     )
-    bearing = Bearing(
+    bearing = RigidBearing(
         1e-3 * rig.journal_radius, 1e-6 * rig.clearance, 1e-3 * rig.length, rig.viscosity
     )
     joint = Journal(
@@ -171,7 +171,7 @@ def measure(truth: Truth, rig, seed: int, cells: tuple[int, int]):
             "cycle": np.zeros(time.size, int),
             "load": np.full(time.size, rig.load),
         }
-        return fill_gaps(
+        return find_motion_in_gaps(
             joint,
             follow_motion(
                 xr.Dataset({name: ("frame", values) for name, values in columns.items()}),

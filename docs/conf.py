@@ -179,7 +179,7 @@ STAGES = (
     "trend",
     "prediction",
     "pipeline",
-    "review.audit",
+    "review.check",
     "io.conversion",
     "review.comparison",
     "io.files",

@@ -30,10 +30,9 @@ from .pipeline.physics.predict import predict as predict
 from .pipeline.physics.pressure import pressure_from_film as pressure_from_film
 from .pipeline.run import process as process
 from .planning.plan import plan as plan
-from .review import audit as audit
 from .review import comparison as comparison
-from .review.audit import check as check
 from .review.budget import budget as budget
+from .review.check import check as check
 from .review.comparison import compare as compare
 from .review.init import init as init
 from .rig import simulate as simulate

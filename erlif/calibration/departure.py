@@ -106,7 +106,7 @@ class Departure:
 
 
 @dataclass(frozen=True)
-class Candidate:
+class SplineCandidate:
     """A spline fitted to the residuals of the model.
 
     Attributes
@@ -145,22 +145,22 @@ class Choice:
 
     Attributes
     ----------
-    candidate : Candidate | None
+    candidate : SplineCandidate | None
         The spline to use; None where the model stands alone.
     evidence : float
         Difference of the Bayesian criterion in favour of the spline.
     chance : float
         Probability that chance alone makes the residuals of the model as smooth.
-    tested : Candidate
+    tested : SplineCandidate
         The spline from which `chance` was computed.
     falling : bool
         Whether the ratio falls somewhere with the spline to use; the range ends there.
     """
 
-    candidate: Candidate | None
+    candidate: SplineCandidate | None
     evidence: float
     chance: float
-    tested: Candidate
+    tested: SplineCandidate
     falling: bool
 
 
@@ -201,7 +201,7 @@ def choose_departure(points: Points, fit: Fit, freedom: Freedom) -> Choice | Non
     )
 
 
-def _falls(fit: Fit, candidate: Candidate) -> bool:
+def _falls(fit: Fit, candidate: SplineCandidate) -> bool:
     """Whether model and spline fall somewhere."""
     true = candidate.true_thickness[fit.kept]
     grid = np.linspace(float(true.min()), float(true.max()), _GRID)
@@ -236,7 +236,7 @@ def longest_rise(rises: Mask) -> tuple[int, int]:
 
 def fit_departure(
     points: Points, fit: Fit, freedom: Freedom, *, test_knots: int | None = None
-) -> Candidate:
+) -> SplineCandidate:
     """Fit a spline to the residuals of the model, with errors in both variables.
 
     The knots are even in the modelled logarithm of the ratio, closer where it bends. K, p and q
@@ -252,7 +252,7 @@ def fit_departure(
 
     Returns
     -------
-    Candidate
+    SplineCandidate
     """
     kept = fit.kept
     inner = (
@@ -301,7 +301,7 @@ def fit_departure(
     true_thickness = points.thickness + freedom.displacement @ displacement
     true_thickness[kept] = true
     departure = Departure(spline.knots, coefficients, covariance)
-    return Candidate(departure, displacement, chi_square, used, true_thickness)
+    return SplineCandidate(departure, displacement, chi_square, used, true_thickness)
 
 
 def _stiffness(design: Array, value: Array, bends: Array) -> float:

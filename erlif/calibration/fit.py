@@ -15,8 +15,8 @@ import xarray as xr
 from erlif.calibration.curve import DIRECTION, PARAMETERS, Calibration
 from erlif.calibration.departure import (
     STRUCTURE,
-    Candidate,
     Choice,
+    SplineCandidate,
     choose_departure,
     find_correlation,
     fit_departure,
@@ -318,7 +318,7 @@ class _Settled(NamedTuple):
     """The curve that is used, model alone or with a spline."""
 
     fit: Fit
-    candidate: Candidate | None  # the spline; None where the model stands alone
+    candidate: SplineCandidate | None  # the spline; None where the model stands alone
     inflation: float  # factor by which correlated errors widen the covariance
     notes: list[Note]
 
@@ -353,7 +353,7 @@ def _settle_departure(points: Points, fit: Fit, freedom: Freedom) -> _Settled:
     return _Settled(fit, candidate, inflation, notes)
 
 
-def _describe_departure(fit: Fit, candidate: Candidate, choice: Choice) -> Note:
+def _describe_departure(fit: Fit, candidate: SplineCandidate, choice: Choice) -> Note:
     """Note on the spline that is used."""
     falling = "; it falls somewhere, where the calibrated range ends" if choice.falling else ""
     return remark(
@@ -375,7 +375,9 @@ def _describe_structure(fit: Fit, choice: Choice) -> Note:
     )
 
 
-def _residuals(points: Points, fit: Fit, freedom: Freedom, candidate: Candidate | None) -> Array:
+def _residuals(
+    points: Points, fit: Fit, freedom: Freedom, candidate: SplineCandidate | None
+) -> Array:
     """Residual of the curve at each point, in units of its standard deviation."""
     displacement = fit.displacement if candidate is None else candidate.displacement
     film = points.thickness + freedom.displacement @ displacement
@@ -389,8 +391,8 @@ def _residuals(points: Points, fit: Fit, freedom: Freedom, candidate: Candidate 
 
 
 def _settle_outliers(
-    points: Points, fit: Fit, freedom: Freedom, candidate: Candidate
-) -> tuple[Fit, Candidate]:
+    points: Points, fit: Fit, freedom: Freedom, candidate: SplineCandidate
+) -> tuple[Fit, SplineCandidate]:
     """Fit the spline again without outliers.
 
     Where the CMM states no uncertainty, it is estimated from the scatter about the spline.
@@ -408,7 +410,7 @@ def _settle_outliers(
     return fit, candidate
 
 
-def _describe_largest(fit: Fit, candidate: Candidate) -> str:
+def _describe_largest(fit: Fit, candidate: SplineCandidate) -> str:
     """The largest significant departure and its thickness, as text."""
     true = candidate.true_thickness[fit.kept]
     grid = np.linspace(float(true.min()), float(true.max()), 501)

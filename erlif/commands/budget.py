@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from erlif.commands.options import ALLOW_OUTSIDE, CALIBRATION, PATH, SKIP_BAD_FRAMES, Quantity
+from erlif.commands.options import ALLOW_OUTSIDE, CALIBRATION, PATH, SKIP_BAD_FRAMES, QuantityOption
 from erlif.commands.progress import working
 from erlif.core.speed.imports import large_imports
 
@@ -21,7 +21,7 @@ from erlif.core.speed.imports import large_imports
 @click.option(
     "--film",
     "films",
-    type=Quantity("um", "LENGTH"),
+    type=QuantityOption("um", "LENGTH"),
     multiple=True,
     help='Film for which the budget is made, "6 um"; may be repeated. Default: the 10th, 50th and '
     "90th percentile of the map.",

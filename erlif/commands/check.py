@@ -49,12 +49,12 @@ def check(
       erlif check data_samples/straight_bushing -o check.html
     """
     with large_imports():
-        from erlif.review.audit import audit
+        from erlif.review.check import examine
 
     if output is not None:
         expect_output(output, ".html", overwrite=overwrite)
     with working(lines=False) as progress:
-        findings = audit(directory, progress=progress, **options)
+        findings = examine(directory, progress=progress, **options)
     # one form of the findings alone goes to standard output, so that programs can read it
     if as_json:
         click.echo(json.dumps(findings.to_record(), indent=1))

@@ -17,7 +17,7 @@ Command = TypeVar("Command", bound=Callable[..., Any])
 PATH = click.Path(path_type=Path)
 
 
-class Quantity(click.ParamType[Any]):
+class QuantityOption(click.ParamType[Any]):
     """A number with a unit, such as "51 cm", or one of a few words."""
 
     def __init__(self, unit: str, name: str, *words: str) -> None:
@@ -40,7 +40,7 @@ class Quantity(click.ParamType[Any]):
             self.fail(f"{error}{listed}", param, ctx)
 
 
-LENGTH, ANGLE = Quantity("m", "LENGTH"), Quantity("deg", "ANGLE")
+LENGTH, ANGLE = QuantityOption("m", "LENGTH"), QuantityOption("deg", "ANGLE")
 
 
 def output_option(what: str, default: str) -> Callable[[Command], Command]:

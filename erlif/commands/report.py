@@ -11,7 +11,7 @@ from erlif.commands.options import (
     ALLOW_OUTSIDE,
     OVERWRITE,
     PATH,
-    Quantity,
+    QuantityOption,
     expect_suffix,
     output_option,
 )
@@ -49,7 +49,7 @@ def first_and_last(
 )
 @click.option(
     "--max-size",
-    type=Quantity("MB", "SIZE"),
+    type=QuantityOption("MB", "SIZE"),
     default="10 MB",
     show_default=True,
     help="Largest size of the page; it states what was left out.",

@@ -14,7 +14,7 @@ import click
 from click.core import ParameterSource
 
 from erlif.commands.lines import verbosity
-from erlif.commands.options import PATH, Command, Quantity, together
+from erlif.commands.options import PATH, Command, QuantityOption, together
 from erlif.commands.progress import show_progress
 from erlif.core.speed.imports import large_imports
 from erlif.core.tables import read_table
@@ -59,16 +59,16 @@ RIG_OPTIONS: dict[str, str] = read_table("erlif.commands", "simulate.toml")
 
 # Types that do not follow from default or choice.
 _TYPES: dict[str, Any] = {
-    "spacing": Quantity("deg", "ANGLE"),
-    "film": Quantity("um", "LENGTH", "reynolds"),
-    "sideways": Quantity("N/m", "STIFFNESS", *SIDEWAYS),
-    "cavitation_pressure": Quantity("kPa", "PRESSURE"),
-    "load": Quantity("N", "LOAD"),
-    "viscosity": Quantity("Pa s", "VISCOSITY"),
-    "stated_viscosity": Quantity("Pa s", "VISCOSITY"),
-    "marks": Quantity("um", "LENGTH"),
-    "cmm_noise": Quantity("um", "LENGTH"),
-    "reference": Quantity("um", "LENGTH"),
+    "spacing": QuantityOption("deg", "ANGLE"),
+    "film": QuantityOption("um", "LENGTH", "reynolds"),
+    "sideways": QuantityOption("N/m", "STIFFNESS", *SIDEWAYS),
+    "cavitation_pressure": QuantityOption("kPa", "PRESSURE"),
+    "load": QuantityOption("N", "LOAD"),
+    "viscosity": QuantityOption("Pa s", "VISCOSITY"),
+    "stated_viscosity": QuantityOption("Pa s", "VISCOSITY"),
+    "marks": QuantityOption("um", "LENGTH"),
+    "cmm_noise": QuantityOption("um", "LENGTH"),
+    "reference": QuantityOption("um", "LENGTH"),
     "bleaching": (float, float),
 }
 
@@ -79,7 +79,7 @@ def _rig_option(name: str, text: str) -> Callable[[Command], Command]:
     # without a type click takes that of the default
     kind = _TYPES.get(name) or (click.Choice(CHOICES[name]) if name in CHOICES else None)
     flag = "--" + name.removeprefix("write_").replace("_", "-")
-    if isinstance(kind, Quantity) and not isinstance(default, str):
+    if isinstance(kind, QuantityOption) and not isinstance(default, str):
         default = f"{default:.6g} {kind.unit}"
     if isinstance(default, bool):
         flag += flag.replace("--", "/--no-")
@@ -140,7 +140,7 @@ class _ShortHelp(click.Command):
 )
 @click.option(
     "--live",
-    type=Quantity("Hz", "RATE"),
+    type=QuantityOption("Hz", "RATE"),
     help='Write the frames of the run in real time, such as "10 Hz", for erlif watch.',
 )
 @click.option(

@@ -20,7 +20,7 @@ from erlif.commands.options import (
     CALIBRATION,
     PATH,
     PROCESSING,
-    Quantity,
+    QuantityOption,
     expect_output,
     output_option,
 )
@@ -33,7 +33,7 @@ from erlif.core.units import count_of
 
 if TYPE_CHECKING:
     from erlif.pipeline.watch.follow import Follower
-    from erlif.pipeline.watch.setup import Setup
+    from erlif.pipeline.watch.setup import SetupWatch
     from erlif.pipeline.watch.watch import Watch, WatchState
     from erlif.show.view.live import LiveSource
 
@@ -53,23 +53,23 @@ _LOOK = 0.2
 @output_option("File in .nc or .zarr", "RUN_DIR/film.nc")
 @click.option(
     "--quiet",
-    type=Quantity("s", "TIME"),
+    type=QuantityOption("s", "TIME"),
     help='End after this time without a new pair, such as "10 s". Default: at Ctrl-C, or when a '
     "file named stop appears in RUN_DIR.",
 )
 @click.option(
     "--film-below",
-    type=Quantity("um", "LENGTH"),
+    type=QuantityOption("um", "LENGTH"),
     help='Alarm where the minimum film is thinner, such as "2 um".',
 )
 @click.option(
     "--saturated-above",
-    type=Quantity("percent", "SHARE"),
+    type=QuantityOption("percent", "SHARE"),
     help='Alarm where more pixels of a camera saturate, such as "1 %".',
 )
 @click.option(
     "--no-pulse-for",
-    type=Quantity("s", "TIME"),
+    type=QuantityOption("s", "TIME"),
     help='Alarm where no pair comes for longer, such as "2 s".',
 )
 @click.option(
@@ -111,12 +111,12 @@ def watch(
     """
     with large_imports():
         from erlif.pipeline.watch.alarms import Alarms
-        from erlif.pipeline.watch.setup import Setup
+        from erlif.pipeline.watch.setup import SetupWatch
         from erlif.pipeline.watch.watch import Watch
 
     show = partial(_show_page, port=port, browser=not no_browser)
     if trial:
-        trials = Setup(run_dir, allow_outside=options["allow_outside"])
+        trials = SetupWatch(run_dir, allow_outside=options["allow_outside"])
         page = show(trials, page="setup.html")
         with page, _ending(trials, "The setup has ended."), trials.running():
             _follow_setup(trials)
@@ -191,7 +191,7 @@ def _show_page(source: LiveSource, *, page: str, port: int, browser: bool) -> It
         yield
 
 
-def _follow_setup(trials: Setup) -> None:
+def _follow_setup(trials: SetupWatch) -> None:
     """Print the advice whenever it changes, until Ctrl-C."""
     version, printed = -1, [""]
     try:

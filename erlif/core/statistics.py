@@ -58,6 +58,31 @@ def robust_rms(values: AnyArray) -> float:
     return MAD_TO_STD * float(np.median(np.abs(values)))
 
 
+def neighbours_of(values: AnyArray, reach: int) -> AnyArray:
+    """Values before and after each of a series, which is mirrored at its ends.
+
+    Parameters
+    ----------
+    values : array, (row,)
+    reach : int
+        Neighbours on either side.
+
+    Returns
+    -------
+    array, (row, 2 reach)
+
+    Examples
+    --------
+    >>> neighbours_of(np.array([1, 2, 3]), 1)
+    array([[2, 2],
+           [1, 3],
+           [2, 2]])
+    """
+    around = np.pad(values, reach, mode="reflect")
+    windows = np.lib.stride_tricks.sliding_window_view(around, 2 * reach + 1)
+    return np.delete(windows, reach, axis=1)
+
+
 def central_range(values: AnyArray) -> tuple[float, float]:
     """Range of all but the 0.5 % lowest and highest values, as the ends of a colour scale.
 

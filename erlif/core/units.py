@@ -197,12 +197,12 @@ def convert(number: str, name: str, unit: str) -> float:
     usual = _USUAL.get(unit, {})
     if name in usual and math.isfinite(float(number)):
         # in fractions: "60 um" gives 6e-05 m, and not its neighbour
-        return _nearest(Fraction(number) * usual[name])
+        return _nearest_float(Fraction(number) * usual[name])
     spelling = name.replace("°C", "degC").replace("°", "deg")
     return float(_registry().Quantity(float(number), spelling).to(unit).magnitude)
 
 
-def _nearest(value: Fraction) -> float:
+def _nearest_float(value: Fraction) -> float:
     """The float nearest to a fraction; infinite beyond the largest float."""
     try:
         return float(value)

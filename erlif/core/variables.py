@@ -85,7 +85,7 @@ class Variable:
         return xr.Variable(self.dims, values, {**self.attrs, **attrs})
 
 
-def _read_table() -> dict[str, Mapping[str, Variable]]:
+def _read_variables() -> dict[str, Mapping[str, Variable]]:
     """The variables by the file or group that they belong to."""
     table = read_table("erlif.core", "variables.toml")
     return {
@@ -115,7 +115,7 @@ def _read_variable(name: str, keys: dict[str, Any], table: dict[str, Any]) -> Va
     )
 
 
-_TABLE = _read_table()
+_TABLE = _read_variables()
 
 # Variables of the root of film.nc.
 FILM = _TABLE["film"]

@@ -189,11 +189,13 @@ def tabulate(references: References, *, least_signal: float) -> tuple[CameraTabl
     -------
     tuple of two CameraTables
     """
-    one, two = (_tabulate(References(references.isel(camera=n)), least_signal) for n in range(2))
+    one, two = (
+        _tabulate_camera(References(references.isel(camera=n)), least_signal) for n in range(2)
+    )
     return one, two
 
 
-def _tabulate(reference: References, least_signal: float) -> CameraTables:
+def _tabulate_camera(reference: References, least_signal: float) -> CameraTables:
     dark, gain = reference.dark.values, float(reference.gain)
     bad = np.ascontiguousarray(reference.bad.values)
     rows, columns = np.nonzero(bad)
@@ -290,7 +292,7 @@ def _measure_bands(counts, pixels, dry, gaps, images):  # type: ignore[no-untype
     for start in range(0, height, _BAND):
         stop = min(start + _BAND, height)
         part = slice(start, stop)
-        most = _measure(
+        most = _correct_counts(
             counts[part],
             dark[part],
             per_flat[part],
@@ -302,14 +304,16 @@ def _measure_bands(counts, pixels, dry, gaps, images):  # type: ignore[no-untype
         )
         highest = max(highest, most)
         if dry_light.size > 0:
-            _subtract(light[part], flags[part], dry_light[part], least_above_dry[part], energy)
+            _subtract_background(
+                light[part], flags[part], dry_light[part], least_above_dry[part], energy
+            )
 
         # interpolation would ring about bad pixels; they are filled from rows below them, too
         ready = height if stop == height else (stop - _FARTHEST) // BLOCK * BLOCK
         first = filled
         while filled < rows.size and rows[filled] < ready:
             filled += 1
-        fill_gaps(light, bad, rows[first:filled], columns[first:filled], _FARTHEST)
+        fill_bad_pixels(light, bad, rows[first:filled], columns[first:filled], _FARTHEST)
         half_rows, block_rows = (
             slice(done // 2, ready // 2),
             slice(done // BLOCK, -(-ready // BLOCK)),
@@ -326,7 +330,7 @@ def _measure_bands(counts, pixels, dry, gaps, images):  # type: ignore[no-untype
 
 
 @numba.njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST)
-def _measure(  # type: ignore[no-untyped-def]
+def _correct_counts(  # type: ignore[no-untyped-def]
     counts, dark, per_flat, least, bad, full_scale, light, flags
 ):
     """Fill the last two arguments; return the highest count."""
@@ -349,7 +353,7 @@ def _measure(  # type: ignore[no-untyped-def]
 
 
 @numba.njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST)
-def _subtract(light, flags, background, least, energy):  # type: ignore[no-untyped-def]
+def _subtract_background(light, flags, background, least, energy):  # type: ignore[no-untyped-def]
     """Take the light of the dry joint away, (counts - dark - energy (page - dark))/flat.
 
     The bit of dim pixels is made anew; page is the mean of the dry joint.
@@ -363,7 +367,7 @@ def _subtract(light, flags, background, least, energy):  # type: ignore[no-untyp
 
 
 @numba.njit(nogil=True, cache=True)
-def fill_gaps(signal, bad, rows, columns, farthest):  # type: ignore[no-untyped-def]
+def fill_bad_pixels(signal, bad, rows, columns, farthest):  # type: ignore[no-untyped-def]
     """Replace each bad pixel by the mean of the good ones in the smallest square that has some.
 
     Parameters

@@ -182,7 +182,7 @@ def fit_photon_transfer(
         covariance = covariance + dark_variance_std**2 * np.outer(scale, scale)
     columns = [light] if known else [light, scale]
 
-    parameters, errors = _least_squares(np.stack(columns, axis=1), variance, covariance)
+    parameters, errors = _generalised_least_squares(np.stack(columns, axis=1), variance, covariance)
     slope = float(parameters[0])
     if slope <= 0:
         return None
@@ -194,7 +194,7 @@ def fit_photon_transfer(
         return PhotonTransfer(gain, gain_std)
 
     # the bend is square * top / start; its gradient carries the covariance of the fit to it
-    parameters, errors = _least_squares(np.stack(columns, axis=1), variance, covariance)
+    parameters, errors = _generalised_least_squares(np.stack(columns, axis=1), variance, covariance)
     start, square, top = parameters[0], parameters[-1], light.max()
     gradient = np.zeros(len(columns))
     gradient[0], gradient[-1] = -square * top / start**2, top / start
@@ -244,7 +244,9 @@ def measure_response_spread(flat: AnyArray, flat_var: AnyArray, bad: Mask) -> fl
     return float(np.sqrt(max(robust_std(departure) ** 2 / (1 + 1 / 8) - noise, 0.0)))
 
 
-def _least_squares(design: Array, values: Array, covariance: Array) -> tuple[Array, Array]:
+def _generalised_least_squares(
+    design: Array, values: Array, covariance: Array
+) -> tuple[Array, Array]:
     """Parameters by generalised least squares, and their covariance."""
     weighted = np.linalg.solve(covariance, design)
     errors = np.linalg.inv(design.T @ weighted)

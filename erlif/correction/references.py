@@ -167,7 +167,7 @@ def make_references(
     notes: list[Note] = []
     dry = any(camera.background is not None for camera in measured)
     for number, sources in enumerate(zip(measured, declared, estimated, strict=True), 1):
-        camera = _Camera(f"camera{number}", *sources)
+        camera = _CameraEvidence(f"camera{number}", *sources)
         dataset = camera.to_dataset()
         if dry:
             dataset = dataset.assign(_describe_background(camera.measured, dataset))
@@ -184,7 +184,7 @@ def make_references(
 
 
 @dataclass(frozen=True)
-class _Camera:
+class _CameraEvidence:
     """One camera with all that is known of its noise."""
 
     name: str
@@ -408,8 +408,8 @@ class _Camera:
         # in electrons these three mean nothing without a gain, and are then left out
         measured, spread, known = self.measured, self.response.spread, self.gain.known
         electronic = [
-            _describe("gain", self.gain, "electron/DN", self.declared.gain),
-            _describe("read noise", self.read_noise, "electron", self.declared.read_noise),
+            _describe_quantity("gain", self.gain, "electron/DN", self.declared.gain),
+            _describe_quantity("read noise", self.read_noise, "electron", self.declared.read_noise),
         ]
         parts = [
             *(electronic if known else ["gain not known yet"]),
@@ -440,7 +440,7 @@ def _describe_background(measured: CameraMeasurement, dataset: xr.Dataset) -> xr
     )
 
 
-def _describe(what: str, quantity: _Quantity, unit: str, declared: float | None) -> str:
+def _describe_quantity(what: str, quantity: _Quantity, unit: str, declared: float | None) -> str:
     if np.isnan(quantity.measured):
         origin = "declared" if declared is not None else "assumed"
         return f"{what} {quantity.value:g} {unit} ({origin})"

@@ -9,8 +9,8 @@ from .locate import encoder_notes as encoder_notes
 from .locate import entrained_stroke as entrained_stroke
 from .locate import joint_speed as joint_speed
 from .locate import locate_frames as locate_frames
-from .motion import Rotation as Rotation
 from .motion import Sinusoid as Sinusoid
+from .motion import TurningDisc as TurningDisc
 from .motion import locate_logged as locate_logged
 from .motion import locate_rotation as locate_rotation
 from .motion import locate_slider as locate_slider

@@ -128,7 +128,7 @@ def find_clock_offset(
     offsets = time[0] + np.linspace(0, room, count + 1)
     residual = np.array([model.residual(offset) for offset in offsets])
     minima = _minima(residual)
-    refined = [_refine(model, offsets, place) for place in minima]
+    refined = [_refine_offset(model, offsets, place) for place in minima]
     best = min(refined, key=model.residual)
 
     least = model.residual(best)
@@ -220,7 +220,7 @@ def _minima(residual: Array) -> list[int]:
     return [int(place) for place in np.flatnonzero(lower)]
 
 
-def _refine(model: _Model, offsets: Array, place: int) -> float:
+def _refine_offset(model: _Model, offsets: Array, place: int) -> float:
     """Least squares between the neighbours of a minimum, to a millionth of their distance. [s]"""
     from scipy.optimize import fminbound  # slow to load
 

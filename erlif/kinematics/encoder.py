@@ -176,7 +176,7 @@ def _read_swing(
     """Angle of a link that swings."""
     link = choose_link(mechanism, encoder.mounted_on)
     low, high = link.limits
-    counted = _count_on(log.angle.values)
+    counted = _unwrap_reading(log.angle.values)
     reading = np.radians(counted)
 
     # a reading that falls is a rising one of the other sign
@@ -192,9 +192,9 @@ def _read_swing(
 
     if encoder.zero is not None:
         zero = encoder.zero
-        if encoder.direction is None and not _fits(sign * reading + zero, low, high):
+        if encoder.direction is None and not _fits_range(sign * reading + zero, low, high):
             # only one of the signs may leave the readings within reach
-            sign = next((one for one in signs if _fits(one * reading + zero, low, high)), 1)
+            sign = next((one for one in signs if _fits_range(one * reading + zero, low, high)), 1)
         angle = _turn_into(sign * reading + zero, low, high)
         _check_reach(angle, log, counted, sign, zero, (low, high))
         zero_std = None
@@ -339,7 +339,7 @@ def choose_link(mechanism: Mechanism, mounted_on: str) -> Link:
     return Link(one.limits(), one.rocker_angle, one.crank_angle, one.rocker_speed)
 
 
-def _count_on(reading: Array) -> Array:
+def _unwrap_reading(reading: Array) -> Array:
     """Readings that go on where the encoder starts again at 0 or at 360. [degree]"""
     # a link that swings moves by less than half a turn from frame to frame
     turns = np.round(np.diff(reading) / 360.0)
@@ -355,7 +355,7 @@ def _turn_into(angle: Array, low: float, high: float) -> Array:
     return angle - turns * _TURN
 
 
-def _fits(angle: Array, low: float, high: float) -> bool:
+def _fits_range(angle: Array, low: float, high: float) -> bool:
     moved = _turn_into(angle, low, high)
     return bool(moved.min() >= low - ENCODER_ERROR and moved.max() <= high + ENCODER_ERROR)
 

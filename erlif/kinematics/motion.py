@@ -29,7 +29,7 @@ _DISC, _SLIDER = (0.0, math.pi), (-math.pi / 2, math.pi / 2)
 
 
 @dataclass(frozen=True)
-class Rotation:
+class TurningDisc:
     """A disc or shaft that turns past the contact.
 
     Attributes
@@ -63,7 +63,7 @@ class Sinusoid:
 def locate_rotation(
     log: EncoderLog,
     *,
-    rotation: Rotation,
+    rotation: TurningDisc,
     zero: float = 0.0,
     triggers_per_cycle: int | None = None,
     bins: int | None = None,
@@ -76,7 +76,7 @@ def locate_rotation(
         number (frame); angle (frame) [degree], time (frame) [s], angle_rate (frame) [degree/s],
         rotation_speed (frame) [rad s-1] and sliding_speed (frame) [m s-1] where they are known. A
         logged speed takes the place of that of the settings, and both of the slope of the angle.
-    rotation : Rotation
+    rotation : TurningDisc
     zero : float
         Angle of the disc at reading 0. [rad]
     triggers_per_cycle : int, optional
@@ -100,7 +100,7 @@ def locate_rotation(
     A track of 20 mm radius at 10 rad/s:
 
     >>> log = EncoderLog(xr.Dataset({"number": ("frame", [0, 1])}))
-    >>> locate_rotation(log, rotation=Rotation(0.02, 10.0)).sliding_speed.values
+    >>> locate_rotation(log, rotation=TurningDisc(0.02, 10.0)).sliding_speed.values
     array([0.2, 0.2])
     """
     require(log, "number")
@@ -111,7 +111,7 @@ def locate_rotation(
     if "sliding_speed" not in log:
         speed = np.abs(_choose_rate(log, rotation)) * rotation.radius
         columns["sliding_speed"] = (np.broadcast_to(speed, log.sizes["frame"]), "")
-    located = _describe(log, columns, triggers_per_cycle, bins)
+    located = _number_frames(log, columns, triggers_per_cycle, bins)
     return located.assign_attrs(_compare_rate(log, rotation.speed, "speed"))
 
 
@@ -180,7 +180,7 @@ def locate_slider(
     speed = omega * amplitude * np.abs(np.cos(drive))
 
     # a drive that turns backwards passes mid-stroke the other way
-    sense = -1 if "angle" in log and _falls(log, np.degrees(drive)) else 1
+    sense = -1 if "angle" in log and _angle_falls(log, np.degrees(drive)) else 1
     stroke = np.where(sense * np.cos(drive) >= 0, 1, -1).astype(np.int8)
     columns: FrameColumns = {
         "crank_angle": (turned, "angle of the drive, 0 at mid-stroke"),
@@ -188,7 +188,7 @@ def locate_slider(
         "stroke": (stroke, "+1 position rising, -1 falling"),
         "sliding_speed": (speed, ""),
     }
-    located = _describe(log, columns | logged, triggers_per_cycle, bins, _SLIDER)
+    located = _number_frames(log, columns | logged, triggers_per_cycle, bins, _SLIDER)
     return located.assign_attrs(_compare_rate(log, omega, "frequency"))
 
 
@@ -229,7 +229,7 @@ def locate_logged(log: EncoderLog, *, triggers_per_cycle: int | None = None) -> 
         if signed.min() < 0 < signed.max():
             stroke = np.where(signed >= 0, 1, -1).astype(np.int8)
             columns["stroke"] = (stroke, "sign of the logged speed")
-    return _describe(log, columns, triggers_per_cycle)
+    return _number_frames(log, columns, triggers_per_cycle)
 
 
 def _logged_columns(log: EncoderLog) -> FrameColumns:
@@ -243,7 +243,7 @@ def _logged_columns(log: EncoderLog) -> FrameColumns:
     return columns
 
 
-def _describe(
+def _number_frames(
     log: EncoderLog,
     columns: FrameColumns,
     triggers_per_cycle: int | None,
@@ -258,7 +258,7 @@ def _describe(
                 "Expected a column angle_deg, because [encoder] averages the frames in bins of the "
                 "angle; there is none. Log the angle, or remove bins."
             )
-        fold = fold_by_phase(np.radians(angle), bins, dead_points, falling=_falls(log, angle))
+        fold = fold_by_phase(np.radians(angle), bins, dead_points, falling=_angle_falls(log, angle))
     else:
         # without a number of triggers all frames lie within one cycle
         per_cycle = triggers_per_cycle or log.sizes["frame"]
@@ -281,7 +281,7 @@ def _compare_cycle(angle: Array | None, triggers: int | None) -> str:
     )
 
 
-def _falls(log: EncoderLog, angle: Array) -> bool:
+def _angle_falls(log: EncoderLog, angle: Array) -> bool:
     """Whether the angle falls: by its rate, else by its steps where they are clearly backwards."""
     if "angle_rate" in log:
         return bool(np.median(log["angle_rate"].values) < 0)
@@ -322,7 +322,7 @@ def _wrap(angle: Array) -> Array:
     return np.asarray((angle + _TURN / 2) % _TURN - _TURN / 2)
 
 
-def _choose_rate(log: EncoderLog, rotation: Rotation) -> float | Array:
+def _choose_rate(log: EncoderLog, rotation: TurningDisc) -> float | Array:
     """Speed of rotation as logged, as given, or as the angle changes. [rad/s]"""
     if "rotation_speed" in log:
         return np.asarray(log.rotation_speed.values)

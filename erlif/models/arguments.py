@@ -13,13 +13,12 @@ arguments.toml beside this file.
 """
 
 import math
-import re
 import sys
 import warnings
 from collections.abc import Callable
 from dataclasses import dataclass, fields, is_dataclass, replace
 from functools import cache, wraps
-from inspect import cleandoc, formatannotation, signature
+from inspect import formatannotation, signature
 from itertools import pairwise
 from typing import Any, ParamSpec, TypeAlias, TypeVar, cast
 
@@ -269,7 +268,6 @@ class _Kind:
     """What a declared argument is checked for."""
 
     requires: tuple[Callable[..., None], ...]
-    refused: str  # what is refused beside infinite values, in words
     scale: _Scale | None
     # Floats from here to `high` pass all checks: fits call a formula thousands of times.
     low: float
@@ -316,22 +314,13 @@ def _read_kind(text: str, annotation: str) -> _Kind:
 
     low = max(scale.lowest if scale else 0.0, sys.float_info.min)
     high = scale.highest if scale else sys.float_info.max
-    refused = _REFUSED.get(require, "")
     if isinstance(require, _Within):
         low, high = require.lowest + _INSIDE, require.highest - _INSIDE
-        refused = f"outside {require.lowest:g} to {require.highest:.5g}"
     elif require is require_poisson:
         high = 0.5
     if whole:
         low = math.inf  # no float passes without a second look
-    return _Kind((*before, require, *after), refused, scale, low, high)
-
-
-_REFUSED = {
-    require_positive: "not positive",
-    require_not_negative: "negative",
-    require_poisson: "outside -1 to 0.5",
-}
+    return _Kind((*before, require, *after), scale, low, high)
 
 
 def formula(
@@ -342,9 +331,7 @@ def formula(
     Lists become arrays and integers become floats before the call, unless an argument is annotated
     as integer or text; scalars of numpy become floats after it, inside tuples and dataclasses too.
     Arrays and DataArrays stay as they are, so the equation itself broadcasts. An argument annotated
-    as float or integer is refused as an array and as NaN. The docstring gets the common arguments
-    that it leaves out, and a section Raises from the kinds where it has none; in the place of the
-    section Returns of one number it has a line `Returns: text`.
+    as float or integer is refused as an array and as NaN.
 
     Parameters
     ----------
@@ -393,58 +380,9 @@ def formula(
             for name, text in annotations.items()
             if name in declared
         }
-        checked = _checked(equation, found, annotations)
-        if checked.__doc__:
-            text = _with_arguments(cleandoc(checked.__doc__), annotations)
-            checked.__doc__ = _with_refusals(text, found)
-        return checked
+        return _checked(equation, found, annotations)
 
     return decorate
-
-
-_TYPES = {"Any": "float or array", "Values": "float or array"}
-
-
-def _with_arguments(text: str, annotations: dict[str, str]) -> str:
-    """Docstring with the arguments that it leaves out, as arguments.toml has them.
-
-    A line `Returns: text` becomes the section of a number or an array of them.
-    """
-    result = re.search(r"^Returns: (.*(\n +.*)*)", text, re.MULTILINE)
-    if result:
-        section = f"Returns\n-------\nfloat or array\n    {result[1]}"
-        text = text[: result.start()] + section + text[result.end() :]
-    described = re.search(r"Parameters\n-+\n(.*?)\n\n(?=\w+\n-)", text, re.DOTALL)
-    known, types = described[1] if described else "", _TABLE["types"]
-    missing = [
-        f"{name} : {types.get(name) or _TYPES.get(annotation, annotation.rpartition('.')[2])}\n"
-        f"    {_TABLE['texts'][name]}"
-        for name, annotation in annotations.items()
-        if name in _TABLE["texts"] and not re.search(rf"^([\w, ]+, )?{name}(,.*)? :", known, re.M)
-    ]
-    if described and missing:
-        place = described.start(1)
-        return text[:place] + "\n".join(missing) + "\n" + text[place:]
-    section = "\n".join(["Parameters", "----------", *missing]) + "\n\n"
-    return text.replace("Returns\n------", f"{section}Returns\n------", 1) if missing else text
-
-
-def _with_refusals(text: str, kinds: dict[str, _Kind]) -> str:
-    """Docstring with a section Raises, where it has none: what is refused of each argument."""
-    if "Raises\n------" in text or not kinds:
-        return text
-    refused: dict[str, list[str]] = {}
-    for name, kind in kinds.items():
-        if kind.refused:
-            refused.setdefault(kind.refused, []).append(f"`{name}`")
-    parts = [
-        "An infinite value",
-        *(f"{', '.join(names)} {what}" for what, names in refused.items()),
-    ]
-    section = f"Raises\n------\nModelError\n    {'; '.join(parts)}.\n\n"
-    place = re.search(r"(Warns|Notes|Examples)\n-", text)
-    where = place.start() if place else len(text)
-    return f"{text[:where].rstrip()}\n\n{section}{text[where:]}".rstrip()
 
 
 def _checked(

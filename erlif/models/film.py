@@ -62,7 +62,21 @@ def isoviscous_rigid_film(
 
     Martin (1916).
 
-    Returns: Film thickness at the line of centres, the minimum. [m]
+    Parameters
+    ----------
+    entrainment_speed : float or array
+        Mean u of the two surface speeds. [m/s]
+    load_per_length : float or array
+        Line load q. [N/m]
+    viscosity : float or array
+        Dynamic viscosity eta at ambient pressure. [Pa s]
+    radius : float or array
+        Reduced radius R, see `erlif.models.contact.conformal_radius`. [m]
+
+    Returns
+    -------
+    float or array
+        Film thickness at the line of centres, the minimum. [m]
 
     Notes
     -----
@@ -91,7 +105,21 @@ def piezoviscous_rigid_film(
 
     Blok (1950).
 
-    Returns: Minimum film thickness. [m]
+    Parameters
+    ----------
+    entrainment_speed : float or array
+        Mean u of the two surface speeds. [m/s]
+    viscosity : float or array
+        Dynamic viscosity eta at ambient pressure. [Pa s]
+    pressure_viscosity : float or array
+        Barus coefficient alpha at ambient pressure. [1/Pa]
+    radius : float or array
+        Reduced radius R, see `erlif.models.contact.conformal_radius`. [m]
+
+    Returns
+    -------
+    float or array
+        Minimum film thickness. [m]
 
     Notes
     -----
@@ -130,10 +158,21 @@ def isoviscous_elastic_film(
 
     Parameters
     ----------
+    entrainment_speed : float or array
+        Mean u of the two surface speeds. [m/s]
+    load_per_length : float or array
+        Line load q. [N/m]
+    viscosity : float or array
+        Dynamic viscosity eta at ambient pressure. [Pa s]
+    radius : float or array
+        Reduced radius R, see `erlif.models.contact.conformal_radius`. [m]
     contact_modulus : float or array
         E*, see `erlif.models.contact.contact_modulus`; U and W are formed with 2 E*. [Pa]
 
-    Returns: Minimum film thickness. [m]
+    Returns
+    -------
+    float or array
+        Minimum film thickness. [m]
 
     Examples
     --------
@@ -169,7 +208,25 @@ def dowson_higginson_film(
     Dowson and Higginson (1966); `thesis_film` is the form of Farzaneh (2002), eq. 2.8, in its own
     symbols.
 
-    Returns: Minimum film thickness. [m]
+    Parameters
+    ----------
+    entrainment_speed : float or array
+        Mean u of the two surface speeds. [m/s]
+    load_per_length : float or array
+        Line load q. [N/m]
+    viscosity : float or array
+        Dynamic viscosity eta at ambient pressure. [Pa s]
+    pressure_viscosity : float or array
+        Barus coefficient alpha at ambient pressure. [1/Pa]
+    radius : float or array
+        Reduced radius R, see `erlif.models.contact.conformal_radius`. [m]
+    contact_modulus : float or array
+        Contact modulus E*, see `erlif.models.contact.contact_modulus`. [Pa]
+
+    Returns
+    -------
+    float or array
+        Minimum film thickness. [m]
 
     Notes
     -----
@@ -207,10 +264,23 @@ def thesis_film(
 
     Parameters
     ----------
+    load_per_length : float or array
+        Line load q. [N/m]
+    viscosity : float or array
+        Dynamic viscosity eta at ambient pressure. [Pa s]
+    pressure_viscosity : float or array
+        Barus coefficient alpha at ambient pressure. [1/Pa]
+    radius : float or array
+        Reduced radius R, see `erlif.models.contact.conformal_radius`. [m]
+    contact_modulus : float or array
+        Contact modulus E*, see `erlif.models.contact.contact_modulus`. [Pa]
     sliding_speed : float or array
         Full sliding speed v of the pin in its bushing. [m/s]
 
-    Returns: Minimum film thickness. [m]
+    Returns
+    -------
+    float or array
+        Minimum film thickness. [m]
 
     Notes
     -----
@@ -295,6 +365,18 @@ def line_contact_film(
 
     Parameters
     ----------
+    entrainment_speed : float or array
+        Mean u of the two surface speeds. [m/s]
+    load_per_length : float or array
+        Line load q. [N/m]
+    viscosity : float or array
+        Dynamic viscosity eta at ambient pressure. [Pa s]
+    pressure_viscosity : float or array
+        Barus coefficient alpha at ambient pressure. [1/Pa]
+    radius : float or array
+        Reduced radius R, see `erlif.models.contact.conformal_radius`. [m]
+    contact_modulus : float or array
+        Contact modulus E*, see `erlif.models.contact.contact_modulus`. [Pa]
     stroke : float, optional
         Peak-to-peak travel of the entrained oil, the integral of the entrainment speed over half a
         cycle: pin radius times half the swing. With it the notes state whether a film formed at the
@@ -406,6 +488,14 @@ def hamrock_dowson_film(
 
     Parameters
     ----------
+    entrainment_speed : float or array
+        Mean u of the two surface speeds. [m/s]
+    viscosity : float or array
+        Dynamic viscosity eta at ambient pressure. [Pa s]
+    pressure_viscosity : float or array
+        Barus coefficient alpha at ambient pressure. [1/Pa]
+    contact_modulus : float or array
+        Contact modulus E*, see `erlif.models.contact.contact_modulus`. [Pa]
     load, radius_along, radius_across : float or array
         Load w on the contact [N], reduced radii Rx along and Ry across the motion [m].
 
@@ -462,12 +552,19 @@ def squeeze_time(
 
     Parameters
     ----------
+    load_per_length : float or array
+        Line load q. [N/m]
+    viscosity : float or array
+        Dynamic viscosity eta at ambient pressure. [Pa s]
     film : float or array
         Film thickness h at the end. [m]
     half_width : float or array
         Half width b of the strip, see `erlif.models.contact.hertz_line`. [m]
 
-    Returns: Time from an infinitely thick film. [s]
+    Returns
+    -------
+    float or array
+        Time from an infinitely thick film. [s]
 
     Examples
     --------
@@ -493,7 +590,10 @@ def film_parameter(film: Values, *, roughness_a: Values, roughness_b: Values) ->
         Minimum film thickness h [m], root-mean-square roughness of the two surfaces, not negative
         and not both zero [m].
 
-    Returns: Film parameter Lambda, see `lubrication_regimes`. [1]
+    Returns
+    -------
+    float or array
+        Film parameter Lambda, see `lubrication_regimes`. [1]
 
     Raises
     ------

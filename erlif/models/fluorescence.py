@@ -40,7 +40,10 @@ def mean_transmission(depth: Values) -> Values:
     depth : float or array
         Optical depth x of the layer, attenuation times thickness. [1]
 
-    Returns: 1 at x = 0, falling as 1/x for a thick layer. [1]
+    Returns
+    -------
+    float or array
+        1 at x = 0, falling as 1/x for a thick layer. [1]
 
     Examples
     --------
@@ -59,7 +62,10 @@ def mean_transmission_log_slope(depth: Values) -> Values:
     depth : float or array
         Optical depth x of the layer. [1]
 
-    Returns: -1/2 at x = 0, rising to -1/x for a thick layer. [1]
+    Returns
+    -------
+    float or array
+        -1/2 at x = 0, rising to -1/x for a thick layer. [1]
 
     Examples
     --------
@@ -83,7 +89,10 @@ def band_signal(thickness: Values, *, attenuation: Values, brightness: Values = 
         Film thickness t [unit of length], A + B of the band [inverse of the unit of thickness], C,
         light per thickness of a very thin film [any light/m].
 
-    Returns: Light of the film, in the unit of `brightness` times thickness.
+    Returns
+    -------
+    float or array
+        Light of the film, in the unit of `brightness` times thickness.
 
     Examples
     --------
@@ -118,7 +127,10 @@ def log_band_ratio(
         p and q, attenuation in the band of camera 1 and of camera 2, not negative; p > q for a
         ratio that rises with thickness. [inverse of the unit of thickness]
 
-    Returns: ln r. [1]
+    Returns
+    -------
+    float or array
+        ln r. [1]
 
     Notes
     -----
@@ -157,7 +169,10 @@ def log_band_ratio_slope(
         Film thickness t [unit of length], p and q, as in `log_band_ratio` [inverse of the unit of
         thickness].
 
-    Returns: Slope, (p - q)/2 at t = 0. [inverse of the unit of thickness]
+    Returns
+    -------
+    float or array
+        Slope, (p - q)/2 at t = 0. [inverse of the unit of thickness]
 
     Examples
     --------

@@ -118,7 +118,15 @@ class CrankRocker:
     def rocker_angle(self, crank_angle: Values) -> Values:
         """Rocker angle at a crank angle, on the branch where the linkage is open.
 
-        Returns: Interior angle psi at the rocker pivot. [rad]
+        Parameters
+        ----------
+        crank_angle : float or array
+            Crank angle t. [rad]
+
+        Returns
+        -------
+        float or array
+            Interior angle psi at the rocker pivot. [rad]
         """
         # law of cosines in the triangle of coupler, rocker and diagonal
         a, b, c, d = self.links
@@ -129,7 +137,15 @@ class CrankRocker:
     def coupler_angle(self, crank_angle: Values) -> Values:
         """Coupler angle at a crank angle.
 
-        Returns: Direction phi of the coupler against the ground link. [rad]
+        Parameters
+        ----------
+        crank_angle : float or array
+            Crank angle t. [rad]
+
+        Returns
+        -------
+        float or array
+            Direction phi of the coupler against the ground link. [rad]
         """
         psi = self.rocker_angle(crank_angle)
         return np.arctan2(
@@ -141,7 +157,15 @@ class CrankRocker:
     def transmission_angle(self, crank_angle: Values) -> Values:
         """Angle between coupler and rocker; at 90 degrees the coupler has its longest lever.
 
-        Returns: Angle at the rocker pin. [rad]
+        Parameters
+        ----------
+        crank_angle : float or array
+            Crank angle t. [rad]
+
+        Returns
+        -------
+        float or array
+            Angle at the rocker pin. [rad]
         """
         # the same triangle, at the rocker pin
         a, b, c, d = self.links
@@ -155,7 +179,17 @@ class CrankRocker:
         The rule of Farzaneh (2002), appendix A.2, crank speed times crank over rocker, is 0.6 to
         1.1 % low on that rig.
 
-        Returns: Rate of psi. [rad/s]
+        Parameters
+        ----------
+        crank_angle : float or array
+            Crank angle t. [rad]
+        crank_speed : float or array
+            Rate of the crank angle. [rad/s]
+
+        Returns
+        -------
+        float or array
+            Rate of psi. [rad/s]
         """
         # both pins move at one speed along the coupler
         phi, psi = self.coupler_angle(crank_angle), self.rocker_angle(crank_angle)
@@ -167,7 +201,17 @@ class CrankRocker:
     def coupler_speed(self, crank_angle: Values, *, crank_speed: Values) -> Values:
         """Rate of the coupler angle, exact.
 
-        Returns: Rate of phi. [rad/s]
+        Parameters
+        ----------
+        crank_angle : float or array
+            Crank angle t. [rad]
+        crank_speed : float or array
+            Rate of the crank angle. [rad/s]
+
+        Returns
+        -------
+        float or array
+            Rate of phi. [rad/s]
         """
         # the rocker pin does not move along the rocker
         phi, psi = self.coupler_angle(crank_angle), self.rocker_angle(crank_angle)
@@ -184,7 +228,19 @@ class CrankRocker:
     ) -> Values:
         """Second time derivative of the rocker angle.
 
-        Returns: Second rate of psi. [rad/s2]
+        Parameters
+        ----------
+        crank_angle : float or array
+            Crank angle t. [rad]
+        crank_speed : float or array
+            Rate of the crank angle. [rad/s]
+        crank_acceleration : float or array
+            Rate of the crank speed. [rad/s2]
+
+        Returns
+        -------
+        float or array
+            Second rate of psi. [rad/s2]
         """
         phi, psi = self.coupler_angle(crank_angle), self.rocker_angle(crank_angle)
         phi_rate = self.coupler_speed(crank_angle, crank_speed=crank_speed)
@@ -280,10 +336,17 @@ class CrankRocker:
 
         Parameters
         ----------
+        rising : bool or array of bool
+            Whether the given angle or position grows while the crank turns in its positive sense.
+        tolerance : float
+            How far beyond the end of its range a value may lie and still count as that end. [rad]
         rocker_angle : float or array
             Interior angle at the rocker pivot. [rad]
 
-        Returns: Crank angle, 0 to 2 pi. [rad]
+        Returns
+        -------
+        float or array
+            Crank angle, 0 to 2 pi. [rad]
 
         Raises
         ------
@@ -312,10 +375,17 @@ class CrankRocker:
 
         Parameters
         ----------
+        rising : bool or array of bool
+            Whether the given angle or position grows while the crank turns in its positive sense.
+        tolerance : float
+            How far beyond the end of its range a value may lie and still count as that end. [rad]
         coupler_angle : float or array
             Direction of the coupler against the ground link. [rad]
 
-        Returns: Crank angle, 0 to 2 pi. [rad]
+        Returns
+        -------
+        float or array
+            Crank angle, 0 to 2 pi. [rad]
 
         Raises
         ------
@@ -452,7 +522,15 @@ class SliderCrank:
     def coupler_angle(self, crank_angle: Values) -> Values:
         """Coupler angle at a crank angle.
 
-        Returns: Direction phi of the rod from crank pin to slider. [rad]
+        Parameters
+        ----------
+        crank_angle : float or array
+            Crank angle t. [rad]
+
+        Returns
+        -------
+        float or array
+            Direction phi of the rod from crank pin to slider. [rad]
         """
         # the slider pin stays on the line: crank sin t + rod sin phi = 0
         return np.arcsin(-self.crank * np.sin(crank_angle) / self.rod)
@@ -461,7 +539,17 @@ class SliderCrank:
     def coupler_speed(self, crank_angle: Values, *, crank_speed: Values) -> Values:
         """Rate of the coupler angle.
 
-        Returns: Rate of phi. [rad/s]
+        Parameters
+        ----------
+        crank_angle : float or array
+            Crank angle t. [rad]
+        crank_speed : float or array
+            Rate of the crank angle. [rad/s]
+
+        Returns
+        -------
+        float or array
+            Rate of phi. [rad/s]
         """
         # the rate of: crank sin t + rod sin phi = 0
         phi = self.coupler_angle(crank_angle)
@@ -473,7 +561,19 @@ class SliderCrank:
     ) -> Values:
         """Second time derivative of the coupler angle.
 
-        Returns: Second rate of phi. [rad/s2]
+        Parameters
+        ----------
+        crank_angle : float or array
+            Crank angle t. [rad]
+        crank_speed : float or array
+            Rate of the crank angle. [rad/s]
+        crank_acceleration : float or array
+            Rate of the crank speed. [rad/s2]
+
+        Returns
+        -------
+        float or array
+            Second rate of phi. [rad/s2]
         """
         phi = self.coupler_angle(crank_angle)
         phi_rate = self.coupler_speed(crank_angle, crank_speed=crank_speed)
@@ -484,7 +584,15 @@ class SliderCrank:
     def slider_position(self, crank_angle: Values) -> Values:
         """Distance from crank pivot to slider pin at a crank angle.
 
-        Returns: Position of the slider pin along x. [m]
+        Parameters
+        ----------
+        crank_angle : float or array
+            Crank angle t. [rad]
+
+        Returns
+        -------
+        float or array
+            Position of the slider pin along x. [m]
         """
         phi = self.coupler_angle(crank_angle)
         return self.crank * np.cos(crank_angle) + self.rod * np.cos(phi)
@@ -493,7 +601,17 @@ class SliderCrank:
     def slider_speed(self, crank_angle: Values, *, crank_speed: Values) -> Values:
         """Speed of the slider, positive away from the crank pivot.
 
-        Returns: Rate of the slider position. [m/s]
+        Parameters
+        ----------
+        crank_angle : float or array
+            Crank angle t. [rad]
+        crank_speed : float or array
+            Rate of the crank angle. [rad/s]
+
+        Returns
+        -------
+        float or array
+            Rate of the slider position. [m/s]
         """
         phi = self.coupler_angle(crank_angle)
         phi_rate = self.coupler_speed(crank_angle, crank_speed=crank_speed)
@@ -505,7 +623,19 @@ class SliderCrank:
     ) -> Values:
         """Acceleration of the slider, positive away from the crank pivot.
 
-        Returns: Second rate of the slider position. [m/s2]
+        Parameters
+        ----------
+        crank_angle : float or array
+            Crank angle t. [rad]
+        crank_speed : float or array
+            Rate of the crank angle. [rad/s]
+        crank_acceleration : float or array
+            Rate of the crank speed. [rad/s2]
+
+        Returns
+        -------
+        float or array
+            Second rate of the slider position. [m/s2]
         """
         phi = self.coupler_angle(crank_angle)
         phi_rate = self.coupler_speed(crank_angle, crank_speed=crank_speed)
@@ -519,7 +649,15 @@ class SliderCrank:
     def joint_angle(self, crank_angle: Values) -> Values:
         """Angle by which the crank pin has turned in the bushing of the connecting rod: t - phi.
 
-        Returns: Angle of the pin against the rod. [rad]
+        Parameters
+        ----------
+        crank_angle : float or array
+            Crank angle t. [rad]
+
+        Returns
+        -------
+        float or array
+            Angle of the pin against the rod. [rad]
         """
         return crank_angle - self.coupler_angle(crank_angle)
 
@@ -527,7 +665,17 @@ class SliderCrank:
     def joint_speed(self, crank_angle: Values, *, crank_speed: Values) -> Values:
         """Rate at which the crank pin turns in the bushing of the connecting rod.
 
-        Returns: Rate of the angle of the pin against the rod. [rad/s]
+        Parameters
+        ----------
+        crank_angle : float or array
+            Crank angle t. [rad]
+        crank_speed : float or array
+            Rate of the crank angle. [rad/s]
+
+        Returns
+        -------
+        float or array
+            Rate of the angle of the pin against the rod. [rad/s]
         """
         return crank_speed - self.coupler_speed(crank_angle, crank_speed=crank_speed)
 
@@ -570,10 +718,17 @@ class SliderCrank:
 
         Parameters
         ----------
+        rising : bool or array of bool
+            Whether the given angle or position grows while the crank turns in its positive sense.
+        tolerance : float
+            How far beyond the end of its range a value may lie and still count as that end. [rad]
         coupler_angle : float or array
             Direction of the rod from crank pin to slider. [rad]
 
-        Returns: Crank angle, 0 to 2 pi. [rad]
+        Returns
+        -------
+        float or array
+            Crank angle, 0 to 2 pi. [rad]
 
         Raises
         ------
@@ -593,12 +748,17 @@ class SliderCrank:
 
         Parameters
         ----------
+        rising : bool or array of bool
+            Whether the given angle or position grows while the crank turns in its positive sense.
         slider_position : float or array
             Distance from crank pivot to slider pin. [m]
         tolerance : float
             How far beyond a dead centre a position may lie and still count as its end. [m]
 
-        Returns: Crank angle, 0 to 2 pi. [rad]
+        Returns
+        -------
+        float or array
+            Crank angle, 0 to 2 pi. [rad]
 
         Raises
         ------

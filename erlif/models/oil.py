@@ -73,7 +73,10 @@ def vogel_viscosity(temperature: Values, *, a: Values, b: Values, c: Values) -> 
     b, c : float or array
         Constants of the oil, see `fit_vogel`. [K]
 
-    Returns: Dynamic viscosity. [Pa s]
+    Returns
+    -------
+    float or array
+        Dynamic viscosity. [Pa s]
 
     Raises
     ------
@@ -197,7 +200,10 @@ def walther_viscosity(
     temperature_1, temperature_2 : float or array
         Two different temperatures, often 313.15 and 373.15. [K]
 
-    Returns: Kinematic viscosity. [m2/s]
+    Returns
+    -------
+    float or array
+        Kinematic viscosity. [m2/s]
 
     Raises
     ------
@@ -247,10 +253,17 @@ def barus_viscosity(pressure: Values, *, viscosity: Values, pressure_viscosity: 
 
     Parameters
     ----------
+    viscosity : float or array
+        Dynamic viscosity eta at ambient pressure. [Pa s]
+    pressure_viscosity : float or array
+        Barus coefficient alpha at ambient pressure. [1/Pa]
     pressure : float or array
         Pressure above ambient. [Pa]
 
-    Returns: Dynamic viscosity. [Pa s]
+    Returns
+    -------
+    float or array
+        Dynamic viscosity. [Pa s]
 
     Notes
     -----
@@ -278,12 +291,17 @@ def roelands_viscosity(
 
     Parameters
     ----------
+    pressure_viscosity : float or array
+        Barus coefficient alpha at ambient pressure. [1/Pa]
     pressure : float or array
         Pressure above ambient, above -p_r. [Pa]
     viscosity : float or array
         Dynamic viscosity eta0 at ambient pressure, above 6.31e-5. [Pa s]
 
-    Returns: Dynamic viscosity. [Pa s]
+    Returns
+    -------
+    float or array
+        Dynamic viscosity. [Pa s]
 
     Raises
     ------
@@ -335,7 +353,10 @@ def density_at_pressure(pressure: Values, *, density: Values) -> Values:
     pressure, density : float or array
         Pressure above ambient [Pa], density rho0 at ambient pressure [kg/m3].
 
-    Returns: Density. [kg/m3]
+    Returns
+    -------
+    float or array
+        Density. [kg/m3]
 
     Raises
     ------
@@ -364,7 +385,10 @@ def density_at_temperature(
         Temperature T and the temperature T0 of the known density [K], density rho0 at T0 [kg/m3],
         coefficient of cubic expansion beta, about 7e-4 for mineral oils [1/K].
 
-    Returns: Density. [kg/m3]
+    Returns
+    -------
+    float or array
+        Density. [kg/m3]
 
     Examples
     --------
@@ -384,10 +408,15 @@ def kinematic_viscosity(viscosity: Values, *, density: Values) -> Values:
 
     Parameters
     ----------
+    viscosity : float or array
+        Dynamic viscosity eta at ambient pressure. [Pa s]
     density : float or array
         Density rho. [kg/m3]
 
-    Returns: Kinematic viscosity. [m2/s]
+    Returns
+    -------
+    float or array
+        Kinematic viscosity. [m2/s]
 
     Examples
     --------

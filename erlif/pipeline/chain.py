@@ -128,7 +128,7 @@ class _Buffers:
         return cls(light, PairWarp.empty(shape, orientation, rows=BAND + 1), ratio)
 
 
-class _Kept(threading.local):
+class _ThreadBuffers(threading.local):
     """The buffers of each thread: new ones for each pair would cost as much as the passes."""
 
     key: tuple[tuple[int, int], str, bool] | None = None
@@ -142,7 +142,7 @@ class _Kept(threading.local):
         return self.buffers
 
 
-_kept = _Kept()
+_kept = _ThreadBuffers()
 
 
 def read_hashed(pairs: FramePairs, frame: int) -> PairCounts:

@@ -114,7 +114,7 @@ def group_frames(cycle: xr.Dataset, pairs: FramePairs) -> list[list[int]]:
     return frames
 
 
-def describe_cycle(cycle: xr.Dataset) -> str:
+def summarise_cycle(cycle: xr.Dataset) -> str:
     """Triggers, cycles and highest speed of a run in words; `cycle` as `locate_run` returns it."""
     triggers, cycles = int(cycle.trigger.max()) + 1, int(cycle.cycle.max()) + 1
     text = count_of(triggers, "trigger")
@@ -157,7 +157,7 @@ def describe_triggers(run: Run, cycle: xr.Dataset) -> xr.Dataset:
     every = [frames or np.flatnonzero(of == k).tolist() for k, frames in enumerate(usable)]
     for name, column in columns.items():
         if column.dtype.kind in "fiu":
-            values = np.array([_mean_column(column, frames) for frames in every])
+            values = np.array([_trigger_mean(column, frames) for frames in every])
         else:
             values = np.array([str(column.values[frames[0]]) for frames in every])
         film[name] = ("trigger", values, column.attrs)
@@ -267,7 +267,7 @@ def complete_film(
         measured |= describe_positions(positions, measured_with, plane.view)
         measured, about_line = place_positions(plane, measured, measured_with, of_frames)
         prediction = try_prediction(plane, triggers.assign(measured), of_frames)
-    film = describe_film(
+    film = assemble_film(
         run,
         triggers,
         results,
@@ -291,14 +291,14 @@ def complete_film(
     # the stored map is that of the mean over the run; drifts are stored about it
     camera_map = move_map(ready.chain.camera_map, drift)
     return film, {
-        "frames": describe_frames(run, cycle, results, drift, ready.chain.ratio_change).assign(
+        "frames": assemble_frames(run, cycle, results, drift, ready.chain.ratio_change).assign(
             prediction.frames
         ),
         "registration": describe_registration(camera_map, ready.chain.blur),
     }
 
 
-def describe_film(
+def assemble_film(
     run: Run,
     triggers: xr.Dataset,
     results: Sequence[TriggerResult],
@@ -341,7 +341,7 @@ def describe_film(
     film["frames_used"] = FILM["frames_used"].fill([len(each) for each in frames])
     passed = [share_passed(each, len(run.pairs.pages[0])) for each in frames]
     film["share_passed"] = FILM["share_passed"].fill(passed)
-    film = film.assign(count_pixels(results)).assign(measured)
+    film = film.assign(count_flagged_pixels(results)).assign(measured)
     settings, plane = run.settings, ObjectPlane(run.settings, run.pairs.shape)
     theory = join_theories(settings, predict_theory(settings, film), prediction.triggers)
     film = film.merge(theory, combine_attrs="drop_conflicts")
@@ -387,7 +387,7 @@ def describe_film(
     )
 
 
-def count_pixels(results: Sequence[TriggerResult]) -> xr.Dataset:
+def count_flagged_pixels(results: Sequence[TriggerResult]) -> xr.Dataset:
     """Valid pixels of each map and those of each flag, so that nobody has to read the maps."""
     pixels = np.array([result.pixels for result in results], np.int64).reshape(-1, 1 + len(Flag))
     flag = np.array([flag.value for flag in Flag], np.uint8)
@@ -540,7 +540,7 @@ def _note_moved_mean(film: xr.Dataset) -> list[Note]:
     return [warn("film_mean", text)]
 
 
-def describe_frames(
+def assemble_frames(
     run: Run,
     cycle: xr.Dataset,
     results: Sequence[TriggerResult],
@@ -615,7 +615,7 @@ def describe_registration(camera_map: CameraMap, blur: BlurDifference) -> xr.Dat
     )
 
 
-def _mean_column(column: xr.DataArray, frames: Sequence[int]) -> float:
+def _trigger_mean(column: xr.DataArray, frames: Sequence[int]) -> float:
     """Mean of a column over the frames of a trigger."""
     values = column.values[list(frames)].astype(float)
     if column.name == "encoder_angle" and column.attrs.get("mounted_on", "crank") == "crank":

@@ -12,7 +12,7 @@ from erlif.core.arrays import Array, Image
 from erlif.core.errors import ConfigError
 from erlif.core.variables import FILM
 from erlif.io.settings import RunSettings
-from erlif.trend import Contact, PinView, Region, find_region
+from erlif.trend import GapShape, PinView, Region, find_region
 
 # Rows and columns of a patch, at least. [px]
 _SMALLEST = 8
@@ -63,11 +63,11 @@ class ObjectPlane:
         return self.region.columns if self.sliding_along_x else self.region.rows
 
     @property
-    def contacts(self) -> tuple[Contact, ...]:
+    def contacts(self) -> tuple[GapShape, ...]:
         """Gaps that the surfaces may have: that of a pin in a bushing, else all."""
         mechanism = self.settings.mechanism
         linked = mechanism is not None and mechanism.kind in ("crank-rocker", "slider-crank")
-        return (Contact.LINE,) if linked or self.settings.joint is not None else tuple(Contact)
+        return (GapShape.LINE,) if linked or self.settings.joint is not None else tuple(GapShape)
 
     def spread(self, gap: Array) -> Image:
         """A film (pixel,) along sliding over the image, (y, x): pin and bushing are parallel."""

@@ -23,7 +23,7 @@ from erlif.pipeline.engines.ahead import compiling_ahead
 from erlif.pipeline.engines.engine import Engine, open_engine
 from erlif.pipeline.engines.results import FrameResult, TriggerResult, frames_in
 from erlif.pipeline.engines.triggers import TriggerTask, run_triggers
-from erlif.pipeline.film import complete_film, describe_cycle, describe_triggers, group_frames
+from erlif.pipeline.film import complete_film, describe_triggers, group_frames, summarise_cycle
 from erlif.pipeline.fixture import find_calibration
 from erlif.pipeline.physics.clock import fit_start
 from erlif.pipeline.physics.joint import locate_run
@@ -249,7 +249,7 @@ def _log_inputs(run: Run, cycle: xr.Dataset, calibration: Calibration) -> None:
         rows,
         len(run.pairs.skipped),
     )
-    _logger.info("%s", describe_cycle(cycle))
+    _logger.info("%s", summarise_cycle(cycle))
     _logger.info(
         "calibration %r of %s, calibrated range %.2f to %.2f um",
         calibration.fixture,

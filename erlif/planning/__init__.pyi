@@ -1,7 +1,7 @@
 from .design import Band as Band
-from .design import Camera as Camera
 from .design import Design as Design
-from .design import References as References
+from .design import FilteredCamera as FilteredCamera
+from .design import ReferencePages as ReferencePages
 from .design import band_of as band_of
 from .design import emitted_light as emitted_light
 from .design import log_ratio as log_ratio
@@ -15,7 +15,7 @@ from .design import signal as signal
 from .optimum import Optimum as Optimum
 from .optimum import find_optimum as find_optimum
 from .optimum import largest_error as largest_error
-from .precision import Film as Film
+from .precision import WantedFilm as WantedFilm
 from .precision import calibrated_range as calibrated_range
 from .precision import frames_needed as frames_needed
 from .precision import log_ratio_variance as log_ratio_variance
@@ -28,5 +28,5 @@ from .spectra import normalise_emission as normalise_emission
 from .spectra import read_spectrum as read_spectrum
 from .spectra import synthetic_spectra as synthetic_spectra
 from .tolerances import TOLERANCES as TOLERANCES
-from .tolerances import Change as Change
+from .tolerances import ToleranceEffect as ToleranceEffect
 from .tolerances import vary_tolerances as vary_tolerances

@@ -18,7 +18,7 @@ _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(12)
 
 
 @dataclass(frozen=True)
-class Camera:
+class FilteredCamera:
     """A camera behind its filter.
 
     Attributes
@@ -55,7 +55,7 @@ class Camera:
 
 
 @dataclass(frozen=True)
-class References:
+class ReferencePages:
     """Pages from which darks and flats are averaged.
 
     Attributes
@@ -80,23 +80,23 @@ class Design:
     ----------
     dyes : tuple[Dye, ...]
         Dye 1, whose light is reabsorbed, and dye 2, which reabsorbs it.
-    cameras : tuple[Camera, ...]
+    cameras : tuple[FilteredCamera, ...]
         Camera 1 in the band that is reabsorbed, and camera 2.
     laser : float
         Wavelength. [nm]
     energy : float
         Pulse energy over the stated one. [1]
-    references : References
+    references : ReferencePages
         Dark and flat pages.
     corner : float
         Light at the corners of the field over that in its middle, of beam and lens. [1]
     """
 
     dyes: tuple[Dye, ...]
-    cameras: tuple[Camera, ...]
+    cameras: tuple[FilteredCamera, ...]
     laser: float
     energy: float = 1.0
-    references: References = References()
+    references: ReferencePages = ReferencePages()
     corner: float = 1.0
 
     def with_concentrations(self, concentrations: npt.ArrayLike) -> Design:
@@ -149,7 +149,7 @@ def band_of(design: Design, number: int) -> Band:
 
     Examples
     --------
-    >>> band = band_of(example_design(), 1)
+    >>> band = band_of(example_dye_design(), 1)
     >>> bool(band.attenuation.min() > 0)
     True
     """
@@ -186,7 +186,7 @@ def emitted_light(design: Design, number: int, thickness: npt.ArrayLike) -> Arra
 
     Examples
     --------
-    >>> float(emitted_light(example_design(), 1, 0.0))
+    >>> float(emitted_light(example_dye_design(), 1, 0.0))
     0.0
     """
     band, film = band_of(design, number), np.asarray(thickness, float)
@@ -204,7 +204,7 @@ def signal(design: Design, number: int, thickness: npt.ArrayLike) -> Array:
 
     Examples
     --------
-    >>> bool(signal(example_design(), 1, 5.0) > signal(example_design(), 1, 2.0))
+    >>> bool(signal(example_dye_design(), 1, 5.0) > signal(example_dye_design(), 1, 2.0))
     True
     """
     scale = design.energy * design.cameras[number - 1].scale
@@ -221,7 +221,7 @@ def log_ratio(design: Design, thickness: npt.ArrayLike) -> Array:
 
     Examples
     --------
-    >>> bool(log_ratio(example_design(), 5.0) > log_ratio(example_design(), 2.0))
+    >>> bool(log_ratio(example_dye_design(), 5.0) > log_ratio(example_dye_design(), 2.0))
     True
     """
     return np.log(signal(design, 2, thickness)) - np.log(signal(design, 1, thickness))
@@ -239,7 +239,7 @@ def log_ratio_slope(design: Design, thickness: npt.ArrayLike) -> Array:
     --------
     The slope of a very thin film is half the difference of the attenuations:
 
-    >>> design = example_design()
+    >>> design = example_dye_design()
     >>> p, q = (mean_attenuation(design, number) for number in (1, 2))
     >>> round(float(log_ratio_slope(design, 1e-3)) / (p - q), 3)
     0.5
@@ -269,7 +269,7 @@ def mean_attenuation(design: Design, number: int) -> float:
 
     Examples
     --------
-    >>> design = example_design()
+    >>> design = example_dye_design()
     >>> [round(mean_attenuation(design, number), 2) for number in (1, 2)]
     [0.4, 0.25]
     """
@@ -296,7 +296,7 @@ def optical_thickness(design: Design) -> tuple[float, float]:
 
     Examples
     --------
-    >>> reabsorption, absorption = optical_thickness(example_design())
+    >>> reabsorption, absorption = optical_thickness(example_dye_design())
     >>> round(reabsorption / absorption, 2)
     0.97
     """
@@ -322,7 +322,7 @@ def scaled_to(design: Design, thick_film: tuple[float, float]) -> Design:
 
     Examples
     --------
-    >>> design = scaled_to(example_design(), (5000.0, 6000.0))
+    >>> design = scaled_to(example_dye_design(), (5000.0, 6000.0))
     >>> round(float(signal(design, 1, 1e4)))
     5000
     """
@@ -336,7 +336,7 @@ def scaled_to(design: Design, thick_film: tuple[float, float]) -> Design:
     return replace(design, cameras=tuple(cameras))
 
 
-def example_design() -> Design:
+def example_dye_design() -> Design:
     """The design of Farzaneh (2002) with invented spectra, light and cameras.
 
     Returns
@@ -345,14 +345,16 @@ def example_design() -> Design:
 
     Examples
     --------
-    >>> example_design().concentrations
+    >>> example_dye_design().concentrations
     array([0.008, 0.024])
     """
     dyes = tuple(
         Dye(concentration, 0.7, *synthetic_spectra(name))
         for concentration, name in zip((0.008, 0.024), SYNTHETIC, strict=True)
     )
-    cameras = tuple(Camera(band, 10.0, 4.4, 9.0, 20000.0, 4095 - 64) for band in (580.0, 610.0))
+    cameras = tuple(
+        FilteredCamera(band, 10.0, 4.4, 9.0, 20000.0, 4095 - 64) for band in (580.0, 610.0)
+    )
     design = Design(dyes, cameras, laser=532.0)
     return scaled_to(design, (11000.0, 11500.0))
 
@@ -427,7 +429,7 @@ def saturation_fluence(design: Design) -> float:
 
     Examples
     --------
-    >>> round(saturation_fluence(example_design()), 4)
+    >>> round(saturation_fluence(example_dye_design()), 4)
     0.0011
     """
     largest = max(float(dye.absorption.at(design.laser)) for dye in design.dyes)

@@ -15,12 +15,12 @@ import numpy as np
 from erlif.calibration import Reabsorption, Systematics
 from erlif.core.arrays import Array
 from erlif.planning.design import Design, log_ratio, log_ratio_slope, mean_attenuation
-from erlif.planning.precision import Film, log_ratio_variance
+from erlif.planning.precision import WantedFilm, log_ratio_variance
 from erlif.ratio import cell_centres
 from erlif.trend import (
     CLEARANCE_STD,
-    Equations,
-    Unknowns,
+    RatioEquations,
+    RigidityUnknowns,
     gap_of_pin,
     solve_equations,
 )
@@ -35,7 +35,7 @@ FILMS = (1.0, 3.0, 10.0)
 
 
 @dataclass(frozen=True)
-class Joint:
+class ImagedJoint:
     """A pin in a bore, as its camera sees it.
 
     Attributes
@@ -55,18 +55,18 @@ class Joint:
 
 
 def attainable_errors(
-    design: Design, film: Film, widths: dict[str, float], joint: Joint | None
+    design: Design, film: WantedFilm, widths: dict[str, float], joint: ImagedJoint | None
 ) -> tuple[Systematics, Array, Array]:
     """Errors of a run by their widths, and by the gap of a joint.
 
     Parameters
     ----------
     design : Design
-    film : Film
+    film : WantedFilm
         The minimum film of the joint moves through the wanted range.
     widths : dict of str to float
         Standard deviation of each term of `erlif.calibration.TERMS`. [1]
-    joint : Joint or None
+    joint : ImagedJoint or None
         None: the form of the gap is not known.
 
     Returns
@@ -81,8 +81,8 @@ def attainable_errors(
     Examples
     --------
     >>> from erlif.planning.design import example_design
-    >>> joint = Joint(33.36, 33.59, 19.2, frames=30)
-    >>> wanted = Film(2.0, 10.0, (0.1, 18.0))
+    >>> joint = ImagedJoint(33.36, 33.59, 19.2, frames=30)
+    >>> wanted = WantedFilm(2.0, 10.0, (0.1, 18.0))
     >>> found = attainable_errors(example_design(), wanted, {"ratio": 0.01}, joint)
     >>> bool((found[2][1] < 0.5 * found[2][0]).all())
     True
@@ -108,7 +108,11 @@ def attainable_errors(
 
 
 def _constrain(
-    design: Design, film: Film, model: Reabsorption, systematics: Systematics, joint: Joint
+    design: Design,
+    film: WantedFilm,
+    model: Reabsorption,
+    systematics: Systematics,
+    joint: ImagedJoint,
 ) -> Array:
     """Covariance of the errors where all frames show one gap."""
     x, y = (joint.width / _SHAPE[1] * centre for centre in cell_centres(_SHAPE))
@@ -127,6 +131,8 @@ def _constrain(
     slope, (new, _) = log_ratio_slope(design, films), log_ratio_variance(design, films, average=1)
     acts = systematics.gradient(films, model, slope, 0 * films, passed=passed[:, None])
     variance = np.where(films <= film.thickest, new / _CELL + _EXCESS**2, np.inf)
-    nothing = Unknowns(np.zeros(len(acts)), np.zeros(x.size), np.zeros((joint.frames, len(gap[0]))))
-    equations = Equations(slope, acts, variance, *gap)
+    nothing = RigidityUnknowns(
+        np.zeros(len(acts)), np.zeros(x.size), np.zeros((joint.frames, len(gap[0])))
+    )
+    equations = RatioEquations(slope, acts, variance, *gap)
     return solve_equations(equations, systematics.covariance, np.zeros(films.shape), nothing)[1]

@@ -9,7 +9,7 @@ import numpy as np
 from erlif.core.arrays import Array
 from erlif.core.errors import ModelError
 from erlif.planning.design import Design
-from erlif.planning.precision import Film, dimmed_to_full_scale, thickness_std
+from erlif.planning.precision import WantedFilm, dimmed_to_full_scale, thickness_std
 from erlif.planning.spectra import Dye
 
 # Films of the range whose largest error is minimised.
@@ -39,13 +39,13 @@ class Optimum:
     at_limit: tuple[bool, bool]
 
 
-def largest_error(design: Design, film: Film) -> float:
+def largest_error(design: Design, film: WantedFilm) -> float:
     """Largest relative standard deviation of a pixel over the wanted range.
 
     Parameters
     ----------
     design : Design
-    film : Film
+    film : WantedFilm
 
     Returns
     -------
@@ -55,7 +55,7 @@ def largest_error(design: Design, film: Film) -> float:
     Examples
     --------
     >>> from erlif.planning.design import example_design
-    >>> round(largest_error(example_design(), Film(2.0, 8.0, (0.1, 18.0))), 2)
+    >>> round(largest_error(example_design(), WantedFilm(2.0, 8.0, (0.1, 18.0))), 2)
     0.16
     """
     films = np.geomspace(film.thinnest, film.thickest, FILMS)
@@ -64,7 +64,7 @@ def largest_error(design: Design, film: Film) -> float:
 
 
 def find_optimum(
-    design: Design, film: Film, *, largest: float = 0.05, fill: float = 0.75
+    design: Design, film: WantedFilm, *, largest: float = 0.05, fill: float = 0.75
 ) -> Optimum:
     """Find the concentrations with the smallest `largest_error`.
 
@@ -75,7 +75,7 @@ def find_optimum(
     ----------
     design : Design
         Its concentrations do not matter; its pulse energy is the largest one allowed.
-    film : Film
+    film : WantedFilm
     largest : float
         Largest concentration that dissolves, of each dye. [mol/L]
     fill : float
@@ -94,7 +94,7 @@ def find_optimum(
     Examples
     --------
     >>> from erlif.planning.design import example_design
-    >>> film = Film(2.0, 30.0, (0.5, 45.0))
+    >>> film = WantedFilm(2.0, 30.0, (0.5, 45.0))
     >>> found = find_optimum(example_design(), film)
     >>> found.error < largest_error(example_design(), film)
     True

@@ -27,13 +27,13 @@ from erlif.io.settings import (
     write_example,
 )
 from erlif.planning import (
-    Camera,
     Design,
     Dye,
-    Film,
+    FilteredCamera,
     Optimum,
-    References,
+    ReferencePages,
     Spectrum,
+    WantedFilm,
     band_of,
     calibrated_range,
     find_optimum,
@@ -55,7 +55,7 @@ from erlif.planning import (
     vary_tolerances,
 )
 from erlif.planning.limit import FILMS as FILMS_OF_LIMIT
-from erlif.planning.limit import Joint, attainable_errors
+from erlif.planning.limit import ImagedJoint, attainable_errors
 from erlif.rig import DyeSpectra, RigSettings
 from erlif.rig.settings import LIMITS
 
@@ -179,7 +179,7 @@ def design_of(settings: PlanSettings, folder: Path) -> Design:
     bands = (float(settings.camera1.band), float(settings.camera2.band))
     wavelengths = (float(settings.laser.wavelength), *bands)
     cameras = tuple(
-        Camera(
+        FilteredCamera(
             band=float(camera.band),
             bandwidth=float(camera.bandwidth),
             gain=float(camera.gain),
@@ -199,11 +199,11 @@ def design_of(settings: PlanSettings, folder: Path) -> Design:
         ),
         cameras=cameras,
         laser=wavelengths[0],
-        references=References(pages.dark_pages, pages.flat_pages, pages.flat_level),
+        references=ReferencePages(pages.dark_pages, pages.flat_pages, pages.flat_level),
         corner=settings.laser.corner,
     )
     _refuse_useless(design)
-    return _with_light(design, settings)
+    return _with_scales(design, settings)
 
 
 def _dye_of(
@@ -253,7 +253,7 @@ def _refuse_useless(design: Design) -> None:
         )
 
 
-def _with_light(design: Design, settings: PlanSettings) -> Design:
+def _with_scales(design: Design, settings: PlanSettings) -> Design:
     """The design with the scale of each camera, measured or from optics."""
     known = scaled_to(
         design,
@@ -278,7 +278,7 @@ def _with_light(design: Design, settings: PlanSettings) -> Design:
     return replace(known, cameras=tuple(cameras))
 
 
-def film_of(settings: PlanSettings) -> Film:
+def film_of(settings: PlanSettings) -> WantedFilm:
     """Return the films of a plan in um.
 
     >>> import tomllib
@@ -287,7 +287,7 @@ def film_of(settings: PlanSettings) -> Film:
     """
     film = settings.film
     low, high = settings.covered
-    return Film(
+    return WantedFilm(
         _um(film.thinnest), _um(film.thickest), (_um(low), _um(high)), film.frames, film.average
     )
 
@@ -340,7 +340,9 @@ def _very_thick(design: Design, number: int) -> float:
 # design to dataset
 
 
-def _describe_design(design: Design, film: Film, films: Array, uncertainty: float) -> xr.Dataset:
+def _describe_design(
+    design: Design, film: WantedFilm, films: Array, uncertainty: float
+) -> xr.Dataset:
     """Curves over the thickness, ranges and numbers of one design."""
     average, wanted = film.average, uncertainty * films
     reabsorption, absorption = optical_thickness(design)
@@ -384,7 +386,7 @@ def _as_variables(**values: Any) -> xr.Dataset:
     return describe(columns, {})
 
 
-def _describe_tolerances(design: Design, film: Film, settings: PlanSettings) -> xr.Dataset:
+def _describe_tolerances(design: Design, film: WantedFilm, settings: PlanSettings) -> xr.Dataset:
     """The effect of each tolerance, the largest first; and the two ranges of the plan."""
     sizes = {name: float(value) for name, value in settings.tolerances}
     changes = vary_tolerances(design, film, sizes)
@@ -402,7 +404,7 @@ def _describe_tolerances(design: Design, film: Film, settings: PlanSettings) -> 
     return described.merge(ranges)
 
 
-def _describe_limit(design: Design, film: Film, settings: PlanSettings) -> xr.Dataset:
+def _describe_limit(design: Design, film: WantedFilm, settings: PlanSettings) -> xr.Dataset:
     """Errors that no frame shows, and what the gap of a joint leaves of them."""
     widths = SystematicsOptions().shares | {"size": FixtureSystematics().size / 100}
     # no frames of a dry joint are planned, and no second fixture
@@ -410,7 +412,7 @@ def _describe_limit(design: Design, film: Film, settings: PlanSettings) -> xr.Da
     given = settings.joint
     joint = None
     if given is not None:
-        joint = Joint(
+        joint = ImagedJoint(
             1e3 * float(given.pin_radius),
             1e3 * float(given.bushing_radius),
             1e3 * float(given.width),

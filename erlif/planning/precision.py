@@ -27,7 +27,7 @@ _GRID = 200  # films at which the ends of a range are looked for
 
 
 @dataclass(frozen=True)
-class Film:
+class WantedFilm:
     """The films to be measured, and how.
 
     Attributes
@@ -185,7 +185,7 @@ def _is_below_full_scale(design: Design, thickness: npt.ArrayLike) -> npt.NDArra
     return np.asarray(np.all(below, axis=0))
 
 
-def calibrated_range(design: Design, film: Film) -> tuple[float, float]:
+def calibrated_range(design: Design, film: WantedFilm) -> tuple[float, float]:
     """Range in which the calibration of this design would hold.
 
     The fixture covers it, and the noise of one pixel of one frame leaves a thickness: it ends where
@@ -194,7 +194,7 @@ def calibrated_range(design: Design, film: Film) -> tuple[float, float]:
     Parameters
     ----------
     design : Design
-    film : Film
+    film : WantedFilm
 
     Returns
     -------
@@ -204,7 +204,7 @@ def calibrated_range(design: Design, film: Film) -> tuple[float, float]:
     Examples
     --------
     >>> from erlif.planning.design import example_design
-    >>> low, high = calibrated_range(example_design(), Film(1.0, 10.0, (0.1, 18.0)))
+    >>> low, high = calibrated_range(example_design(), WantedFilm(1.0, 10.0, (0.1, 18.0)))
     >>> low, round(high)
     (0.1, 17)
     """
@@ -219,10 +219,10 @@ def calibrated_range(design: Design, film: Film) -> tuple[float, float]:
     def useful(thickness: Array) -> npt.NDArray[np.bool_]:
         return np.asarray(thickness_std(design, thickness) / thickness <= limit)
 
-    return low, _edge(useful, last, last + grid[1] - grid[0])
+    return low, _end_of_condition(useful, last, last + grid[1] - grid[0])
 
 
-def measurable_range(design: Design, film: Film) -> tuple[float, float]:
+def measurable_range(design: Design, film: WantedFilm) -> tuple[float, float]:
     """Range in which one pixel is valid, by the rules of `erlif.thickness`.
 
     The film lies within the calibrated range and two standard deviations of its ratio from the ends
@@ -231,7 +231,7 @@ def measurable_range(design: Design, film: Film) -> tuple[float, float]:
     Parameters
     ----------
     design : Design
-    film : Film
+    film : WantedFilm
         `frames` and `covered` are used.
 
     Returns
@@ -242,7 +242,7 @@ def measurable_range(design: Design, film: Film) -> tuple[float, float]:
     Examples
     --------
     >>> from erlif.planning.design import example_design
-    >>> low, high = measurable_range(example_design(), Film(1.0, 10.0, (0.1, 18.0)))
+    >>> low, high = measurable_range(example_design(), WantedFilm(1.0, 10.0, (0.1, 18.0)))
     >>> round(low, 1), round(high)
     (0.8, 13)
     """
@@ -265,12 +265,14 @@ def measurable_range(design: Design, film: Film) -> tuple[float, float]:
         return math.nan, math.nan
     first, last = inside[[0, -1]]
     return (
-        _edge(is_valid, grid[first], grid[max(first - 1, 0)]),
-        _edge(is_valid, grid[last], grid[min(last + 1, _GRID - 1)]),
+        _end_of_condition(is_valid, grid[first], grid[max(first - 1, 0)]),
+        _end_of_condition(is_valid, grid[last], grid[min(last + 1, _GRID - 1)]),
     )
 
 
-def _edge(holds: Callable[[Array], npt.NDArray[np.bool_]], inside: float, outside: float) -> float:
+def _end_of_condition(
+    holds: Callable[[Array], npt.NDArray[np.bool_]], inside: float, outside: float
+) -> float:
     """Thickness between two neighbours of a grid at which a condition ends. [um]"""
     films = np.linspace(inside, outside, _GRID)
     return float(films[max(np.flatnonzero(holds(films)), default=0)])

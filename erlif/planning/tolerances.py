@@ -9,9 +9,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from erlif.io.settings import PlanSettings
-from erlif.planning.design import Camera, Design, log_ratio, log_ratio_slope
+from erlif.planning.design import Design, FilteredCamera, log_ratio, log_ratio_slope
 from erlif.planning.optimum import FILMS, largest_error
-from erlif.planning.precision import Film, measurable_range
+from erlif.planning.precision import WantedFilm, measurable_range
 
 # Tolerances by default, those of the settings: shares of the value, the filter in nm.
 TOLERANCES: Mapping[str, float] = {
@@ -20,7 +20,7 @@ TOLERANCES: Mapping[str, float] = {
 
 
 @dataclass(frozen=True)
-class Change:
+class ToleranceEffect:
     """Effect of one tolerance, the worse of both signs.
 
     Attributes
@@ -55,27 +55,27 @@ class Change:
 
 
 def vary_tolerances(
-    design: Design, film: Film, tolerances: Mapping[str, float] = TOLERANCES
-) -> list[Change]:
+    design: Design, film: WantedFilm, tolerances: Mapping[str, float] = TOLERANCES
+) -> list[ToleranceEffect]:
     """Change each part of a design by its tolerance.
 
     Parameters
     ----------
     design : Design
-    film : Film
+    film : WantedFilm
     tolerances : mapping of str to float
         Keys as in `TOLERANCES`.
 
     Returns
     -------
-    list of Change
+    list of ToleranceEffect
         The largest effect first. Shifts of filters are left out where the dyes are given by
         coefficients.
 
     Examples
     --------
     >>> from erlif.planning.design import example_design
-    >>> changes = vary_tolerances(example_design(), Film(2.0, 8.0, (0.1, 18.0)))
+    >>> changes = vary_tolerances(example_design(), WantedFilm(2.0, 8.0, (0.1, 18.0)))
     >>> changes[0].what[:14], changes[-1].effect < 0.05
     ('gain of camera', True)
     """
@@ -88,13 +88,13 @@ def vary_tolerances(
     before, slope = log_ratio(design, films), log_ratio_slope(design, films)
     error = largest_error(design, film)
 
-    def change(what: str, size: str, varied: Design) -> Change:
+    def change(what: str, size: str, varied: Design) -> ToleranceEffect:
         thin, thick = measurable_range(varied, film)
         moved = log_ratio(varied, films) - before
         # counts and not electrons are compared: the gains of both cameras are part of the ratio
         gains = [camera.gain for camera in (*varied.cameras, *design.cameras)]
         moved += np.log(gains[0] / gains[1] * gains[3] / gains[2])
-        return Change(
+        return ToleranceEffect(
             what,
             size,
             # an infinite error cannot change
@@ -128,7 +128,7 @@ def _variations(design: Design, size: Mapping[str, float]) -> list[tuple[str, fl
         )
 
     def camera(key: str, *numbers: int) -> _Vary:
-        def changed(one: Camera, step: float) -> Camera:
+        def changed(one: FilteredCamera, step: float) -> FilteredCamera:
             value = getattr(one, key)
             # the tolerance of a filter is a shift
             return replace(one, **{key: value + step if key == "band" else value * (1 + step)})

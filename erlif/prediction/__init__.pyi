@@ -1,5 +1,5 @@
-from .comparison import Candidate as Candidate
-from .comparison import Comparison as Comparison
+from .comparison import FilmModel as FilmModel
+from .comparison import ModelComparison as ModelComparison
 from .comparison import compare_models as compare_models
 from .fit import Estimate as Estimate
 from .fit import MotionFit as MotionFit
@@ -24,6 +24,6 @@ from .triggers import average_triggers as average_triggers
 from .triggers import predict_frames as predict_frames
 from .triggers import predict_triggers as predict_triggers
 from .triggers import speed_correlation as speed_correlation
-from .view import View as View
+from .view import ImageLine as ImageLine
 from .view import gap_in_view as gap_in_view
 from .view import summarise_gap as summarise_gap

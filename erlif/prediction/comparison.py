@@ -25,7 +25,7 @@ from erlif.prediction.least_squares import (
 from erlif.prediction.measured import MeasuredMotion
 from erlif.prediction.motion import FrameMotion
 from erlif.prediction.orbits import FreeOrbits
-from erlif.prediction.problem import Frames, Problem
+from erlif.prediction.problem import FrameSteps, Problem
 
 # Steady formulas, by the variables of a film that hold them.
 STEADY = {
@@ -80,7 +80,7 @@ _REST = (
 
 
 @dataclass(frozen=True)
-class Candidate:
+class FilmModel:
     """One model of the film, fitted.
 
     Attributes
@@ -110,12 +110,12 @@ class Candidate:
 
 
 @dataclass(frozen=True)
-class Comparison:
+class ModelComparison:
     """Models of the film in the order of their likelihood.
 
     Attributes
     ----------
-    candidates : tuple of Candidate
+    candidates : tuple of FilmModel
         The best first.
     verdict : str
         Which physics carries the film, and how sure that is: one line.
@@ -131,7 +131,7 @@ class Comparison:
         Models that could not be fitted, and why.
     """
 
-    candidates: tuple[Candidate, ...]
+    candidates: tuple[FilmModel, ...]
     verdict: str
     fit: MotionFit | None
     independent: float
@@ -175,7 +175,7 @@ def compare_models(
     load_line_std: float = LOAD_LINE_STD,
     given: GivenErrors | None = None,
     progress: Progress = silent,
-) -> Comparison:
+) -> ModelComparison:
     """Compare what may carry the film: steady wedge, squeeze, and the transient film.
 
     The models are not special cases of each other, so that a likelihood ratio has no known
@@ -201,7 +201,7 @@ def compare_models(
 
     Returns
     -------
-    Comparison
+    ModelComparison
 
     Raises
     ------
@@ -228,7 +228,7 @@ def compare_models(
     >>> found.candidates[-1].name, found.candidates[-1].bic > 10
     ('the steady film of the regime map', True)
     """
-    frames = Frames.of(measured, motion.steps, trigger)
+    frames = FrameSteps.of(measured, motion.steps, trigger)
     problem = Problem(FreeOrbits(journal, motion.motion), frames, measured, "free")
     fitted: list[_Fitted] = []
     fits: dict[str, MotionFit] = {}
@@ -284,7 +284,7 @@ def compare_models(
     return replace(_rank(fitted, fits), not_fitted=failures)
 
 
-def _rank(fitted: Sequence[_Fitted], fits: Mapping[str, MotionFit]) -> Comparison:
+def _rank(fitted: Sequence[_Fitted], fits: Mapping[str, MotionFit]) -> ModelComparison:
     """Order by the criterion, with the values that are independent in the best model."""
     likeliest = max(fitted, key=lambda one: one.log_likelihood)
     share = _independent(likeliest.residual)
@@ -296,7 +296,7 @@ def _rank(fitted: Sequence[_Fitted], fits: Mapping[str, MotionFit]) -> Compariso
     order = np.argsort(criteria)
     least = criteria[order[0]]
     candidates = tuple(
-        Candidate(
+        FilmModel(
             fitted[k].name,
             float(criteria[k] - least),
             fitted[k].unknowns,
@@ -307,12 +307,12 @@ def _rank(fitted: Sequence[_Fitted], fits: Mapping[str, MotionFit]) -> Compariso
     )
     transient = [one.name for one in candidates if one.name in fits]
     carrier, verdict = _verdict(candidates)
-    return Comparison(
+    return ModelComparison(
         candidates, verdict, fits[transient[0]] if transient else None, share, carrier
     )
 
 
-def _verdict(candidates: Sequence[Candidate]) -> tuple[str | None, str]:
+def _verdict(candidates: Sequence[FilmModel]) -> tuple[str | None, str]:
     """The model that carries the film, and one line: which physics, and how sure."""
     fitted = [one for one in candidates if one.name != ANY_GUIDED]
     if fitted and fitted[0].name == CONSTANT and fitted[0].describes:

@@ -13,7 +13,7 @@ from erlif.core.arrays import Array
 from erlif.core.errors import ConfigError, ModelError
 from erlif.core.notes import Note, remark, warn
 from erlif.models.reynolds import Journal, Motion
-from erlif.prediction.given import FITTED, Change, GivenErrors, follow_changes, share_of_fitted
+from erlif.prediction.given import FITTED, GivenErrors, GivenStep, follow_changes, share_of_fitted
 from erlif.prediction.least_squares import (
     CONVERGED,
     ONE_SIDED,
@@ -27,7 +27,7 @@ from erlif.prediction.least_squares import (
 from erlif.prediction.measured import MeasuredMotion
 from erlif.prediction.motion import FrameMotion
 from erlif.prediction.orbits import ATMOSPHERE, FreeOrbits, HeldOrbits, Orbits, lead_of
-from erlif.prediction.problem import Frames, Problem
+from erlif.prediction.problem import FrameSteps, Problem
 from erlif.trend import VogelLaw
 
 # Measured positions below which nothing is fitted.
@@ -234,8 +234,8 @@ def fit_motion(
     >>> round(found.estimates["viscosity"].value, 4)
     0.15
     """
-    frames = Frames.of(measured, motion.steps, trigger)
-    _check(measured, frames, sideways, fitted)
+    frames = FrameSteps.of(measured, motion.steps, trigger)
+    _refuse_unfit(measured, frames, sideways, fitted)
     orbits: Orbits = FreeOrbits(journal, motion.motion)
     if sideways != "free":
         lead = lead_of(motion.motion, motion.crank)
@@ -247,7 +247,7 @@ def fit_motion(
     known = {name: getattr(given, name) for name in FITTED}
     if sideways != "guided" or given.load_line is None:
         known["load_line"] = load_line_std
-    return _search(problem, problem.unknowns(fitted, known), given, profiles)
+    return _fit_held(problem, problem.unknowns(fitted, known), given, profiles)
 
 
 def _ended(lead: Motion, motion: Motion) -> Motion:
@@ -291,13 +291,15 @@ def film_temperature(viscosity: Estimate, law: VogelLaw) -> Estimate:
     return Estimate(value, slope * viscosity.std, low, high, "degree_Celsius", parts)
 
 
-def _search(problem: Problem, unknowns: Unknowns, given: GivenErrors, profiles: bool) -> MotionFit:
+def _fit_held(
+    problem: Problem, unknowns: Unknowns, given: GivenErrors, profiles: bool
+) -> MotionFit:
     """Fit, with the orbits of a held pin corrected where the fit ends."""
     free = isinstance(problem.orbits, FreeOrbits)
 
     # a held pin is searched from coarse cells first, to a rough tolerance
     least = problem.pose(unknowns, CONVERGED if free else _HELD_NEAR)
-    minimum = (None if free else _begin(problem, unknowns)) or least.solve()
+    minimum = (None if free else _fit_first_steps(problem, unknowns)) or least.solve()
     smallest = float(np.sqrt(np.diagonal(least.observed.random_cov, axis1=1, axis2=2).min()))
     orbits = problem.orbits
     for _ in range(_ROUNDS if isinstance(orbits, HeldOrbits) else 0):
@@ -326,7 +328,7 @@ def _search(problem: Problem, unknowns: Unknowns, given: GivenErrors, profiles: 
             break
     if problem.sideways == "guided" and "load_line" in unknowns.names:
         minimum = _doubt_load_line(problem, least, minimum)
-    return _describe(problem, least, minimum, given, profiles)
+    return _motion_fit(problem, least, minimum, given, profiles)
 
 
 def _doubt_load_line(problem: Problem, least: LeastSquares, minimum: Minimum) -> Minimum:
@@ -357,7 +359,7 @@ def _of_orbit(columns: dict[str, _Column]) -> dict[str, _Column]:
     return {name: column for name, column in columns.items() if name != "load_line"}
 
 
-def _begin(problem: Problem, unknowns: Unknowns) -> Minimum | None:
+def _fit_first_steps(problem: Problem, unknowns: Unknowns) -> Minimum | None:
     """The fit of the first steps of a long run, where its search begins; None for other runs."""
     orbits, frames = problem.orbits, problem.frames
     inside = frames.steps < _FIRST_STEPS
@@ -365,7 +367,7 @@ def _begin(problem: Problem, unknowns: Unknowns) -> Minimum | None:
     if not isinstance(orbits, HeldOrbits) or inside.all() or whole.size < _FEWEST_FIRST:
         return None
     orbits = replace(orbits, motion=orbits.motion.at(slice(_FIRST_STEPS)))
-    kept = Frames(frames.steps[inside], frames.trigger[inside], whole, frames.count)
+    kept = FrameSteps(frames.steps[inside], frames.trigger[inside], whole, frames.count)
 
     minimum = None
     for corrected in (False, True):
@@ -380,7 +382,9 @@ def _begin(problem: Problem, unknowns: Unknowns) -> Minimum | None:
     return minimum
 
 
-def _check(measured: MeasuredMotion, frames: Frames, sideways: str, fitted: Sequence[str]) -> None:
+def _refuse_unfit(
+    measured: MeasuredMotion, frames: FrameSteps, sideways: str, fitted: Sequence[str]
+) -> None:
     """Refuse what cannot be fitted."""
     if sideways not in SIDEWAYS:
         raise ConfigError(
@@ -406,7 +410,7 @@ def _check(measured: MeasuredMotion, frames: Frames, sideways: str, fitted: Sequ
         )
 
 
-def _describe(
+def _motion_fit(
     problem: Problem,
     least: LeastSquares,
     minimum: Minimum,
@@ -459,7 +463,7 @@ def _describe(
         predicted=problem.frames.average(frames[np.newaxis])[0],
         frames=frames,
         notes=(
-            *_notes(estimates, minimum, known=given.cavitation_pressure > 0),
+            *_limits_of_fit(estimates, minimum, known=given.cavitation_pressure > 0),
             *_note_rupture(problem, least, minimum),
         ),
     )
@@ -468,7 +472,7 @@ def _describe(
 def _widened(
     estimates: Mapping[str, Estimate],
     unknowns: Unknowns,
-    changes: Mapping[str, Change],
+    changes: Mapping[str, GivenStep],
     within: Mapping[str, Mapping[str, Estimate]],
 ) -> dict[str, Estimate]:
     """Estimates with the errors of given numbers, of which they hold those of `within`."""
@@ -525,11 +529,11 @@ def _estimates(
     journal, motion = problem.orbits.journal, problem.orbits.motion
     found: dict[str, Estimate] = {}
     for name, one, error, (low, high) in zip(unknowns.names, value, std, ends, strict=True):
-        found |= _estimate(name, float(one), float(error), low, high, journal, motion)
+        found |= _joint_quantity(name, float(one), float(error), low, high, journal, motion)
     return found
 
 
-def _estimate(
+def _joint_quantity(
     name: str,
     value: float,
     std: float,
@@ -564,7 +568,9 @@ def _estimate(
     return {name: Estimate(value, std, low, high, unit).times(scale, unit)}
 
 
-def _notes(estimates: Mapping[str, Estimate], minimum: Minimum, *, known: bool) -> list[Note]:
+def _limits_of_fit(
+    estimates: Mapping[str, Estimate], minimum: Minimum, *, known: bool
+) -> list[Note]:
     """What limits the result; `known` is whether a width of the cavitation pressure is given."""
     notes = []
     viscosity = estimates.get("viscosity")

@@ -28,7 +28,7 @@ MOST_FILLED = 0.15
 _PLACE = slice(2)  # the displacements among the numbers of a position
 
 
-def fill_gaps(
+def find_motion_in_gaps(
     journal: Journal,
     moved: FrameMotion,
     *,
@@ -80,7 +80,7 @@ def fill_gaps(
     trigger[moved.steps[:-1]] = np.arange(len(position))
     try:
         fit = fit_motion(
-            _measured(position, **errors, calibration_cov=calibration_cov),
+            _measured_displacement(position, **errors, calibration_cov=calibration_cov),
             journal,
             replace(moved, steps=np.arange(trigger.size)),
             trigger=trigger,
@@ -126,7 +126,7 @@ def fill_gaps(
     return replace(found, recorded=recorded, otherwise=replace(found, position=smooth, rate=rate))
 
 
-def _measured(
+def _measured_displacement(
     position: Array,
     *,
     random_cov: Array,

@@ -69,7 +69,7 @@ class GivenErrors:
 
 
 @dataclass(frozen=True)
-class Change:
+class GivenStep:
     """A given number that is changed by a step, and the fit that follows.
 
     Attributes
@@ -90,7 +90,7 @@ class Change:
 
 def follow_changes(
     problem: Problem, least: LeastSquares, minimum: Minimum, given: GivenErrors
-) -> dict[str, Change]:
+) -> dict[str, GivenStep]:
     """Move the least squares with each given number that has an error.
 
     One film for each number, at the fitted unknowns; the derivatives of the fit do the rest.
@@ -106,7 +106,7 @@ def follow_changes(
 
     Returns
     -------
-    dict of str to Change
+    dict of str to GivenStep
         By the names of `GivenErrors`, of those above zero that are not fitted.
     """
     journal = problem.orbits.journal
@@ -130,7 +130,7 @@ def follow_changes(
         wider = moved.orbits.journal.clearance - journal.clearance
         widening = problem.measured.widening[problem.frames.measured]
         off = least.observed.whiten(least.observed.value + wider * widening - films) - here
-        changes[name] = Change(moved, steps, minimum.value + _follow(least, minimum, off))
+        changes[name] = GivenStep(moved, steps, minimum.value + _first_order(least, minimum, off))
     return changes
 
 
@@ -153,7 +153,7 @@ def share_of_fitted(least: LeastSquares, minimum: Minimum) -> Mapping[str, Array
     for k, name in enumerate(unknowns.names):
         std = unknowns.expected_std[k]
         if name in FITTED and np.isfinite(std):
-            shares[name] = np.abs(_follow(least, minimum, std * minimum.jacobian[:, k]))
+            shares[name] = np.abs(_first_order(least, minimum, std * minimum.jacobian[:, k]))
             shares[name][k] = 0.0
     return shares
 
@@ -199,7 +199,7 @@ def _tilted(problem: Problem, unknowns: dict[str, Array], tilt: float) -> tuple[
     return replace(problem, orbits=replace(orbits, motion=motion)), _SQUARE
 
 
-def _follow(least: LeastSquares, minimum: Minimum, off: Array) -> Array:
+def _first_order(least: LeastSquares, minimum: Minimum, off: Array) -> Array:
     """Change of the unknowns with a change of the whitened misses, to first order."""
     if not np.isfinite(off).all():
         return np.full(minimum.value.size, np.nan)

@@ -172,7 +172,7 @@ def _clock(frames: xr.Dataset, linkage: CrankRocker, crank_speed: float) -> tupl
     crank = np.radians(frames.crank_angle.values.astype(float))
     time = frames["time"].values.astype(float) if "time" in frames else None
     if time is None or not (np.diff(time) > 0).all():
-        turned = _count_on(crank, frames["cycle"].values)
+        turned = _unwrap_crank(crank, frames["cycle"].values)
         return (turned - turned[0]) / crank_speed, turned
 
     # between two frames the crank turns by whole turns more, as many as fit its speed best
@@ -193,7 +193,7 @@ def _clock(frames: xr.Dataset, linkage: CrankRocker, crank_speed: float) -> tupl
     return time, np.maximum.accumulate(turned) if even is None else even
 
 
-def _count_on(crank: Array, cycle: npt.NDArray[np.int64]) -> Array:
+def _unwrap_crank(crank: Array, cycle: npt.NDArray[np.int64]) -> Array:
     """Crank angle without jumps, rising; noise about a dead point may hold it. [rad]"""
     missed = np.maximum(np.diff(cycle) - 1, 0)
     steps = crank_steps(crank) + _TURN * missed

@@ -55,7 +55,7 @@ _SMALLEST_FLUIDITY = 1e-3  # of a film with cavities, which a pin without load w
 
 
 # Cells, stride and unknowns of one film.
-_Film: TypeAlias = tuple[tuple[int, int], int, dict[str, float]]
+_FilmCase: TypeAlias = tuple[tuple[int, int], int, dict[str, float]]
 
 
 @dataclass(frozen=True)
@@ -234,7 +234,7 @@ class HeldOrbits:
             self.followed[key] = self.follow_one(cells, stride, **unknowns)
         return self.followed[key]
 
-    def _all_known(self, wanted: list[_Film]) -> list[Array]:
+    def _all_known(self, wanted: list[_FilmCase]) -> list[Array]:
         """`_known` of several films; those of long runs side by side, one for each processor."""
         if self.motion.time.size <= _LONG or len(wanted) == 1:
             return [self._known(*one) for one in wanted]

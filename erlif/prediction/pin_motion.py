@@ -167,7 +167,7 @@ def find_pin_motion(
     np.float64(0.6)
     """
     share = _swing_with_bushing(time, angle, position)
-    turn = _turn(share * angle / 2)
+    turn = _turn_to_load(share * angle / 2)
     back = np.swapaxes(turn, 1, 2)
     path = smooth_path(time, _on(back, position), back @ random_cov @ turn)
 
@@ -207,7 +207,7 @@ def _swing_with_bushing(time: Array, angle: Array, position: Array) -> float:
     return float(np.clip(found[2], 0.0, 1.0))
 
 
-def _turn(angle: Array) -> Array:
+def _turn_to_load(angle: Array) -> Array:
     """Rotation of displacement and tilt, (trigger, number, number)."""
     cosine, sine = np.cos(angle)[:, None, None], np.sin(angle)[:, None, None]
     return np.asarray(cosine * np.eye(NUMBERS) + sine * _QUARTER)

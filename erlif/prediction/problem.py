@@ -41,7 +41,7 @@ _ATTITUDE_STD = 0.3
 
 
 @dataclass(frozen=True)
-class Frames:
+class FrameSteps:
     """Which step of the motion, and which trigger, belongs to each frame.
 
     Attributes
@@ -67,7 +67,7 @@ class Frames:
         measured: MeasuredMotion,
         steps: npt.NDArray[np.integer[Any]],
         trigger: npt.NDArray[np.integer[Any]] | None,
-    ) -> Frames:
+    ) -> FrameSteps:
         """Frames of measured positions; each frame is a trigger by default."""
         which = np.arange(len(steps)) if trigger is None else np.asarray(trigger)
         count = len(measured.value)
@@ -95,7 +95,7 @@ class Problem:
     ----------
     orbits : Orbits
         The model.
-    frames : Frames
+    frames : FrameSteps
         Frames and triggers.
     measured : MeasuredMotion
         Measured positions or minima.
@@ -104,7 +104,7 @@ class Problem:
     """
 
     orbits: Orbits
-    frames: Frames
+    frames: FrameSteps
     measured: MeasuredMotion
     sideways: str
 

@@ -15,7 +15,7 @@ from erlif.core.variables import FILM, FRAMES
 from erlif.models.reynolds import Journal, solve_journal
 from erlif.prediction.motion import FrameMotion
 from erlif.prediction.start import find_start_film
-from erlif.prediction.view import View, summarise_gap
+from erlif.prediction.view import ImageLine, summarise_gap
 
 # Cells round the joint and along half of its length; the film of half as many is within 0.7 %.
 CELLS = (256, 8)
@@ -132,7 +132,7 @@ def predict_triggers(
     motion: FrameMotion,
     *,
     trigger: npt.NDArray[np.integer[Any]],
-    view: View,
+    view: ImageLine,
     used: npt.NDArray[np.bool_] | None = None,
     sideways: str | float = "free",
     start_film: float | None = None,
@@ -149,7 +149,7 @@ def predict_triggers(
     motion : FrameMotion
     trigger : array, (frame,)
         Trigger of each frame.
-    view : View
+    view : ImageLine
         Where the image and its region of interest lie.
     used : array of bool, (frame,), optional
         As for `average_triggers`.
@@ -179,7 +179,7 @@ def predict_triggers(
     >>> time = np.linspace(0.0, 1.0, 51)
     >>> rest = FrameMotion(Motion(time, 0 * time, 222.4), np.array([0, 50]), time, 0.12)
     >>> joint = Journal(0.03336, 0.03359, length=0.237, viscosity=0.12)
-    >>> view = View(np.linspace(-0.01, 0.01, 501), slice(501))
+    >>> view = ImageLine(np.linspace(-0.01, 0.01, 501), slice(501))
     >>> found = predict_triggers(xr.Dataset(), joint, rest, trigger=np.array([0, 1]), view=view,
     ...                          start_film=20e-6)
     >>> found.film_predicted_min.values.round()
@@ -219,7 +219,7 @@ def predict_triggers(
 
 
 def _describe_positions(
-    positions: xr.Dataset, journal: Journal, view: View, dim: str
+    positions: xr.Dataset, journal: Journal, view: ImageLine, dim: str
 ) -> xr.Dataset:
     """The predicted film of positions of the pin."""
     load, side = positions.displacement_load.values, positions.displacement_side.values

@@ -11,7 +11,7 @@ from erlif.models.reynolds import Journal
 
 
 @dataclass(frozen=True)
-class View:
+class ImageLine:
     """Places of the image along the sliding direction.
 
     Attributes
@@ -60,7 +60,7 @@ def gap_in_view(
 
 
 def summarise_gap(
-    displacement_load: Array, displacement_side: Array, journal: Journal, view: View
+    displacement_load: Array, displacement_side: Array, journal: Journal, view: ImageLine
 ) -> tuple[Array, Array]:
     """Minimum and mean of the gap over the region of interest.
 
@@ -68,7 +68,7 @@ def summarise_gap(
     ----------
     displacement_load, displacement_side, journal
         As for `gap_in_view`.
-    view : View
+    view : ImageLine
         Where the image lies.
 
     Returns
@@ -79,7 +79,7 @@ def summarise_gap(
     Examples
     --------
     >>> joint = Journal(0.03336, 0.03359, length=0.237, viscosity=0.12)
-    >>> view = View(np.linspace(-0.01, 0.01, 501), slice(501))
+    >>> view = ImageLine(np.linspace(-0.01, 0.01, 501), slice(501))
     >>> minimum, mean = summarise_gap(np.array([225e-6]), np.array([0.0]), joint, view)
     >>> minimum.round(8), mean.round(8)
     (array([5.e-06]), array([8.34e-06]))

@@ -91,7 +91,7 @@ class RatioSum:
         log_ratio, variance, fixed, shared = np.empty((4, *self.shape), np.float32)
         flags = np.empty(self.shape, np.uint8)
         images = log_ratio, variance, fixed, shared
-        _average(self.weight, self._sums, self._flags, images, flags)
+        _fill_mean(self.weight, self._sums, self._flags, images, flags)
         unknown = np.broadcast_to(_NAN, self.shape)
         correlation = self._correlation / max(self.frames, 1)
         return PairRatio(log_ratio, variance, fixed, shared, flags, unknown, correlation)
@@ -186,7 +186,7 @@ def _add_frame(frame_weight, images, flag, weight, sums, flags):  # type: ignore
 
 
 @numba.njit(nogil=True, cache=True, error_model="numpy")
-def _average(weight, sums, total_flags, images, flags):  # type: ignore[no-untyped-def]
+def _fill_mean(weight, sums, total_flags, images, flags):  # type: ignore[no-untyped-def]
     """Fill the images of the mean, and its flags."""
     ratio, new, total_fixed, total_shared = sums
     log_ratio, variance, fixed, shared = images

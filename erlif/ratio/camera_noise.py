@@ -21,7 +21,7 @@ from erlif.core.arrays import Array
 from erlif.core.errors import FrameError
 from erlif.core.products import AlignedFrames, RatioImages, References
 from erlif.correction import CameraNoise
-from erlif.ratio.noise_fit import BLOCKS, NoiseCells, NoiseUnknowns, fit_noise, weigh_gains
+from erlif.ratio.noise_fit import BLOCKS, NoiseCells, NoiseUnknowns, fit_pixel_noise, weigh_gains
 from erlif.ratio.sharpness import BlurDifference
 from erlif.registration import CameraMap, interpolation_variance_factor
 
@@ -233,14 +233,17 @@ def estimate_camera_noise(
 
     # the response of camera 2 shows as a pattern that moves with its drift
     pattern = bool(unknown.response[1] and cells.pattern.mean() > _STILL)
-    fit, alike = fit_noise(cells, references, unknown, one_gain=True, pattern=pattern), float("nan")
+    fit, alike = (
+        fit_pixel_noise(cells, references, unknown, one_gain=True, pattern=pattern),
+        float("nan"),
+    )
     if pattern and not fit.determines_response:
         # a column almost proportional to the constant would exchange random amounts with it
         pattern = False
-        fit = fit_noise(cells, references, unknown, one_gain=True, pattern=False)
+        fit = fit_pixel_noise(cells, references, unknown, one_gain=True, pattern=False)
     # two cameras of one kind have one gain; the frames decide how likely that is
     if unknown.gain.all():
-        apart = fit_noise(cells, references, unknown, one_gain=False, pattern=pattern)
+        apart = fit_pixel_noise(cells, references, unknown, one_gain=False, pattern=pattern)
         fit, alike = weigh_gains(fit, apart)
 
     gain_std = np.zeros(2)
@@ -275,7 +278,7 @@ def _gather_cells(views: Iterable[NoiseView], blur: BlurDifference, *, size: int
     before: NoiseView | None = None
     for view in views:
         if before is not None:
-            compared.append(_compare(before, view, kernels, size))
+            compared.append(_difference_cells(before, view, kernels, size))
         before = view
     return NoiseCells.join(compared)
 
@@ -290,7 +293,7 @@ def _difference_kernels(blur: BlurDifference) -> tuple[Array, Array]:
     return one, two
 
 
-def _compare(
+def _difference_cells(
     first: NoiseView, second: NoiseView, kernels: tuple[Array, Array], size: int
 ) -> NoiseCells:
     """Cells of the difference of two frames."""

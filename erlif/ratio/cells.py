@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numba
 import numpy as np
 
-from erlif.core.arrays import Array, FlagImage, Image
+from erlif.core.arrays import AnyArray, Array, FlagImage, Image
 from erlif.correction.light import BLOCK
 
 # Rows and columns of cells over the image.
@@ -25,24 +25,26 @@ _MISSING = 0.03
 
 
 class LightCells(NamedTuple):
-    """What is kept of a frame pair, one value for each cell; NaN where pixels are missing.
+    """Light and ratio of the cells of a frame pair, (cell,), or of a run, (frame, cell).
+
+    NaN where pixels are missing, or where nothing is measured.
 
     Attributes
     ----------
-    light : Image
-        Mean logarithm of the light of camera 1, (cell,). [ln DN]
-    log_ratio : Image
-        Mean logarithm of the ratio, (cell,). [1]
-    spread : Image
-        Variance of the logarithm of the ratio within the cell, without noise, (cell,). [1]
-    variance : Image
-        Variance of log_ratio by the noise of the pixels, (cell,). [1]
+    light : AnyArray
+        Mean logarithm of the light of camera 1. [ln DN]
+    log_ratio : AnyArray
+        Mean logarithm of the ratio. [1]
+    spread : AnyArray
+        Variance of the logarithm of the ratio within a cell, without noise. [1]
+    variance : AnyArray
+        Variance of log_ratio by the noise of the pixels. [1]
     """
 
-    light: Image
-    log_ratio: Image
-    spread: Image
-    variance: Image
+    light: AnyArray
+    log_ratio: AnyArray
+    spread: AnyArray
+    variance: AnyArray
 
 
 # Stands for a frame pair without light.
@@ -79,7 +81,7 @@ def sample_cells(light: Image, log_ratio: Image, variance: Image, flags: FlagIma
     if blocks[0] < CELLS[0] or blocks[1] < CELLS[1]:
         return NO_CELLS
     sums = np.zeros((6, CELLS[0] * CELLS[1]))
-    _sum(light, log_ratio, variance, flags, 2 if light.size >= _LARGE else 1, sums)
+    _sum_logarithms(light, log_ratio, variance, flags, 2 if light.size >= _LARGE else 1, sums)
     number, used, of_light, of_ratio, squares, noise = sums
 
     # a cell with missing blocks would show another part of the beam
@@ -139,7 +141,7 @@ def cell_centres(shape: tuple[int, int]) -> tuple[Array, Array]:
 
 
 @numba.njit(nogil=True, cache=True)
-def _sum(light, log_ratio, variance, flags, step, sums):  # type: ignore[no-untyped-def]
+def _sum_logarithms(light, log_ratio, variance, flags, step, sums):  # type: ignore[no-untyped-def]
     """Blocks, used blocks, and sums over the used ones, of each cell; one block in step counts."""
     down, along = light.shape[0] // BLOCK, light.shape[1] // BLOCK
     of_blocks = np.empty((4, along))

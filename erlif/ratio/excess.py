@@ -92,7 +92,9 @@ class ExcessSums:
         variance = frames.signal_var.values + frames.signal_var_fixed.values
         for n, log_ratio in enumerate(ratios.log_ratio.values):
             sound = ratios.flags.values[n] == 0
-            used, found = _excess(frames.signal.values[:, n], variance[:, n], log_ratio, sound)
+            used, found = _excess_share(
+                frames.signal.values[:, n], variance[:, n], log_ratio, sound
+            )
             found += (corrected.log_ratio.values[n] - log_ratio)[used]
             self.total += float(found.sum())
             self.squared += float(found @ found)
@@ -107,18 +109,20 @@ class ExcessSums:
         return mean, math.sqrt(_CORRELATED * spread / self.pixels)
 
 
-def _excess(light: Image, variance: Image, log_ratio: Image, sound: Mask) -> tuple[Mask, Array]:
+def _excess_share(
+    light: Image, variance: Image, log_ratio: Image, sound: Mask
+) -> tuple[Mask, Array]:
     """The pixels used, and their share of the excess before the ghost is subtracted.
 
     It is the covariance of the light, relative to its surroundings, and the log ratio, with its
     sign reversed: the mean log ratio less the mean that is weighted with the light.
     """
-    count = np.maximum(_sum(sound), 1)
+    count = np.maximum(_sum_around(sound), 1)
     used = sound & (count > _SOUND * _WIDTH**2)
 
     def of_surroundings(image: Image) -> Array:
         """Mean of the sound pixels about each pixel that is used."""
-        return np.asarray((_sum(np.where(sound, image, 0)) / count)[used])
+        return np.asarray((_sum_around(np.where(sound, image, 0)) / count)[used])
 
     about = np.stack([of_surroundings(image) for image in light])
     here, part = light[:, used].astype(float), 1 - 1 / count[used]
@@ -130,7 +134,7 @@ def _excess(light: Image, variance: Image, log_ratio: Image, sound: Mask) -> tup
     return used, np.asarray(0.5 * part * (of_two - of_one) - relative * rest)
 
 
-def _sum(image: Image | Mask) -> Array:
+def _sum_around(image: Image | Mask) -> Array:
     """Sum over the surroundings of each pixel."""
     size, border = (_WIDTH, _WIDTH), cv2.BORDER_CONSTANT
     values = np.asarray(image, float)

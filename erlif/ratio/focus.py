@@ -47,14 +47,14 @@ def measure_sharpness(light: Image, flags: FlagImage, noise: NoiseTables) -> flo
     [1.0, 0.5]
     """
     step = max(light.shape[0] // _ROWS, 1)
-    near, far, count = _sum(light, flags, noise.per_flat, noise.numbers, step)
+    near, far, count = _sum_differences(light, flags, noise.per_flat, noise.numbers, step)
     if count < _FEWEST or near <= 0 or far <= 0:
         return float("nan")
     return float(near / far)
 
 
 @numba.njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST)
-def _sum(light, flags, per_flat, numbers, step):  # type: ignore[no-untyped-def]
+def _sum_differences(light, flags, per_flat, numbers, step):  # type: ignore[no-untyped-def]
     """Squared relative differences of neighbours and of distant pixels without noise, and pairs."""
     per_gain, read_var = numbers[0], numbers[1]
     near, far, count = 0.0, 0.0, 0

@@ -140,7 +140,7 @@ class NoiseFit:
         return self.response_std < _SHARP or self.response_std < min(_VAGUE, self.response / 3)
 
 
-def fit_noise(
+def fit_pixel_noise(
     cells: NoiseCells,
     references: References,
     unknown: NoiseUnknowns,
@@ -193,7 +193,7 @@ def fit_noise(
         known += cells.pattern * float((two.flat_var.values / two.flat.values**2)[good].mean())
     columns.append(np.ones(len(known)))
 
-    values, covariance = _solve(np.stack(columns, axis=1), cells, known)
+    values, covariance = _solve_non_negative(np.stack(columns, axis=1), cells, known)
     gains, dark = len(share), bool(unknown.read_noise.any())
     return NoiseFit(
         slope=values[:gains] @ share,
@@ -253,7 +253,7 @@ def weigh_gains(same: NoiseFit, apart: NoiseFit) -> tuple[NoiseFit, float]:
     return replace(likelier, slope=slope, slope_covariance=covariance), alike
 
 
-def _solve(design: Array, cells: NoiseCells, known: Array) -> tuple[Array, Array]:
+def _solve_non_negative(design: Array, cells: NoiseCells, known: Array) -> tuple[Array, Array]:
     """Least squares with non-negative parameters, and their covariance.
 
     Cells are weighted by their expected variance, and outliers are left out. The covariance comes

@@ -91,7 +91,7 @@ def sample_pulse(light: Image, log_ratio: Image, flags: FlagImage) -> PulseSampl
     if min(light.shape) < PLACES * SIDE:
         return NO_PULSE
 
-    rows, columns = (_places(size) for size in light.shape)
+    rows, columns = (_square_places(size) for size in light.shape)
     grid = np.ix_(rows, columns)
     value, ratio, valid = light[grid], log_ratio[grid], flags[grid] == 0
     valid &= value > 0
@@ -105,7 +105,7 @@ def sample_pulse(light: Image, log_ratio: Image, flags: FlagImage) -> PulseSampl
     )
 
 
-def _places(size: int) -> AnyArray:
+def _square_places(size: int) -> AnyArray:
     """Rows or columns of the squares."""
     starts = np.linspace(0, size - SIDE, PLACES).round().astype(int)
     return (starts[:, None] + np.arange(SIDE)).ravel()
@@ -172,7 +172,7 @@ def find_pulse_faults(samples: Sequence[PulseSample]) -> list[PulseFault]:
     light, again, ratio = (
         _detrend(np.array(values, float)) for values in zip(*samples, strict=True)
     )
-    slope = _slopes(light, again, ratio)
+    slope = _ratio_slopes(light, again, ratio)
     judged = np.flatnonzero(np.isfinite(slope))
     if judged.size < _FEWEST_FRAMES:
         return repeated
@@ -242,7 +242,7 @@ def _detrend(values: Array) -> Array:
     return rest
 
 
-def _slopes(light: Array, again: Array, ratio: Array) -> Array:
+def _ratio_slopes(light: Array, again: Array, ratio: Array) -> Array:
     """Slope of the ratio over the light in each frame; NaN where noise prevails, (frame,)."""
     valid = np.isfinite(light) & np.isfinite(again) & np.isfinite(ratio)
     one, two, three = (np.where(valid, values, 0) for values in (light, again, ratio))

@@ -209,15 +209,15 @@ def _moments(
     # done to the second differences, so that the factor between both stays
     detail = _less_neighbours(second)
     rest = (detail - _less_neighbours(first))[1:-1, 1:-1]
-    ax, ay = _bend(first[_APART:-_APART, _APART:-_APART])
-    bx, by = _bend(detail)
+    ax, ay = _second_differences(first[_APART:-_APART, _APART:-_APART])
+    bx, by = _second_differences(detail)
 
     # all pixels that enter must be sound: the neighbours, and their neighbours
     whole = sound[_APART:-_APART, _APART:-_APART].copy()
-    for one_side in _neighbours(sound, _APART):
+    for one_side in _four_neighbours(sound, _APART):
         whole &= one_side
     used = whole[1:-1, 1:-1].copy()
-    for one_side in _neighbours(whole, 1):
+    for one_side in _four_neighbours(whole, 1):
         used &= one_side
     ax *= used
     ay *= used
@@ -237,7 +237,7 @@ def _moments(
     )
 
 
-def _neighbours(values: AnyArray, apart: int) -> tuple[AnyArray, ...]:
+def _four_neighbours(values: AnyArray, apart: int) -> tuple[AnyArray, ...]:
     """The values left, right, above and below, for the pixels at least `apart` from the edge."""
     middle = slice(apart, -apart)
     before, after = slice(None, -2 * apart), slice(2 * apart, None)
@@ -251,15 +251,15 @@ def _neighbours(values: AnyArray, apart: int) -> tuple[AnyArray, ...]:
 
 def _less_neighbours(values: Array) -> Array:
     """Each value less the mean of the four at the distance `_APART`."""
-    left, right, above, below = _neighbours(values, _APART)
+    left, right, above, below = _four_neighbours(values, _APART)
     return np.asarray(
         values[_APART:-_APART, _APART:-_APART] - 0.25 * (left + right + above + below)
     )
 
 
-def _bend(values: Array) -> tuple[Array, Array]:
+def _second_differences(values: Array) -> tuple[Array, Array]:
     """Second differences along x and along y, without the pixels at the edge."""
-    left, right, above, below = _neighbours(values, 1)
+    left, right, above, below = _four_neighbours(values, 1)
     twice = 2 * values[1:-1, 1:-1]
     return left + right - twice, above + below - twice
 

@@ -65,7 +65,7 @@ def local_light(image: AnyArray, weight: AnyArray) -> Image:
     True
     """
     nodes_y, nodes_x = (_to_nodes(size) for size in image.shape)
-    nodes = (nodes_y @ _fit(image, weight) @ nodes_x.T).astype(np.float32)
+    nodes = (nodes_y @ _fit_quadratic(image, weight) @ nodes_x.T).astype(np.float32)
 
     # linear between the nodes, one of which lies beyond the image on every side
     rows, cols = nodes.shape
@@ -73,7 +73,7 @@ def local_light(image: AnyArray, weight: AnyArray) -> Image:
     return np.asarray(light[NODE : NODE + image.shape[0], NODE : NODE + image.shape[1]])
 
 
-def _fit(image: AnyArray, weight: AnyArray) -> Array:
+def _fit_quadratic(image: AnyArray, weight: AnyArray) -> Array:
     """Value (row, column) at the middle of each cell of the quadratic that is fitted about it."""
     sound = weight > 0
     image = np.asarray(image, np.float32)
@@ -91,7 +91,7 @@ def _fit(image: AnyArray, weight: AnyArray) -> Array:
     size = 2 * _reach() + 1
     near = cv2.dilate((~known).astype(np.uint8), np.ones((size, size), np.uint8)) > 0
     normal = _normal_matrices(np.where(known, _cell_parts(image.shape), 0), near)
-    fitted[near] = np.linalg.solve(normal, _data(light)[near][..., None])[..., 0, 0]
+    fitted[near] = np.linalg.solve(normal, _right_side(light)[near][..., None])[..., 0, 0]
     return fitted
 
 
@@ -100,22 +100,22 @@ def _reach() -> int:
     return int(np.ceil(CUT * REACH / CELL))
 
 
-def _moment(cells: Array, along_x: int, along_y: int) -> Array:
+def _cell_moment(cells: Array, along_x: int, along_y: int) -> Array:
     """Gaussian average of the cells times powers of their distance in standard deviations."""
     d = np.arange(-_reach(), _reach() + 1) / (REACH / CELL)
     x, y = (np.exp(-0.5 * d**2) * d**n for n in (along_x, along_y))
     return np.asarray(cv2.sepFilter2D(cells, cv2.CV_64F, x, y, borderType=cv2.BORDER_CONSTANT))
 
 
-def _data(light: Array) -> Array:
+def _right_side(light: Array) -> Array:
     """Right side (row, column, term) of the normal equations about each cell."""
-    return np.stack([_moment(light, a, b) for a, b in _TERMS], axis=-1)
+    return np.stack([_cell_moment(light, a, b) for a, b in _TERMS], axis=-1)
 
 
 def _normal_matrices(count: Array, where: Mask) -> Array:
     """Normal matrices (cell, term, term) of the weighted quadratics about some of the cells."""
     orders = [(a, b) for a in range(_ORDERS) for b in range(_ORDERS - a)]
-    moments = {order: _moment(count, *order)[where] for order in orders}
+    moments = {order: _cell_moment(count, *order)[where] for order in orders}
     normal = np.stack(
         [np.stack([moments[a + c, b + d] for c, d in _TERMS], -1) for a, b in _TERMS], -2
     )
@@ -133,7 +133,7 @@ def _coefficients(shape: tuple[int, int]) -> Array:
 
 
 def _values(light: Array, coefficients: Array) -> Array:
-    return np.asarray((_data(light) * coefficients).sum(-1))
+    return np.asarray((_right_side(light) * coefficients).sum(-1))
 
 
 def divide_by_light(

@@ -103,7 +103,7 @@ def integral(values: Image) -> Array:
     return np.asarray(cv2.integral(values, sdepth=cv2.CV_64F))
 
 
-def _ends(blocks: int, size: int, offsets: AnyArray) -> tuple[AnyArray, AnyArray]:
+def _block_ends(blocks: int, size: int, offsets: AnyArray) -> tuple[AnyArray, AnyArray]:
     """First pixel (block, offset) of blocks along an axis of this size, and the one after the last.
 
     The blocks are moved by the offsets and cut at the image.
@@ -133,8 +133,8 @@ def _correlate_blocks(a: Image, b: Image, weight: Image, reach: int) -> Image:
 
     # the energies of each block, and of its counterpart as far as it lies inside the image
     still = np.zeros(1, int)
-    energy = _sum_blocks(integral(a * a), _ends(rows, h, still), _ends(cols, w, still))
-    y, x = _ends(rows, h, offsets), _ends(cols, w, offsets)
+    energy = _sum_blocks(integral(a * a), _block_ends(rows, h, still), _block_ends(cols, w, still))
+    y, x = _block_ends(rows, h, offsets), _block_ends(cols, w, offsets)
     area = _sum_blocks(integral(weight * weight), y, x)
     other = _sum_blocks(integral(b * b), y, x)
 
@@ -142,8 +142,8 @@ def _correlate_blocks(a: Image, b: Image, weight: Image, reach: int) -> Image:
     down, across = (
         ((start <= pixel) & (pixel < stop)).astype(np.float32)
         for (start, stop), pixel in (
-            (_ends(rows, h, still), np.arange(h)),
-            (_ends(cols, w, still), np.arange(w)),
+            (_block_ends(rows, h, still), np.arange(h)),
+            (_block_ends(cols, w, still), np.arange(w)),
         )
     )
     padded = np.pad(b, reach)

@@ -76,12 +76,15 @@ class CameraMap:
     def __repr__(self) -> str:
         rows, columns = self.shape
         lines = [f"camera map of {columns} x {rows} pixels"]
-        return "\n".join([*lines, *(f"  {name:<30}{value}" for name, value in _describe(self))])
+        return "\n".join([*lines, *(f"  {name:<30}{value}" for name, value in _map_rows(self))])
 
     def _repr_html_(self) -> str:
         rows, columns = self.shape
         return card(
-            "camera map", f"{columns} x {rows} pixels", rows_table(_describe(self)), _draw(self)
+            "camera map",
+            f"{columns} x {rows} pixels",
+            rows_table(_map_rows(self)),
+            _draw_displacement(self),
         )
 
     @property
@@ -253,7 +256,7 @@ def move_map(camera_map: CameraMap, by: Array) -> CameraMap:
     )
 
 
-def _describe(camera_map: CameraMap) -> list[tuple[str, str]]:
+def _map_rows(camera_map: CameraMap) -> list[tuple[str, str]]:
     """Displacement and its error by name and value."""
     ranges = []
     for axis in ("x", "y"):
@@ -280,7 +283,7 @@ def _limits(image: Image, where: Mask) -> Range:
     return (float(known.min()), float(known.max())) if known.size else (0.0, 0.0)
 
 
-def _draw(camera_map: CameraMap) -> str:
+def _draw_displacement(camera_map: CameraMap) -> str:
     """Both components of the displacement as small pictures."""
     pictures = []
     for name, image in (("x", camera_map.displacement_x), ("y", camera_map.displacement_y)):

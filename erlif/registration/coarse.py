@@ -269,7 +269,7 @@ def _gaussian(frequency: AnyArray, blur: float) -> AnyArray:
     return np.asarray(np.exp(-0.5 * (2 * np.pi * frequency * blur) ** 2), np.float32)
 
 
-def _refine(coarse: CoarsePair, peak: Peak) -> Agreement | None:
+def _refine_peak(coarse: CoarsePair, peak: Peak) -> Agreement | None:
     """Match blocks about a peak, twice, and keep the affine map if enough of them agree."""
     centre = _centre(coarse.shape)
     linear, shift = peak.linear, peak.shift
@@ -308,7 +308,7 @@ def _search_unturned(coarse: CoarsePair, correlator: Correlator) -> tuple[Agreem
             break
 
     if best.significance > SIGNIFICANT:
-        start = _refine(coarse, best)
+        start = _refine_peak(coarse, best)
         if start is not None and start.part > AGREEMENT_UNTURNED:
             return start, best
     return None, best
@@ -333,7 +333,7 @@ def _search_bank(coarse: CoarsePair, correlator: Correlator) -> tuple[Agreement 
     for peak in peaks[:BEST_OF_BANK]:
         if peak.significance < SIGNIFICANT:
             break
-        start = _refine(coarse, peak)
+        start = _refine_peak(coarse, peak)
         if start is not None:
             return start, peak
     return None, peaks[0]

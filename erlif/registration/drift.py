@@ -33,7 +33,7 @@ from erlif.registration.matching import (
     without_noise,
 )
 from erlif.registration.normalise import MOST, binned
-from erlif.registration.pairs import Pair, Pairs, Textures, make_pair, open_frames, textures
+from erlif.registration.pairs import Pair, Pairs, Textures, make_pair, open_series, textures
 from erlif.registration.surface import cell_weights
 
 # Side of the cells whose sums determine the drift. [px]
@@ -267,7 +267,7 @@ def check_map(camera_map: CameraMap, pairs: Pairs) -> Array:
     """
     settings = camera_map.settings
     few = replace(settings, frames_for_map=min(FRAMES_CHECKED, settings.frames_for_map))
-    frames = open_frames(pairs, few)
+    frames = open_series(pairs, few)
     field = camera_map.displacement_x, camera_map.displacement_y
 
     drift = []

@@ -17,7 +17,7 @@ from erlif.registration.coarse import coarse_binning, find_start
 from erlif.registration.drift import FEWEST_CELLS, DriftSearch
 from erlif.registration.interpolation import laid_over
 from erlif.registration.matching import cell_sums, correlation, products_of
-from erlif.registration.pairs import Frames, Pair, Pairs, open_frames, textures
+from erlif.registration.pairs import Pair, Pairs, PairSeries, open_series, textures
 from erlif.registration.selection import (
     FINE_LADDER,
     Model,
@@ -35,7 +35,7 @@ from erlif.registration.solution import (
     solve_local,
 )
 from erlif.registration.surface import Cells, Surface, affine_surface, equations, solve_surface
-from erlif.registration.views import Views, expected_rms, make_cells
+from erlif.registration.views import TextureViews, expected_rms, make_cells
 from erlif.registration.whitening import make_filter, slope_gain
 
 # Frames that are tried for the coarse alignment before it is given up.
@@ -138,9 +138,9 @@ def register_frames(
     ([[0.5, 0.0], [0.5, 0.0]], True)
     """
     settings = RegistrationSettings() if settings is None else settings
-    frames = open_frames(pairs, settings)
+    frames = open_series(pairs, settings)
     number, first, surface = start_with_any(frames)
-    views = Views(frames, first, number=number)
+    views = TextureViews(frames, first, number=number)
     del first  # its textures are kept, so the frame itself need not be
 
     fit = fit_surface(views, surface)
@@ -156,7 +156,7 @@ def register_frames(
     return finish_map(moved, views, fit.cells, fit.quality), drift - mean
 
 
-def start_with_any(frames: Frames) -> tuple[int, Pair, Surface]:
+def start_with_any(frames: PairSeries) -> tuple[int, Pair, Surface]:
     """Find the coarse alignment from the first of a few frames that allows it.
 
     Returns
@@ -173,16 +173,15 @@ def start_with_any(frames: Frames) -> tuple[int, Pair, Surface]:
     RegistrationError
         That of the first frame, if none of the few can be aligned.
     """
-    failure: RegistrationError | None = None
+    failures = []
     for number, pair in enumerate(frames.pick(frames.chosen[:CANDIDATES])):
         try:
             start = find_start(pair, frames.settings)
         except RegistrationError as error:
-            failure = failure or error
+            failures.append(error)
             continue
         return number, pair, align_small(pair, start, frames.settings)
-    assert failure is not None
-    raise failure
+    raise failures[0]
 
 
 def align_small(pair: Pair, start: Agreement, settings: RegistrationSettings) -> Surface:
@@ -226,7 +225,7 @@ def align_small(pair: Pair, start: Agreement, settings: RegistrationSettings) ->
     return surface
 
 
-class Fit(NamedTuple):
+class MapFit(NamedTuple):
     """The surface through all chosen frames and what later steps need of it.
 
     Attributes
@@ -256,19 +255,19 @@ class Fit(NamedTuple):
     unresolved: bool
 
 
-def fit_surface(views: Views, surface: Surface) -> Fit:
+def fit_surface(views: TextureViews, surface: Surface) -> MapFit:
     """Find the surface that fits the frames, as fine as they support.
 
     Parameters
     ----------
-    views : Views
+    views : TextureViews
         The frames; their filter is set here.
     surface : Surface
         The start. [px]
 
     Returns
     -------
-    Fit
+    MapFit
 
     Raises
     ------
@@ -297,7 +296,7 @@ def fit_surface(views: Views, surface: Surface) -> Fit:
     system = equations(cells, model.elements, box=surface.box)
     surface = solve_surface(system, basis=model.basis)
     cells = moved_to(cells, surface)
-    return Fit(surface, model, cells, sums, slope, quality, unresolved)
+    return MapFit(surface, model, cells, sums, slope, quality, unresolved)
 
 
 def check_correlation(sums: Array) -> float:
@@ -362,7 +361,7 @@ def _left_by(cells: Cells, model: Model) -> Cells:
     return moved_to(cells, solve_surface(equations(cells, model.elements), basis=model.basis))
 
 
-def choose_solution(views: Views, fit: Fit) -> Solution:
+def choose_solution(views: TextureViews, fit: MapFit) -> Solution:
     """Take the surface, or one displacement for each window where the surface does not suffice.
 
     ``model = "auto"`` of the settings tries windows where the surface leaves distortion, and
@@ -380,7 +379,7 @@ def choose_solution(views: Views, fit: Fit) -> Solution:
     return surface
 
 
-def measure_drift(frames: Frames, camera_map: CameraMap) -> Array:
+def measure_drift(frames: PairSeries, camera_map: CameraMap) -> Array:
     """Drift (frame, 2) of all frames against a map, x first; NaN without common texture. [px]"""
     search = DriftSearch.of(camera_map.displacement_x, camera_map.displacement_y)
     drift, threads = np.empty((frames.count, 2)), frames.settings.threads

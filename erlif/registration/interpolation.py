@@ -15,7 +15,7 @@ from numba import njit
 from erlif.core.arrays import FAST, AnyArray, Image, Mask
 from erlif.core.errors import RegistrationError
 from erlif.core.flags import Flag
-from erlif.correction.light import fill_gaps
+from erlif.correction.light import fill_bad_pixels
 from erlif.registration.bands import in_bands
 
 # Pole of the filter that turns samples into cubic B-spline coefficients.
@@ -602,7 +602,7 @@ def warp(
         holes = ~np.isfinite(image)
         image = np.where(holes, 0, image).astype(np.float32)
         rows, columns = np.nonzero(holes)
-        fill_gaps(image, holes, rows, columns, _REACH)
+        fill_bad_pixels(image, holes, rows, columns, _REACH)
 
         # with the four pixels around the point this covers all sixteen taps
         bad = cv2.dilate(holes.view(np.uint8), np.ones((3, 3), np.uint8)).view(np.bool_)

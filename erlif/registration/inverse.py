@@ -151,8 +151,8 @@ def compare_with_inverse(stored: CameraMap | MapNodes, camera_map: CameraMap) ->
         same = _sample(camera_map, x, y)
 
     # the turn of the run's camera 2 undoes that of the stored map's camera 2
-    turn = _turn(nodes.orientation)
-    if (turn @ _turn(camera_map.settings.orientation) == np.eye(2)).all():
+    turn = _turn_matrix(nodes.orientation)
+    if (turn @ _turn_matrix(camera_map.settings.orientation) == np.eye(2)).all():
         exchanged = _sample(camera_map, x + own.dx, y + own.dy, nodes.orientation)
 
     # one set of points for both candidates, so that their misfits can be compared
@@ -200,7 +200,7 @@ def judge(misfit: float, misfit_inverse: float, *, apart: float, std: float) -> 
     )
 
 
-def _turn(orientation: str) -> Array:
+def _turn_matrix(orientation: str) -> Array:
     """Matrix that takes a vector (x, y) on the pixels of a camera to the oriented image."""
     row, column = (orient(index, orientation) for index in np.indices((2, 2), dtype=float))
     # the derivatives of the original coordinates are the inverse of the matrix, its transpose
@@ -219,7 +219,7 @@ def _sample(camera_map: CameraMap, x: Array, y: Array, orientation: str = "norma
     the turn of camera 2 applies to camera 1 of the run if the cameras are exchanged. Both the image
     of the displacement and its vectors are turned.
     """
-    usable, turn = camera_map.overlap & ~camera_map.poor, _turn(orientation)
+    usable, turn = camera_map.overlap & ~camera_map.poor, _turn_matrix(orientation)
 
     def at_points(values: AnyArray) -> Array:
         used = orient(np.where(usable, values, np.nan), orientation)

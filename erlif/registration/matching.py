@@ -244,7 +244,7 @@ def cell_sums(
     return sums[:rows]
 
 
-def cell_centres(size: int, step: int) -> Array:
+def centres_along_axis(size: int, step: int) -> Array:
     """Coordinates of the cell centres along an axis of ``size`` pixels. [px]"""
     return np.asarray(np.arange(max(size // step, 1)) * step + (step - 1) / 2, np.float64)
 

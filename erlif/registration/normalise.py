@@ -248,10 +248,10 @@ def normalise(
     sound = np.where(level > floor, sound, 0)
 
     # variance within the cells and between them, both over the mean
-    mean = _average(level, sound, reach / CELL)
+    mean = _gaussian_average(level, sound, reach / CELL)
     relative = np.zeros_like(mean)
     np.divide(square + (level - mean) ** 2, mean * mean, out=relative, where=sound > 0)
-    rms = np.sqrt(np.maximum(_average(relative, sound, REACH_OF_RMS * reach / CELL), 0))
+    rms = np.sqrt(np.maximum(_gaussian_average(relative, sound, REACH_OF_RMS * reach / CELL), 0))
     least = max(LEAST_CONTRAST * float(rms.max()), LEAST_RMS)
     scale = (1 / np.maximum(rms, least)).astype(np.float32)
 
@@ -270,7 +270,7 @@ def normalise(
     return out, out_weight
 
 
-def _average(cells: Image, weight: Image, sigma: float) -> Image:
+def _gaussian_average(cells: Image, weight: Image, sigma: float) -> Image:
     """Weighted Gaussian average, edges mirrored; the mean of all where no weight is near."""
 
     reach = int(CUT * sigma + 0.5)

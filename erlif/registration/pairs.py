@@ -86,13 +86,13 @@ def make_pair(
         If the arrays are not images of at least 64 by 64 pixels, or a weight does not fit its
         image.
     """
-    one, weight_one = _checked(1, reference, weight_reference)
-    two, weight_two = _checked(2, moving, weight_moving)
+    one, weight_one = _as_kernels_take(1, reference, weight_reference)
+    two, weight_two = _as_kernels_take(2, moving, weight_moving)
     turned, weight_turned = Pair(one, two, weight_one, weight_two).turned(settings.orientation)
     return Pair(one, turned, weight_one, weight_turned)
 
 
-def _checked(
+def _as_kernels_take(
     camera: int, image: AnyArray, weight: AnyArray | None
 ) -> tuple[AnyArray, Image | None]:
     """The image and its weight as the kernels take them; anything but a grey image is refused."""
@@ -172,7 +172,7 @@ def normalise_both(
 
 
 @dataclass(frozen=True)
-class Frames:
+class PairSeries:
     """Frames that can be read again and again, one pair in memory at a time.
 
     Attributes
@@ -198,7 +198,7 @@ class Frames:
             yield make_pair(*self.source[number], self.settings)
 
 
-def open_frames(source: Pairs, settings: RegistrationSettings) -> Frames:
+def open_series(source: Pairs, settings: RegistrationSettings) -> PairSeries:
     """Count the frames and choose those for the map, evenly spaced.
 
     Raises
@@ -215,4 +215,4 @@ def open_frames(source: Pairs, settings: RegistrationSettings) -> Frames:
     # the middle of each of equal parts of the run
     most = min(count, settings.frames_for_map)
     chosen = tuple(sorted({round((i + 0.5) * count / most - 0.5) for i in range(most)}))
-    return Frames(source, count, chosen, settings)
+    return PairSeries(source, count, chosen, settings)

@@ -11,11 +11,11 @@ from erlif.core.arrays import Array, Image, Mask
 from erlif.core.errors import RegistrationError
 from erlif.registration import local
 from erlif.registration.camera_map import CameraMap, MapKind
-from erlif.registration.matching import EE, WEIGHT, cell_centres, without_noise
+from erlif.registration.matching import EE, WEIGHT, centres_along_axis, without_noise
 from erlif.registration.selection import Model
 from erlif.registration.surface import ROWS, Cells, Surface, bilinear
 from erlif.registration.uncertainty import surface_covariance, surface_std
-from erlif.registration.views import Views
+from erlif.registration.views import TextureViews
 
 # The displacement is given this far beyond the frame of camera 2, for frames that drift. [px]
 BEYOND: Final = 8.0
@@ -126,12 +126,12 @@ def describe_surface(
     return Solution(dx, dy, std, MapKind.SURFACE, str(model))
 
 
-def solve_local(views: Views, surface: Surface, slope: float, scale: Array) -> Solution:
+def solve_local(views: TextureViews, surface: Surface, slope: float, scale: Array) -> Solution:
     """Find one displacement for each window, in passes that start from the surface.
 
     Parameters
     ----------
-    views : Views
+    views : TextureViews
         The frames.
     surface : Surface
         The start. [px]
@@ -147,7 +147,7 @@ def solve_local(views: Views, surface: Surface, slope: float, scale: Array) -> S
     settings = views.settings
     sigma = local.window_sigma(settings.window, settings.step)
     base_x, base_y = surface.on_pixels(views.shape)
-    y, x = (cell_centres(n, settings.step) for n in views.shape)
+    y, x = (centres_along_axis(n, settings.step) for n in views.shape)
 
     def dense(field: Array) -> tuple[Image, Image]:
         return (
@@ -181,7 +181,7 @@ def solve_local(views: Views, surface: Surface, slope: float, scale: Array) -> S
     return Solution(*dense(field), dense_std, MapKind.LOCAL, f"{settings.window} px")
 
 
-def fits_better(views: Views, windows: Solution, surface: Solution) -> bool:
+def fits_better(views: TextureViews, windows: Solution, surface: Solution) -> bool:
     """Whether windows leave clearly less difference between the textures than a fine surface does.
 
     Distortion finer than the surface shows in the difference, whatever its scale. Windows always
@@ -194,14 +194,14 @@ def fits_better(views: Views, windows: Solution, surface: Solution) -> bool:
     return left[0] < CLEARLY_LESS * left[1]
 
 
-def finish_map(solution: Solution, views: Views, cells: Cells, quality: float) -> CameraMap:
+def finish_map(solution: Solution, views: TextureViews, cells: Cells, quality: float) -> CameraMap:
     """Make the camera map: mark what camera 2 does not see and what is poorly registered.
 
     Parameters
     ----------
     solution : Solution
         The displacement.
-    views : Views
+    views : TextureViews
         The frames, for their shapes and settings.
     cells : Cells
         The sums on the surface.

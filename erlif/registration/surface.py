@@ -29,7 +29,7 @@ ROWS: Final = 32
 PRODUCT: Final = 2**18
 
 
-def design(positions: AnyArray, start: float, stop: float, elements: int) -> Array:
+def spline_weights(positions: AnyArray, start: float, stop: float, elements: int) -> Array:
     """Return the cubic B-spline weights of positions on an interval cut into equal elements.
 
     Parameters
@@ -82,7 +82,7 @@ class Pairs(NamedTuple):
 
 
 def pair_up(matrix: Array) -> Pairs:
-    """Multiply the columns of `design` by those that overlap with them, four on each side at most.
+    """Multiply the columns of `spline_weights` by the four at most that overlap on either side.
 
     A sum over the products of two tensor splines is a matrix product along each axis with these.
     """
@@ -149,8 +149,8 @@ class Surface:
         """Displacement (dx, dy) at the grid of coordinates x and y, each (len(y), len(x)). [px]"""
         x0, x1, y0, y1 = self.box
         nx, ny = self.elements
-        across = design(x, x0, x1, nx)
-        down = design(y, y0, y1, ny)
+        across = spline_weights(x, x0, x1, nx)
+        down = spline_weights(y, y0, y1, ny)
         return down @ self.coefficients[0] @ across.T, down @ self.coefficients[1] @ across.T
 
     def on_pixels(self, shape: tuple[int, int], *, binning: int = 1) -> tuple[Image, Image]:
@@ -161,8 +161,8 @@ class Surface:
         x0, x1, y0, y1 = self.box
         nx, ny = self.elements
         centre = (binning - 1) / 2
-        across = design(np.arange(shape[1]) * binning + centre, x0, x1, nx)
-        down = design(np.arange(shape[0]) * binning + centre, y0, y1, ny)
+        across = spline_weights(np.arange(shape[1]) * binning + centre, x0, x1, nx)
+        down = spline_weights(np.arange(shape[0]) * binning + centre, y0, y1, ny)
 
         # in float64, rounded once
         rows = max(PRODUCT // across.size, 1)
@@ -199,7 +199,9 @@ def degree_basis(degree: int) -> Array:
     """
     t = np.linspace(0, 1, 4)
     power = np.stack([(2 * t - 1) ** k for k in range(4)], axis=1)
-    one = np.linalg.solve(design(t, 0.0, 1.0, 1), power)  # spline coefficients (4,) of each power
+    one = np.linalg.solve(
+        spline_weights(t, 0.0, 1.0, 1), power
+    )  # spline coefficients (4,) of each power
 
     columns = [
         np.outer(one[:, j], one[:, i]).ravel()
@@ -211,7 +213,7 @@ def degree_basis(degree: int) -> Array:
 
 
 @dataclass(frozen=True)
-class Equations:
+class SplineEquations:
     """Normal equations of one spline grid.
 
     Attributes
@@ -302,7 +304,9 @@ def _box3(cells: Array) -> Array:
     return np.asarray(p[:, :-2] + p[:, 1:-1] + p[:, 2:])
 
 
-def equations(cells: Cells, elements: tuple[int, int], *, box: Box | None = None) -> Equations:
+def equations(
+    cells: Cells, elements: tuple[int, int], *, box: Box | None = None
+) -> SplineEquations:
     """Assemble the normal equations of a spline grid.
 
     Parameters
@@ -316,12 +320,12 @@ def equations(cells: Cells, elements: tuple[int, int], *, box: Box | None = None
 
     Returns
     -------
-    Equations
+    SplineEquations
         Solved by `solve_surface`.
     """
     box = cells.box if box is None else box
     nx, ny = elements
-    across, down = design(cells.x, *box[:2], nx), design(cells.y, *box[2:], ny)
+    across, down = spline_weights(cells.x, *box[:2], nx), spline_weights(cells.y, *box[2:], ny)
 
     # cells without weight may hold anything
     on = cells.weight > 0
@@ -342,7 +346,9 @@ def equations(cells: Cells, elements: tuple[int, int], *, box: Box | None = None
 
     xx, xy, yy = blocks.reshape(3, p, p)
     matrix = np.block([[xx, xy], [xy, yy]])
-    return Equations(box, elements, matrix, right.reshape(2 * p), _plane(cells, box, elements))
+    return SplineEquations(
+        box, elements, matrix, right.reshape(2 * p), _plane(cells, box, elements)
+    )
 
 
 def _plane(cells: Cells, box: Box, elements: tuple[int, int]) -> Array:
@@ -360,7 +366,7 @@ def _plane(cells: Cells, box: Box, elements: tuple[int, int]) -> Array:
     return np.concatenate([(fit[0, k] + fit[1, k] * gx + fit[2, k] * gy).ravel() for k in range(2)])
 
 
-def solve_surface(system: Equations, *, basis: Array | None = None) -> Surface:
+def solve_surface(system: SplineEquations, *, basis: Array | None = None) -> Surface:
     """Solve for the surface; ``basis`` restricts its coefficients (see `degree_basis`).
 
     The unknowns are the departures from the plane, so that the ridge pulls towards the plane.
@@ -372,15 +378,15 @@ def solve_surface(system: Equations, *, basis: Array | None = None) -> Surface:
     if basis is not None:
         # both components have the same degree
         both = np.kron(np.eye(2), basis)
-        solution = both @ _solve(both.T @ matrix @ both, both.T @ right)
+        solution = both @ _solve_with_ridge(both.T @ matrix @ both, both.T @ right)
     else:
-        solution = _solve(matrix, right)
+        solution = _solve_with_ridge(matrix, right)
 
     solution = solution + system.start
     return Surface(system.box, solution.reshape(2, ny + 3, nx + 3))
 
 
-def _solve(matrix: Array, right: Array) -> Array:
+def _solve_with_ridge(matrix: Array, right: Array) -> Array:
     """Solve a symmetric system with a ridge; zeros if it is empty."""
     n = len(matrix)
     ridge = RIDGE * np.trace(matrix) / n

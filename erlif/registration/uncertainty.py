@@ -19,10 +19,10 @@ from erlif.registration.surface import (
     Box,
     Cells,
     Pairs,
-    design,
     equations,
     on_both_sides,
     pair_up,
+    spline_weights,
 )
 
 # Side of the blocks whose scores are taken as independent: several correlation lengths. [px]
@@ -85,7 +85,7 @@ def surface_covariance(cells: Cells, model: Model, box: Box) -> Array:
     nx, ny = model.elements
     system = equations(cells, model.elements, box=box)
     block = blocks_of(cells, model, box)
-    across, down = design(cells.x, *box[:2], nx), design(cells.y, *box[2:], ny)
+    across, down = spline_weights(cells.x, *box[:2], nx), spline_weights(cells.y, *box[2:], ny)
 
     # a polynomial is a restriction of the spline: its matrix is inverted in its own space
     p = (nx + 3) * (ny + 3)
@@ -142,7 +142,10 @@ def surface_std(covariance: Array, model: Model, box: Box, x: Array, y: Array) -
         Standard deviation of one component, the rms of the two. [px]
     """
     nx, ny = model.elements
-    x_pairs, y_pairs = pair_up(design(x, *box[:2], nx)), pair_up(design(y, *box[2:], ny))
+    x_pairs, y_pairs = (
+        pair_up(spline_weights(x, *box[:2], nx)),
+        pair_up(spline_weights(y, *box[2:], ny)),
+    )
     p = (nx + 3) * (ny + 3)
     out = 0.5 * _between(covariance[:p, :p] + covariance[p:, p:], x_pairs, y_pairs)
     return np.sqrt(np.maximum(out, 0))

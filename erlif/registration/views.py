@@ -5,6 +5,8 @@ if they were one frame, each frame read at its own drift.
 """
 
 from collections.abc import Iterator
+from functools import reduce
+from operator import add
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -19,16 +21,22 @@ from erlif.registration.matching import (
     GRADIENT_PRODUCTS,
     SCORES,
     WEIGHT,
-    cell_centres,
     cell_sums,
+    centres_along_axis,
     merge_cells,
     move_sums,
     solve_shift,
     without_noise,
 )
-from erlif.registration.pairs import Frames, Pair, Textures, textures
+from erlif.registration.pairs import Pair, PairSeries, Textures, textures
 from erlif.registration.surface import Cells, Surface, cell_weights
-from erlif.registration.whitening import Filter, Spectra, measure_spectra, padded_size, whiten
+from erlif.registration.whitening import (
+    Filter,
+    Spectra,
+    measure_spectra,
+    padded_size,
+    whiten_texture,
+)
 
 # A surface needs this many cells with weight: four for each coefficient of an affine map.
 FEWEST_CELLS: Final = 16
@@ -69,8 +77,8 @@ def make_cells(sums: Array, step: int, surface: Surface, *, binning: int = 1) ->
     """
     rows, cols = sums.shape[:2]
     centre = (binning - 1) / 2  # of a binned pixel, from the centre of its first full pixel
-    x = cell_centres(cols * step, step) * binning + centre
-    y = cell_centres(rows * step, step) * binning + centre
+    x = centres_along_axis(cols * step, step) * binning + centre
+    y = centres_along_axis(rows * step, step) * binning + centre
 
     # gradients per binned pixel become gradients per full pixel
     scaled = sums.copy()
@@ -113,7 +121,7 @@ def expected_rms(sums: Array) -> Array:
     return np.asarray(rms[: sums.shape[0], : sums.shape[1]])
 
 
-class View(NamedTuple):
+class TextureView(NamedTuple):
     """The textures of one frame, ready to be laid over each other.
 
     Attributes
@@ -131,14 +139,14 @@ class View(NamedTuple):
     spline: tuple[Image, Mask]
 
 
-class Views:
+class TextureViews:
     """The frames from which the map is made, at full resolution, and the drift of each.
 
     Each frame is read and prepared once, and its textures are kept. Frames that are too many or too
     large for that are read again in every pass.
     """
 
-    def __init__(self, frames: Frames, first: Pair, *, number: int = 0) -> None:
+    def __init__(self, frames: PairSeries, first: Pair, *, number: int = 0) -> None:
         self.frames = frames
         self.settings = settings = frames.settings
         self.shape = (first.reference.shape[0], first.reference.shape[1])
@@ -152,7 +160,7 @@ class Views:
         # the start was made from one frame, which is read already; the drift of the others is
         # found when they are
         self._plain = {number: textures(first, 1, settings.threads)}
-        self._views: dict[int, View] = {}
+        self._views: dict[int, TextureView] = {}
         self.drift = np.full((len(frames.chosen), 2), np.nan)
         self.drift[number] = 0
         self._unknown = set(range(len(frames.chosen))) - {number}
@@ -170,9 +178,11 @@ class Views:
             self._grids[size] = whitening.on_grid(size)
         # a frame that is kept filtered is not needed as it was
         out = (texture, weight) if self._keep else None
-        return whiten(texture, weight, self._grids[size], threads=self.settings.threads, out=out)
+        return whiten_texture(
+            texture, weight, self._grids[size], threads=self.settings.threads, out=out
+        )
 
-    def _prepared(self, plain: Textures) -> View:
+    def _prepared(self, plain: Textures) -> TextureView:
         """A frame as it is summed: filtered, if there is a filter, with its spline."""
         if self._whitening is not None:
             plain = Textures(
@@ -182,7 +192,7 @@ class Views:
         # frames that are kept take less memory with masks
         mask = plain.weight > 0
         weight = mask if np.array_equal(mask, plain.weight) else plain.weight
-        return View(plain.a, weight, plain.spline(self.settings.threads))
+        return TextureView(plain.a, weight, plain.spline(self.settings.threads))
 
     def _each_plain(self, dx: Image, dy: Image) -> Iterator[tuple[int, Textures]]:
         """Number and unfiltered textures of the frames that are not kept filtered.
@@ -206,7 +216,7 @@ class Views:
                     continue
             yield number, handed.pop()
 
-    def _each(self, dx: Image, dy: Image) -> Iterator[tuple[int, View]]:
+    def _each(self, dx: Image, dy: Image) -> Iterator[tuple[int, TextureView]]:
         """Number and textures of the frames that have a drift, ready to be summed."""
         for number in sorted(self._views):
             yield number, self._views[number]
@@ -220,7 +230,7 @@ class Views:
             yield number, view
 
     def _sum(
-        self, number: int, view: View, dx: Image, dy: Image, scale: Array | None
+        self, number: int, view: TextureView, dx: Image, dy: Image, scale: Array | None
     ) -> tuple[Array, Image]:
         """Cell sums of one frame at its own drift, which is updated, and its camera 2 laid over."""
         threads = self.settings.threads
@@ -262,7 +272,7 @@ class Views:
         total = np.zeros(0)
         spectra: Spectra | None = None
         for number, plain in self._each_plain(dx, dy):
-            view = View(plain.a, plain.weight, plain.spline(self.settings.threads))
+            view = TextureView(plain.a, plain.weight, plain.spline(self.settings.threads))
             sums, b = self._sum(number, view, dx, dy, None)
             one = measure_spectra(plain.a, plain.weight, b)
             total = sums if spectra is None else total + sums
@@ -292,11 +302,8 @@ class Views:
         array, (2,)
             Mean drift, x first: what the displacement must be moved by for the sums to hold. [px]
         """
-        total: Array | None = None
-        for number, view in self._each(dx, dy):
-            sums, _ = self._sum(number, view, dx, dy, scale)
-            total = sums if total is None else total + sums
-        assert total is not None  # the frame of the start has a drift
+        frames = self._each(dx, dy)  # the frame of the start at least, which has a drift
+        total = reduce(add, (self._sum(number, view, dx, dy, scale)[0] for number, view in frames))
         return total, self._centre_drift()
 
     def look(self, surface: Surface, *, scale: Array | None = None) -> tuple[Array, Surface]:

@@ -255,7 +255,7 @@ def slope_gain(spectra: Spectra, filter_: Filter | None) -> float:
     return max(true / held, 1.0) if held > 0 else 1.0
 
 
-def whiten(
+def whiten_texture(
     texture: Image,
     weight: Image,
     amplitude: Image,

@@ -177,7 +177,7 @@ def budget(
         pairs=pairs,
     ).at(share_passed(frames, pairs))
 
-    sources = _split_variance(chain, frames)
+    sources = _separate_sources(chain, frames)
     images = sources.ratio
     flag_beyond_maximum(images.log_ratio.values, images.flags.values, measuring)
     maps = measure_thickness(images, measuring)
@@ -208,7 +208,7 @@ def budget(
     inside[region.rows, region.columns] = valid[region.rows, region.columns]
     rate = 1 / measuring.slope(film)
     columns += [
-        _mean_column(statistics, measuring, sources, rate, inside),
+        _budget_of_mean(statistics, measuring, sources, rate, inside),
         _minimum_column(statistics, measuring),
     ]
     return _as_dataset(columns, settings.name, trigger, len(frames))
@@ -257,7 +257,7 @@ def _choose_trigger(
     return trigger, frames_of[trigger]
 
 
-def _split_variance(chain: FrameChain, frames: Sequence[int]) -> _Sources:
+def _separate_sources(chain: FrameChain, frames: Sequence[int]) -> _Sources:
     """Combine the frames of a trigger, and keep the variance of each source apart."""
     shape = chain.pairs.shape
     total = RatioSum(shape)
@@ -361,7 +361,7 @@ def _pixel_columns(
     return columns
 
 
-def _mean_column(
+def _budget_of_mean(
     statistics: FilmStatistics,
     calibration: Calibration,
     sources: _Sources,

@@ -19,7 +19,7 @@ from scipy.interpolate import CubicSpline
 
 from erlif.core.arrays import Array
 from erlif.core.errors import ModelError
-from erlif.rig.orbit import THINNEST, Bearing
+from erlif.rig.orbit import THINNEST, RigidBearing
 
 # Nodes round the circumference, five times denser at the load line than opposite.
 AROUND = 96
@@ -111,7 +111,7 @@ class _Grid:
     held: Array  # 1 at the ends and along the line opposite to the load, (around, along)
 
 
-def _lay_grid(bearing: Bearing, *, whole: bool) -> _Grid:
+def _lay_grid(bearing: RigidBearing, *, whole: bool) -> _Grid:
     """Lay nodes that are denser near the load line and near the ends, on half of the length."""
     even = -1 + 2 * np.arange(AROUND) / AROUND
     angle = np.pi * even - _CLUSTER * np.sin(np.pi * even)
@@ -140,7 +140,7 @@ class _Film:
 
     def __init__(
         self,
-        bearing: Bearing,
+        bearing: RigidBearing,
         step: float,
         cavity: float,
         place: Array,
@@ -231,7 +231,7 @@ class _Film:
 
 
 def follow_cavitated(
-    bearing: Bearing,
+    bearing: RigidBearing,
     time: Array,
     *,
     load: Callable[[float], float],

@@ -43,7 +43,7 @@ _FRESH: Left = (1.0, 1.0)
 
 
 @dataclass(frozen=True)
-class Oil:
+class DyedOil:
     """State of the dyed oil, and the wall behind it.
 
     Attributes
@@ -155,27 +155,27 @@ def thickest(dyes: DyeSpectra | None) -> float:
 
 
 def tabulate_signal(
-    band: float, left: Left = _FRESH, dyes: DyeSpectra | None = None, oil: Oil | None = None
+    band: float, left: Left = _FRESH, dyes: DyeSpectra | None = None, oil: DyedOil | None = None
 ) -> Callable[[Array], Array]:
     """Return a function of thickness [um]: light behind the filter over that of a thick fresh film.
 
     It is a cubic Hermite table with exact slopes, 0.02 um apart for the invented dyes: the error is
     below 1e-10.
     """
-    oil = Oil(left) if oil is None else oil
+    oil = DyedOil(left) if oil is None else oil
     end = thickest(dyes)
     thickness = np.linspace(0, end, _TABLE)
     signal, slope = (
         band_signal(thickness, band, derivative=order, dyes=dyes, **vars(oil))
         for order in (False, True)
     )
-    fresh = signal[-1] if oil == Oil() else band_signal(thickness[-1:], band, dyes=dyes)[0]
+    fresh = signal[-1] if oil == DyedOil() else band_signal(thickness[-1:], band, dyes=dyes)[0]
     table = CubicHermiteSpline(thickness, signal / fresh, slope / fresh)
     return lambda film: np.asarray(table(np.minimum(film, end)))
 
 
 def signals_of(
-    dyes: DyeSpectra | None, oil: Oil
+    dyes: DyeSpectra | None, oil: DyedOil
 ) -> tuple[Callable[[Array], Array], Callable[[Array], Array]]:
     """`tabulate_signal` behind the filters of cameras 1 and 2."""
     bands = BANDS if dyes is None else dyes.bands

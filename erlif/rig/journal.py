@@ -22,7 +22,7 @@ from erlif.rig.film import (
     rocker_speed,
 )
 from erlif.rig.logger import frame_times
-from erlif.rig.orbit import Bearing, follow_orbit, lowest_pressure
+from erlif.rig.orbit import RigidBearing, follow_orbit, lowest_pressure
 from erlif.rig.settings import RigSettings
 
 _HISTORY = 60  # moments since loading at which the lowest pressure is looked up
@@ -99,7 +99,7 @@ def follow_pin(time: Array, rig: RigSettings) -> Array:
     array, (time, direction)
         Along the load and along +x. [m]
     """
-    bearing = Bearing(
+    bearing = RigidBearing(
         radius=1e-3 * rig.journal_radius,
         clearance=1e-6 * rig.clearance,
         length=1e-3 * rig.length,

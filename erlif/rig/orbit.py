@@ -32,7 +32,7 @@ _TABLE = 96  # eccentricities of the table; the spline between them is good to 2
 _TOLERANCE = 1e-8  # of the orbit; the clearance is its unit
 
 
-class Bearing(NamedTuple):
+class RigidBearing(NamedTuple):
     """Rigid parallel cylinders and an oil of constant viscosity.
 
     Attributes
@@ -73,7 +73,7 @@ class Squeeze(NamedTuple):
         Pressure in the middle plane over eta R^2/c^3 of the velocity, even and odd in the angle,
         (point, direction).
     damping : Array
-        Force over velocity, in units of `Bearing.damping`, (direction,).
+        Force over velocity, in units of `RigidBearing.damping`, (direction,).
     """
 
     angle: Array
@@ -158,10 +158,10 @@ class Mobility:
 
     Parameters
     ----------
-    bearing : Bearing
+    bearing : RigidBearing
     """
 
-    def __init__(self, bearing: Bearing) -> None:
+    def __init__(self, bearing: RigidBearing) -> None:
         self.bearing = bearing
         self._spline = _tabulate_damping(bearing.length / bearing.radius)
 
@@ -196,7 +196,7 @@ class Mobility:
         return np.asarray(np.tensordot(weight / weight.sum(), tensors, axes=1))
 
 
-def lowest_pressure(bearing: Bearing, place: Array, load: float) -> float:
+def lowest_pressure(bearing: RigidBearing, place: Array, load: float) -> float:
     """Lowest pressure over ambient in the middle plane under a load [N]. [Pa]
 
     `place` is the displacement of the pin along the load and along +x. [m]
@@ -222,7 +222,7 @@ def _tabulate_damping(slenderness: float) -> CubicSpline:
 
 
 def follow_orbit(
-    bearing: Bearing,
+    bearing: RigidBearing,
     time: Array,
     *,
     load: Callable[[float], float],
@@ -239,7 +239,7 @@ def follow_orbit(
 
     Parameters
     ----------
-    bearing : Bearing
+    bearing : RigidBearing
     time : array, (step,)
         Rising; the first is that of loading. [s]
     load : callable

@@ -14,7 +14,7 @@ import tifffile
 from erlif.core.arrays import Array, Counts
 from erlif.core.tables import fill_template
 from erlif.rig.camera import FULL_SCALE, alter_camera, expose, vibrate
-from erlif.rig.dyes import BANDS, Oil, signals_of
+from erlif.rig.dyes import BANDS, DyedOil, signals_of
 from erlif.rig.film import (
     Bubbles,
     Field,
@@ -168,12 +168,12 @@ def age(setup: Setup, pulse: int, pulses: int) -> Setup:
     rig = setup.rig
     one, two = rig.bleaching
     warmer = rig.warming * pulse / max(pulses - 1, 1)
-    oil = Oil(
+    oil = DyedOil(
         left=((1 - one) ** pulse, (1 - two) ** pulse),
         glow=(1 + rig.glow_per_kelvin[0] * warmer, 1 + rig.glow_per_kelvin[1] * warmer),
         reflectance=rig.wall[1],
     )
-    if oil != Oil(reflectance=rig.wall[0]):
+    if oil != DyedOil(reflectance=rig.wall[0]):
         setup = dataclasses.replace(setup, signals=_signals(rig.dyes, oil))
     first, second = setup.cameras
     (start, factor), (since, rise) = rig.gain_step, rig.dark_step

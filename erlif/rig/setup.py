@@ -8,7 +8,7 @@ import numpy as np
 
 from erlif.core.arrays import Array, Counts
 from erlif.rig.camera import Camera, build_camera, displacement, expose, seen_from_camera_2
-from erlif.rig.dyes import Oil, signals_of
+from erlif.rig.dyes import DyedOil, signals_of
 from erlif.rig.film import Bubbles, Field
 from erlif.rig.scene import Grains, beam, draw_grains, speckle
 from erlif.rig.settings import RigSettings
@@ -107,7 +107,7 @@ def build_setup(seed: int, rig: RigSettings) -> Setup:
             build_camera(1, rig, random_stream(seed, "camera 1")),
             build_camera(2, rig, random_stream(seed, "camera 2")),
         ),
-        signals=signals_of(rig.dyes, Oil(reflectance=rig.wall[0])),
+        signals=signals_of(rig.dyes, DyedOil(reflectance=rig.wall[0])),
         grains=draw_grains(rig, margin, random_stream(seed, "grains")),
         x=x,
         y=y,

@@ -89,7 +89,7 @@ def measure_thickness(ratios: RatioImages, calibration: Calibration) -> Thicknes
         offset, noise = find_medians(images[0], images[1], images[3])
         surroundings = Surroundings.of(shape[-1], offset=offset, variance=noise)
         maps = thickness[n], std[n], std_shared[n], flags[n]
-        _measure(
+        _fill_maps(
             images,
             *tables,
             tuple(surroundings),
@@ -235,7 +235,7 @@ def fill_maps(variance, displaced, i, rows, maps):  # type: ignore[no-untyped-de
 
 
 @numba.njit(nogil=True, cache=True, error_model="numpy")
-def _measure(  # type: ignore[no-untyped-def]
+def _fill_maps(  # type: ignore[no-untyped-def]
     images, scale, tables, limits, surroundings, rows, near, maps
 ):
     """Fill the maps, and the mean log ratio about each pixel.

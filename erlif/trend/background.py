@@ -21,7 +21,8 @@ import scipy
 from erlif.calibration import TERMS, Calibration, Systematics
 from erlif.core.arrays import Array, Mask
 from erlif.core.statistics import covariance_root
-from erlif.trend.cells import FEWEST_FRAMES, LightRecord, choose_cells, separate_light
+from erlif.ratio.cells import LightCells
+from erlif.trend.cells import FEWEST_FRAMES, choose_cells, separate_light
 
 # Chi-square of two shares that noise exceeds once in 370 cases, as a deviation of three standard
 # deviations of one number.
@@ -149,7 +150,7 @@ class BackgroundEstimate:
 
 
 def estimate_background(
-    record: LightRecord,
+    record: LightCells,
     places: tuple[Array, Array],
     calibration: Calibration,
     *,
@@ -160,7 +161,7 @@ def estimate_background(
 
     Parameters
     ----------
-    record : LightRecord
+    record : LightCells
         Frames in any order.
     places : tuple of two arrays, (cell,)
         Positions (x, y) of the cells, from -1 to 1.
@@ -181,7 +182,7 @@ def estimate_background(
     A run of four frames is too short:
 
     >>> from erlif.show.plots import example_calibration
-    >>> empty = LightRecord(*np.full((4, 4, 120), np.nan))
+    >>> empty = LightCells(*np.full((4, 4, 120), np.nan))
     >>> estimate_background(empty, (np.zeros(120), np.zeros(120)), example_calibration()) is None
     True
     """
@@ -195,8 +196,8 @@ def estimate_background(
     if known.any(axis=1).sum() < FEWEST_FRAMES:
         return None
     used = known.any(axis=1)
-    fit = _Fit(
-        LightRecord(*(np.asarray(part, float)[used] for part in record)),
+    fit = _BackgroundFit(
+        LightCells(*(np.asarray(part, float)[used] for part in record)),
         known[used],
         places,
         calibration,
@@ -206,7 +207,7 @@ def estimate_background(
     return fit.solve()
 
 
-class _Point(NamedTuple):
+class _Linearisation(NamedTuple):
     """The equations at given shares, each (frame, cell).
 
     Logarithm of light over that of the film, films without noise [um], and cells that are used.
@@ -217,7 +218,7 @@ class _Point(NamedTuple):
     chosen: Mask
 
 
-class _Step(NamedTuple):
+class _LinearSolution(NamedTuple):
     """One linear solution; the correction is to be added to the noise. [1]"""
 
     share: Array
@@ -228,12 +229,12 @@ class _Step(NamedTuple):
     energy_std: float
 
 
-class _Fit:
+class _BackgroundFit:
     """Gauss-Newton for shares, calibration, energies and illumination."""
 
     def __init__(
         self,
-        record: LightRecord,
+        record: LightCells,
         known: Mask,
         places: tuple[Array, Array],
         calibration: Calibration,
@@ -243,7 +244,7 @@ class _Fit:
         self.record, self.known, self.calibration = record, known, calibration
         self.energies, self.passed = energies, passed
         self.fitted = replace(calibration, systematics=None)
-        self.surface = _quadratic(places)
+        self.surface = _quadratic_terms(places)
         light = np.where(known, record.light, 0.0)
         self.unit = (
             float(np.median(np.exp(light[known]))),
@@ -298,7 +299,9 @@ class _Fit:
             energy_std=math.nan if self.energies is None else energy_std,
         )
 
-    def _evaluate(self, share: Array, energies: Array, chosen: Mask | None) -> _Point | None:
+    def _evaluate(
+        self, share: Array, energies: Array, chosen: Mask | None
+    ) -> _Linearisation | None:
         """Light over the light of the film, where these shares are subtracted."""
         light, log_ratio = self._subtract(share, energies)
         film, smooth, inside = self._measure_films(log_ratio)
@@ -308,7 +311,7 @@ class _Fit:
                 return None
         if not (smooth[chosen] > _LOST_FILM).all():
             return None
-        return _Point(self._compare(light, film, smooth, chosen), smooth, chosen)
+        return _Linearisation(self._compare(light, film, smooth, chosen), smooth, chosen)
 
     def _subtract(self, share: Array, energies: Array) -> tuple[Array, Array]:
         """Logarithms of light and ratio without the background."""
@@ -396,11 +399,11 @@ class _Fit:
 
     def _solve_linear(
         self,
-        point: _Point,
+        point: _Linearisation,
         illumination: Array,
         noise: float,
         energy_std: float,
-    ) -> _Step:
+    ) -> _LinearSolution:
         value, smooth, chosen = point
         design, response = self._design(np.where(chosen, smooth, 3.0), illumination)
         variance = noise + response**2 * np.where(chosen, self.record.variance, 0.0)
@@ -441,7 +444,7 @@ class _Fit:
         left = np.where(chosen, rest - energies[:, None], 0.0)
         freedom = int(chosen.sum()) - int(chosen.any(axis=0).sum()) - frames
         reduced = float((weight * left**2).sum()) / max(freedom, 1)
-        return _Step(
+        return _LinearSolution(
             solution[:2],
             covariance,
             energies,
@@ -462,7 +465,7 @@ class _Fit:
         return max(math.sqrt(max(scatter - noise, 0.0)), _LEAST_ENERGY_STD)
 
 
-def _quadratic(places: tuple[Array, Array]) -> Array:
+def _quadratic_terms(places: tuple[Array, Array]) -> Array:
     """Terms of a quadratic surface, (cell, 6)."""
     x, y = places
     return np.stack([np.ones_like(x), x, y, x * x, x * y, y * y], axis=1)

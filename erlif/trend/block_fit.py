@@ -253,7 +253,7 @@ def average_blocks(sums: BlockSums, *, sliding_along_x: bool) -> BlockMeans:
     names = "lit", "lit_ratio", "lit_var", "row", "row_squared", "column", "column_squared"
     merged = {name: getattr(sums, name) for name in names}
     if sums.lit.size > _MANY:
-        merged = {name: _merge(blocks) for name, blocks in merged.items()}
+        merged = {name: _merge_blocks(blocks) for name, blocks in merged.items()}
     some = merged["lit"] > 0
     down, right = np.nonzero(some)
     count, ratio, var, row, row_squared, column, column_squared = (
@@ -270,7 +270,7 @@ def average_blocks(sums: BlockSums, *, sliding_along_x: bool) -> BlockMeans:
     return BlockMeans(log_ratio, variance, v, vv, u, uu, right, down)
 
 
-def _merge(blocks: Array) -> Array:
+def _merge_blocks(blocks: Array) -> Array:
     """Sums over four blocks; at the lower and right edge of an odd number, over those there are."""
     rows = blocks[::2].copy()
     rows[: len(blocks) // 2] += blocks[1::2]

@@ -130,18 +130,18 @@ def sum_blocks(ratios: RatioImages, region: Region, maps: ThicknessMaps | None =
     return BlockSums(
         size=(lit.shape[0], lit.shape[1]),
         offset=offset,
-        lit=_sum(np.ones_like(ratio), lit),
-        lit_ratio=_sum(ratio, lit),
-        lit_var=_sum(variance, lit),
-        row=_sum(rows, lit),
-        row_squared=_sum(rows**2, lit),
-        column=_sum(columns, lit),
-        column_squared=_sum(columns**2, lit),
-        measurable=_sum(np.ones_like(ratio), measurable),
-        ratio=_sum(ratio, measurable),
-        ratio_squared=_sum(ratio**2, measurable),
-        var=_sum(variance, measurable),
-        displaced=_sum(displaced, measurable),
+        lit=_sum_selected(np.ones_like(ratio), lit),
+        lit_ratio=_sum_selected(ratio, lit),
+        lit_var=_sum_selected(variance, lit),
+        row=_sum_selected(rows, lit),
+        row_squared=_sum_selected(rows**2, lit),
+        column=_sum_selected(columns, lit),
+        column_squared=_sum_selected(columns**2, lit),
+        measurable=_sum_selected(np.ones_like(ratio), measurable),
+        ratio=_sum_selected(ratio, measurable),
+        ratio_squared=_sum_selected(ratio**2, measurable),
+        var=_sum_selected(variance, measurable),
+        displaced=_sum_selected(displaced, measurable),
         valid=valid,
         beyond=beyond,
         noise_correlation=noise_correlation(ratios),
@@ -153,7 +153,7 @@ def noise_correlation(ratios: RatioImages) -> float:
     return float(ratios.noise_correlation) if "noise_correlation" in ratios else 1.0
 
 
-def _sum(image: Array | Image, mask: Mask) -> Array:
+def _sum_selected(image: Array | Image, mask: Mask) -> Array:
     """Sum over the pixels of each block that a mask selects."""
     chosen = np.where(mask, image, 0.0)
     for axis, size in enumerate(mask.shape):

@@ -1,8 +1,6 @@
-"""Light and ratio of a run in the coarse cells of its image, and the cells that are compared."""
+"""The coarse cells of an image whose light is compared with that of their film."""
 
 from __future__ import annotations
-
-from typing import NamedTuple
 
 import numpy as np
 
@@ -19,27 +17,6 @@ _THINNEST = 1.0  # um: below it the response of a film to its light is steep and
 # Share of the covered range; the noise of a cell with a thicker film may reach beyond it, and a
 # choice that depends on the noise would bias what is estimated.
 _THICKEST = 0.8
-
-
-class LightRecord(NamedTuple):
-    """Light and ratio of the cells of a run, each (frame, cell); NaN where not measured.
-
-    Attributes
-    ----------
-    light : Array
-        Mean logarithm of the light of camera 1. [ln DN]
-    log_ratio : Array
-        Mean logarithm of the ratio. [1]
-    spread : Array
-        Variance of the logarithm of the ratio within a cell. [1]
-    variance : Array
-        Variance of log_ratio by noise. [1]
-    """
-
-    light: Array
-    log_ratio: Array
-    spread: Array
-    variance: Array
 
 
 def choose_cells(film: Array, measured: Mask, calibration: Calibration) -> Mask:

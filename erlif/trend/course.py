@@ -18,7 +18,8 @@ import numpy.typing as npt
 
 from erlif.calibration import Calibration
 from erlif.core.arrays import AnyArray, Array, Mask
-from erlif.trend.cells import FEWEST_FRAMES, LightRecord, choose_cells
+from erlif.ratio.cells import LightCells
+from erlif.trend.cells import FEWEST_FRAMES, choose_cells
 
 # Standard deviations from which on a change is reported. The largest of 400 possible steps exceeds
 # them by chance once in 400 runs.
@@ -38,7 +39,7 @@ _SETTLED = 0.1  # rest of a change over its standard deviation at which the sear
 
 
 @dataclass(frozen=True)
-class Change:
+class CourseChange:
     """A step or a drift.
 
     Attributes
@@ -134,7 +135,7 @@ def _courses(count: int) -> Array:
     return np.concatenate([frame[None] / (count - 1), steps.astype(float)])
 
 
-def find_shift(frames: AnyArray, values: Array) -> Change | None:
+def find_shift(frames: AnyArray, values: Array) -> CourseChange | None:
     """The largest step or drift of one number of each frame.
 
     Parameters
@@ -146,7 +147,7 @@ def find_shift(frames: AnyArray, values: Array) -> Change | None:
 
     Returns
     -------
-    Change or None
+    CourseChange or None
         None with fewer than 12 frames.
 
     Examples
@@ -166,22 +167,22 @@ def find_shift(frames: AnyArray, values: Array) -> Change | None:
     # values that wander have their largest step somewhere: one that counts exceeds their scatter
     scatter = float(np.std(rows.value - size * courses[best]))
     significance = abs(size) / max(scatter, _TINY)
-    return Change(_frame_of(best, frames[known]), size, std, significance)
+    return CourseChange(_frame_of(best, frames[known]), size, std, significance)
 
 
 def find_ratio_change(
     frames: AnyArray,
-    record: LightRecord,
+    record: LightCells,
     places: tuple[Array, Array],
     calibration: Calibration,
-) -> Change | None:
+) -> CourseChange | None:
     """The largest step or drift of the logarithm of the ratio at equal film.
 
     Parameters
     ----------
     frames : array of int, (frame,)
         Numbers of the frames, rising.
-    record : LightRecord
+    record : LightCells
         Of these frames.
     places : tuple of two arrays, (cell,)
         Positions (x, y) of the cells, from -1 to 1.
@@ -189,7 +190,7 @@ def find_ratio_change(
 
     Returns
     -------
-    Change or None
+    CourseChange or None
         None where too few frames or cells show a film within the calibrated range, or where one
         film in all cells and frames leaves nothing to compare.
 
@@ -198,7 +199,7 @@ def find_ratio_change(
     A run of four frames is too short:
 
     >>> from erlif.show.plots import example_calibration
-    >>> empty = LightRecord(*np.full((4, 4, 120), np.nan))
+    >>> empty = LightCells(*np.full((4, 4, 120), np.nan))
     >>> places = np.zeros(120), np.zeros(120)
     >>> find_ratio_change(np.arange(4), empty, places, example_calibration()) is None
     True
@@ -211,7 +212,7 @@ def find_ratio_change(
     light, chosen = record.light[used], chosen[used]
     log_ratio = np.where(chosen, record.log_ratio[used], record.log_ratio[used][chosen].mean())
 
-    rows = _compare(light, log_ratio, chosen, places, calibration)
+    rows = _light_rows(light, log_ratio, chosen, places, calibration)
     best, size, std = rows.find(courses)
     if not std < _LOOSE:
         return None
@@ -224,7 +225,7 @@ def find_ratio_change(
         course, total, step, rest, rate = courses[number], size, size, size, 1.0
         for _ in range(_ROUNDS - 1):
             shifted = log_ratio - total * course[:, None]
-            left = _compare(light, shifted, chosen, places, calibration)
+            left = _light_rows(light, shifted, chosen, places, calibration)
             _, size, std = left.find(course[None])
             if not std < _LOOSE:
                 return float("nan"), float("nan")
@@ -244,7 +245,7 @@ def find_ratio_change(
         return None
     drift = settle(0, drifting) if best else (total, std)
     median = float(np.median(film[used][chosen]))
-    return Change(_frame_of(best, frames[used]), total, std, significance, median, drift)
+    return CourseChange(_frame_of(best, frames[used]), total, std, significance, median, drift)
 
 
 def _frame_of(course: int, frames: AnyArray) -> int | None:
@@ -261,7 +262,7 @@ def _choose(log_ratio: Array, light: Array, calibration: Calibration) -> tuple[A
     return film, choose_cells(film, known, calibration)
 
 
-def _compare(
+def _light_rows(
     light: Array, log_ratio: Array, chosen: Mask, places: tuple[Array, Array], cal: Calibration
 ) -> _Rows:
     """Equations of the light of camera 1 over that of the film which the ratio shows."""

@@ -206,17 +206,17 @@ def judge_form(
     # weights by the variance of each trigger; what is common to all enters the variances alone
     rate = 1 / view.curvature
     of_rate = cov[0].times(rate)
-    mean, mean_std = _combine(rate * excess, of_rate, np.ones((1, film.size)))
-    bent, bent_std = _combine(bend, cov[1], np.ones((1, film.size)))
+    mean, mean_std = _fit_last(rate * excess, of_rate, np.ones((1, film.size)))
+    bent, bent_std = _fit_last(bend, cov[1], np.ones((1, film.size)))
     change, change_std = math.nan, math.nan
     if np.ptp(film) > 0:
         line = np.stack([np.ones_like(film), (film - film.min()) / np.ptp(film)])
-        change, change_std = _combine(rate * excess, of_rate, line)
+        change, change_std = _fit_last(rate * excess, of_rate, line)
     excess_std = math.hypot(mean_std, SCALE_STD)
 
     # the pressure of a squeezed film, (1 + x^2/2Rh)^-2, flattens the middle by 3/4 b^2/(R h)
     flat = -1.5 * flattening / np.maximum(film, flattening)
-    rest, _ = _combine(rate * excess - flat, of_rate, np.ones((1, film.size)))
+    rest, _ = _fit_last(rate * excess - flat, of_rate, np.ones((1, film.size)))
     if abs(bent) > SIGNIFICANT * bent_std:
         cause = Cause.BENDING
     elif abs(mean) <= SIGNIFICANT * excess_std:
@@ -257,14 +257,14 @@ def _find_imitations(
         column = gradient[:, n - len(width)]
         if term == "position" or width[n] == 0 or not column.any():  # a position is in um
             continue
-        error, _ = _combine(values, covariance, column[None])
+        error, _ = _fit_last(values, covariance, column[None])
         cost = float(((values - error * column) ** 2 / scale).sum() + (error / width[n]) ** 2)
         if abs(error) < _LARGEST and (term not in found or cost < found[term].cost):
             found[term] = Imitation(term, -error, cost)  # the run has what its calibration lacks
     return sorted(found.values(), key=lambda one: one.cost)
 
 
-def _combine(values: Array, covariance: _Covariance, design: Array) -> tuple[float, float]:
+def _fit_last(values: Array, covariance: _Covariance, design: Array) -> tuple[float, float]:
     """Last coefficient of a weighted fit and its standard deviation by the whole covariance."""
     weighted = design / np.maximum(covariance.variance, np.finfo(float).tiny)
     solve = np.linalg.solve(weighted @ design.T, weighted)

@@ -38,7 +38,7 @@ _FEWEST = 60  # blocks that distinguish them from marks
 _OUTLIER = 4.685  # departure beyond which a block counts as one of this size [std]
 
 
-class Contact(StrEnum):
+class GapShape(StrEnum):
     """Smooth gap between two surfaces."""
 
     PLANE = "plane"
@@ -47,7 +47,7 @@ class Contact(StrEnum):
 
 
 # Number of the shapes 1, s, z, s^2 and z^2 that a gap has.
-_SHAPES = {Contact.PLANE: 3, Contact.LINE: 4, Contact.POINT: 5}
+_SHAPES = {GapShape.PLANE: 3, GapShape.LINE: 4, GapShape.POINT: 5}
 
 
 class GapMinimum(NamedTuple):
@@ -93,7 +93,7 @@ def find_gap_minimum(
     *,
     region: Region,
     sliding_along_x: bool,
-    contact: Contact = Contact.LINE,
+    contact: GapShape = GapShape.LINE,
 ) -> GapMinimum:
     """Fit the smooth gap of a contact to the blocks of a region and find its minimum within it.
 
@@ -103,7 +103,7 @@ def find_gap_minimum(
     curve : FilmCurve
     region, sliding_along_x
         As for `erlif.trend.summarise_film`; the region is that of the sums.
-    contact : Contact
+    contact : GapShape
 
     Returns
     -------
@@ -138,7 +138,12 @@ def find_gap_minimum(
 
 
 def _fit_gap(
-    blocks: BlockMeans, curve: FilmCurve, region: Region, contact: Contact, *, sliding_along_x: bool
+    blocks: BlockMeans,
+    curve: FilmCurve,
+    region: Region,
+    contact: GapShape,
+    *,
+    sliding_along_x: bool,
 ) -> GapMinimum:
     """The minimum of the gap of one contact through the means of blocks."""
     s, z = blocks.along, blocks.across
@@ -157,9 +162,9 @@ def _fit_gap(
         return nothing
 
     bends = nothing
-    if contact is Contact.POINT:
+    if contact is GapShape.POINT:
         pulls = np.linalg.inv(fit.curvature)[-2:] @ fit.jacobian
-        variances = np.array([_split_variance(pull, fit, blocks) for pull in pulls])
+        variances = np.array([_variance_parts(pull, fit, blocks) for pull in pulls])
         bends = nothing._replace(
             bend=fit.amplitudes[-2:],
             bend_random_var=variances[:, 0],
@@ -170,13 +175,13 @@ def _fit_gap(
     )
 
     _, b, c, d, e = np.pad(fit.amplitudes, (0, len(shapes) - count))
-    along, across = _lowest(b, d), _lowest(c, e)
+    along, across = _lowest_place(b, d), _lowest_place(c, e)
     at = np.array([1.0, along, across, along**2, across**2])[:count]
 
     # change of the minimum with the ratio of each block, through the reweighted fit
     pull = np.linalg.solve(fit.curvature, at) @ fit.jacobian
     by_block = pull * fit.response / fit.total_var
-    value, (random, surface) = float(at @ fit.amplitudes), _split_variance(pull, fit, blocks)
+    value, (random, surface) = float(at @ fit.amplitudes), _variance_parts(pull, fit, blocks)
     tolerated = max(_TOLERATED, _TOLERATED_SHARE * value)
     # below zero the smooth gap passes through a contact that is flattened
     through = value + _BELOW_ZERO * math.sqrt(random + surface) < 0
@@ -189,7 +194,7 @@ def _fit_gap(
         random_std=math.sqrt(random),
         surface_std=math.sqrt(surface),
         gradient=np.asarray(-curve.calibration.gradient(fit.film) @ by_block),
-        place=_place(region, (along, across) if sliding_along_x else (across, along)),
+        place=_pixel_of(region, (along, across) if sliding_along_x else (across, along)),
     )
 
 
@@ -199,19 +204,19 @@ def find_gap_minima(
     *,
     region: Region,
     sliding_along_x: bool,
-    contacts: Sequence[Contact],
-) -> dict[Contact, GapMinimum]:
+    contacts: Sequence[GapShape],
+) -> dict[GapShape, GapMinimum]:
     """The minimum of the gap of each of some contacts.
 
     Arguments that are not listed are those of `find_gap_minimum`.
 
     Parameters
     ----------
-    contacts : sequence of Contact
+    contacts : sequence of GapShape
 
     Returns
     -------
-    dict of Contact to GapMinimum
+    dict of GapShape to GapMinimum
 
     Examples
     --------
@@ -222,9 +227,9 @@ def find_gap_minima(
     >>> dark = BlockSums((32, 32), 0.0, *[one] * 12, valid=0, beyond=0)
     >>> whole, curve = Region(slice(0, 32), slice(0, 32)), FilmCurve.of(example_calibration())
     >>> found = find_gap_minima(
-    ...     dark, curve, region=whole, sliding_along_x=True, contacts=[Contact.LINE]
+    ...     dark, curve, region=whole, sliding_along_x=True, contacts=[GapShape.LINE]
     ... )
-    >>> found[Contact.LINE].value
+    >>> found[GapShape.LINE].value
     nan
     """
     blocks = average_blocks(sums, sliding_along_x=sliding_along_x)
@@ -234,19 +239,19 @@ def find_gap_minima(
     }
 
 
-def choose_contact(triggers: Sequence[Mapping[Contact, GapMinimum]]) -> Contact:
+def choose_contact(triggers: Sequence[Mapping[GapShape, GapMinimum]]) -> GapShape:
     """The simplest gap that the curvatures of all triggers of a run allow.
 
     Noise is new at every trigger, marks of the surfaces are taken as common to all.
 
     Parameters
     ----------
-    triggers : sequence of mapping of Contact to GapMinimum
+    triggers : sequence of mapping of GapShape to GapMinimum
         With the gap of a point contact.
 
     Returns
     -------
-    Contact
+    GapShape
         A point contact where the mean curvature across sliding is above three standard deviations,
         a line contact where only that along sliding is, else a plane. A line contact where no
         trigger has a gap.
@@ -256,16 +261,16 @@ def choose_contact(triggers: Sequence[Mapping[Contact, GapMinimum]]) -> Contact:
     >>> small, none = np.full(2, 1e-4), np.zeros(2)
     >>> place = gradient = none
     >>> bent = GapMinimum(1.0, 0.1, 0.1, gradient, place, 0.0, np.array([3.0, 2.0]), small, small)
-    >>> str(choose_contact([{Contact.POINT: bent}]))
+    >>> str(choose_contact([{GapShape.POINT: bent}]))
     'point'
     >>> bent = bent._replace(bend=np.array([3.0, 0.01]))
-    >>> str(choose_contact([{Contact.POINT: bent}]))
+    >>> str(choose_contact([{GapShape.POINT: bent}]))
     'line'
     """
-    gaps = [one[Contact.POINT] for one in triggers]
+    gaps = [one[GapShape.POINT] for one in triggers]
     bent = [one for one in gaps if np.isfinite(one.bend).all()]
     if not bent:
-        return Contact.LINE
+        return GapShape.LINE
     value, random, surface = (
         np.array([getattr(one, name) for one in bent])
         for name in ("bend", "bend_random_var", "bend_surface_var")
@@ -275,15 +280,15 @@ def choose_contact(triggers: Sequence[Mapping[Contact, GapMinimum]]) -> Contact:
     mean = (weight * value).sum(axis=0)
     variance = (weight**2 * random).sum(axis=0) + (weight * np.sqrt(surface)).sum(axis=0) ** 2
     along, across = np.abs(mean) > _CURVED * np.sqrt(variance)
-    return Contact.POINT if across else Contact.LINE if along else Contact.PLANE
+    return GapShape.POINT if across else GapShape.LINE if along else GapShape.PLANE
 
 
-def _lowest(slope: float, bend: float) -> float:
+def _lowest_place(slope: float, bend: float) -> float:
     """Where slope x + bend x^2 is lowest from -1 to 1: the vertex where it opens upwards."""
     return float(np.clip(-slope / (2 * bend), -1, 1)) if bend > 0 else -math.copysign(1.0, slope)
 
 
-def _split_variance(pull: Array, fit: BlockFit, blocks: BlockMeans) -> tuple[float, float]:
+def _variance_parts(pull: Array, fit: BlockFit, blocks: BlockMeans) -> tuple[float, float]:
     """Variance of a number of the fit by noise, and by the surfaces. [um2]
 
     The scatter of the blocks about the fit beyond their noise is that of the surfaces.
@@ -324,7 +329,7 @@ def _measure_misfit(blocks: BlockMeans, fit: BlockFit, thickest: float) -> float
     return smooth / count / max(rest, float((blocks.variance[use] / slope**2).mean()))
 
 
-def _place(region: Region, position: tuple[float, float]) -> Array:
+def _pixel_of(region: Region, position: tuple[float, float]) -> Array:
     """Column and row of a position (x, y) from -1 to 1 over a region. [px]"""
     return np.array(
         [

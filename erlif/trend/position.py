@@ -230,7 +230,7 @@ def find_pin_in_blocks(
     )
 
     # positions in mm; blocks have the means of x and of its square
-    centre, half = _span(sliding, view.pitch)
+    centre, half = _region_span(sliding, view.pitch)
     offset = centre - view.load_line
     ends = centre - half, centre + half
     if not view.sees(*ends):
@@ -242,7 +242,7 @@ def find_pin_in_blocks(
         )
     x = offset + half * blocks.along
     x_squared = offset**2 + 2 * offset * half * blocks.along + half**2 * blocks.along_squared
-    axial_centre, axial_half = _span(axial, view.pitch)
+    axial_centre, axial_half = _region_span(axial, view.pitch)
     z = axial_centre - view.axial_origin + axial_half * blocks.across
 
     # means of cosine and sine over a block, to the second order of its width
@@ -278,7 +278,7 @@ def find_pin_in_blocks(
     score = pull * (fit.weight * fit.residual)
     random = (score * (blocks.variance / fit.total_var)) @ score.T
     strips = [sum_by_strips(score, strip) for strip in (blocks.strip_along, blocks.strip_across)]
-    surface = _excess(_join_larger(*strips), random)
+    surface = _rest_covariance(_join_larger(*strips), random)
 
     def numbers(part: slice) -> tuple[Array, Array, Array, Array]:
         return value[part], random[part, part], surface[part, part], gradient[part]
@@ -376,7 +376,7 @@ def load_line_covariance(film: xr.Dataset) -> Array:
     return np.asarray(change[:, :, np.newaxis] * change[:, np.newaxis, :])
 
 
-def _span(pixels: slice, pitch: float) -> tuple[float, float]:
+def _region_span(pixels: slice, pitch: float) -> tuple[float, float]:
     """Middle and half of the extent of the pixel centres of a region. [mm]"""
     first, last = pixels.start, pixels.stop - 1
     return 0.5 * (first + last) * pitch, 0.5 * (last - first) * pitch
@@ -389,7 +389,7 @@ def _join_larger(one: Array, two: Array) -> Array:
     return np.asarray(both * scale * scale[:, None])
 
 
-def _excess(total: Array, part: Array) -> Array:
+def _rest_covariance(total: Array, part: Array) -> Array:
     """The total covariance less a part of it, without negative variances in any direction."""
     root = np.linalg.cholesky(part)
     inverse = np.linalg.inv(root)

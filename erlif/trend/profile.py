@@ -97,7 +97,7 @@ def average_across_sliding(
     mean = calibration.inverse.look_up(log_ratio.sum(axis=0) / total)
     std = np.sqrt(variance.sum(axis=0)) / total
     shared = np.where(good, one.thickness_std_shared.values.astype(float), 0.0)
-    random, common = std * _scatter(mean, std), shared.sum(axis=0) / total
+    random, common = std * _line_scatter(mean, std), shared.sum(axis=0) / total
     name = "its standard deviation"
     return describe(
         {
@@ -213,7 +213,7 @@ class RigidGap:
     @property
     def rigid_curvature(self) -> float:
         """Second derivative of the gap of the circles. [um/mm2]"""
-        return _bend(self.minimum, self.clearance, self.radius)
+        return _gap_curvature(self.minimum, self.clearance, self.radius)
 
     def thickness(self, position: npt.ArrayLike) -> Array:
         """Gap at a position in mm. [um]"""
@@ -276,7 +276,7 @@ def rigid_gap(profile: xr.Dataset, film: xr.Dataset) -> RigidGap | None:
         rest = h - bend * design[:, 2]
         level, slope = np.linalg.lstsq(design[:, :2] * root[:, None], rest * root, rcond=None)[0]
         minimum, place = level - slope**2 / (2 * bend), middle - slope / bend
-        bend = _bend(minimum, clearance, radius)
+        bend = _gap_curvature(minimum, clearance, radius)
     solve = np.linalg.pinv(design * root[:, None])
 
     # the error of the curvature: scatter of the blocks, and what the calibration shares with all
@@ -297,12 +297,12 @@ def rigid_gap(profile: xr.Dataset, film: xr.Dataset) -> RigidGap | None:
     )
 
 
-def _bend(minimum: float, clearance: float, radius: float) -> float:
+def _gap_curvature(minimum: float, clearance: float, radius: float) -> float:
     """Second derivative of the gap of two circles at a minimum film [um]. [um/mm2]"""
     return (1 - min(max(minimum / clearance, 0.0), _WIDEST)) / radius
 
 
-def _scatter(values: Array, std: Array) -> float:
+def _line_scatter(values: Array, std: Array) -> float:
     """Scatter of a smooth line over its error bars, at least 1, from second differences.
 
     Camera 2 is interpolated: the noise of neighbouring rows is correlated and averages out less

@@ -21,7 +21,8 @@ import numpy.typing as npt
 from erlif.calibration import Calibration
 from erlif.core.arrays import Array, Mask
 from erlif.core.statistics import covariance_root
-from erlif.trend.cells import FEWEST_FRAMES, LightRecord, choose_cells, separate_light
+from erlif.ratio.cells import LightCells
+from erlif.trend.cells import FEWEST_FRAMES, choose_cells, separate_light
 from erlif.trend.position import PinView
 
 # Accuracy of the clearance by the radii at best. [1]
@@ -41,7 +42,7 @@ _BEYOND = 2.0  # standard deviations of the widths: a larger shift is none of th
 _LARGEST = 5.0  # standard deviations beyond which the errors are not those of their widths
 
 
-class Equations(NamedTuple):
+class RatioEquations(NamedTuple):
     """What the logarithm of the ratio of the cells depends on, to first order.
 
     Attributes
@@ -68,7 +69,7 @@ class Equations(NamedTuple):
     form: Array
 
 
-class Unknowns(NamedTuple):
+class RigidityUnknowns(NamedTuple):
     """Values of all unknowns, or a change of them.
 
     Attributes
@@ -87,23 +88,23 @@ class Unknowns(NamedTuple):
 
 
 def solve_equations(
-    equations: Equations, prior: Array, rest: Array, at: Unknowns
-) -> tuple[Unknowns, Array]:
+    equations: RatioEquations, prior: Array, rest: Array, at: RigidityUnknowns
+) -> tuple[RigidityUnknowns, Array]:
     """Solve the equations of all frames together.
 
     Parameters
     ----------
-    equations : Equations
+    equations : RatioEquations
     prior : array, (error, error)
         Covariance of the errors.
     rest : array, (frame, cell)
         Measured less expected logarithm of the ratio. [1]
-    at : Unknowns
+    at : RigidityUnknowns
         Where the equations hold; the priors draw towards zero.
 
     Returns
     -------
-    change : Unknowns
+    change : RigidityUnknowns
     covariance : array, (error, error)
         Of the errors with the run.
 
@@ -114,8 +115,8 @@ def solve_equations(
     >>> x = np.linspace(-8, 8, 40)
     >>> gap = gap_of_pin(x, np.tile([-6.0, 6.0], 20), 33.5, clearance_std=2.0)
     >>> still = np.full((20, 40), 0.1)
-    >>> equations = Equations(still, 0 * still[None] + 1, 1e-6 + 0 * still, *gap)
-    >>> at = Unknowns(np.zeros(1), np.zeros(40), np.zeros((20, 5)))
+    >>> equations = RatioEquations(still, 0 * still[None] + 1, 1e-6 + 0 * still, *gap)
+    >>> at = RigidityUnknowns(np.zeros(1), np.zeros(40), np.zeros((20, 5)))
     >>> _, covariance = solve_equations(equations, np.array([[1e-4]]), 0 * still, at)
     >>> round(float(covariance[0, 0] / 1e-4), 1)
     1.0
@@ -147,7 +148,7 @@ def solve_equations(
     change = inverse @ right
     motion = np.array([solved[:, -1] - solved[:, :-1] @ change for solved in kept])
     covariance = root @ inverse[cells:, cells:] @ root.T
-    return Unknowns(root @ change[cells:], change[:cells], motion), covariance
+    return RigidityUnknowns(root @ change[cells:], change[:cells], motion), covariance
 
 
 def gap_of_pin(
@@ -167,7 +168,7 @@ def gap_of_pin(
     Returns
     -------
     motion, motion_std, form : array
-        As in `Equations`.
+        As in `RatioEquations`.
 
     Examples
     --------
@@ -247,7 +248,7 @@ class ErrorEstimate:
 
 
 def estimate_errors(
-    record: LightRecord,
+    record: LightCells,
     centres: tuple[Array, Array],
     calibration: Calibration,
     view: PinView,
@@ -259,7 +260,7 @@ def estimate_errors(
 
     Parameters
     ----------
-    record : LightRecord
+    record : LightCells
     centres : tuple of two arrays, (cell,)
         Columns and rows of the middles of the cells. [px]
     calibration : Calibration
@@ -280,7 +281,7 @@ def estimate_errors(
     A run of four frames is too short:
 
     >>> from erlif.show.plots import example_calibration
-    >>> empty, none = LightRecord(*np.full((4, 4, 120), np.nan)), np.zeros(120)
+    >>> empty, none = LightCells(*np.full((4, 4, 120), np.nan)), np.zeros(120)
     >>> view = PinView(33.36e-3, 33.59e-3, 0.06, load_line=9.6, axial_origin=7.7)
     >>> found = estimate_errors(
     ...     empty, (none, none), example_calibration(), view,
@@ -290,7 +291,7 @@ def estimate_errors(
     True
     """
     steps = np.unique(np.linspace(0, len(passed) - 1, _MOST_FRAMES).round().astype(int))
-    record = LightRecord(*(np.asarray(part, float)[steps] for part in record))
+    record = LightCells(*(np.asarray(part, float)[steps] for part in record))
     known = np.isfinite(record.log_ratio) & np.isfinite(record.light) & (record.variance > 0)
     film = calibration.inverse.look_up(np.where(known, record.log_ratio, 0.0))
     chosen = choose_cells(film, known, calibration)
@@ -304,15 +305,15 @@ def estimate_errors(
         view.radius,
         clearance_std=float(np.hypot(clearance_std, CLEARANCE_STD * view.clearance)),
     )
-    record = LightRecord(*(np.where(chosen, part, 0.0) for part in record))
-    return _Fit(record, chosen, calibration, passed[steps], gap, view.clearance).solve(film)
+    record = LightCells(*(np.where(chosen, part, 0.0) for part in record))
+    return _ErrorFit(record, chosen, calibration, passed[steps], gap, view.clearance).solve(film)
 
 
 @dataclass(frozen=True)
-class _Fit:
+class _ErrorFit:
     """Gauss-Newton for errors, positions and form."""
 
-    record: LightRecord
+    record: LightCells
     chosen: Mask
     calibration: Calibration
     passed: Array
@@ -330,7 +331,7 @@ class _Fit:
             equations = self._linearise(film, bright, noise)
             rest = self._rest(film, equations.errors, state.errors)
             step, covariance = solve_equations(equations, prior, rest, state)
-            state = Unknowns(*(old + new for old, new in zip(state, step, strict=True)))
+            state = RigidityUnknowns(*(old + new for old, new in zip(state, step, strict=True)))
             noise = max(noise + self._excess(equations, rest, step), 0.0)
             if (np.abs(step.errors) <= _SETTLED * np.sqrt(np.diag(covariance))).all():
                 break
@@ -346,14 +347,16 @@ class _Fit:
             float(np.median(film[self.chosen])),
         )
 
-    def _start(self, measured: Array) -> Unknowns:
+    def _start(self, measured: Array) -> RigidityUnknowns:
         """Positions by the measured films."""
         motion, cells = self.gap[0], measured.shape[1]
         found = np.zeros((len(measured), len(motion)))
         for k, used in enumerate(self.chosen):
             rest = measured[k, used] - self.clearance
             found[k, :-1] = np.linalg.lstsq(motion[:-1, used].T, rest, rcond=None)[0]
-        return Unknowns(np.zeros(len(self.calibration.full_covariance)), np.zeros(cells), found)
+        return RigidityUnknowns(
+            np.zeros(len(self.calibration.full_covariance)), np.zeros(cells), found
+        )
 
     def _illumination(self, measured: Array) -> Array:
         """Light of each cell over that of its film and of the median, (cell,). [1]"""
@@ -362,12 +365,12 @@ class _Fit:
         bright = separate_light(np.where(self.chosen, light, 0.0), self.chosen)
         return np.asarray(np.exp(bright - np.median(bright[self.chosen.any(axis=0)])))
 
-    def _film(self, state: Unknowns) -> Array:
+    def _film(self, state: RigidityUnknowns) -> Array:
         """Film of each cell; 3 um where it is not used. [um]"""
         film = self.clearance + state.motion @ self.gap[0] + state.form
         return np.where(self.chosen, film, 3.0)
 
-    def _linearise(self, film: Array, bright: Array, noise: float) -> Equations:
+    def _linearise(self, film: Array, bright: Array, noise: float) -> RatioEquations:
         """The equations at these films."""
         calibration, slope = self.calibration, self.calibration.slope(film)
         variance = np.where(self.chosen, self.record.variance + noise, np.inf)
@@ -382,7 +385,7 @@ class _Fit:
                 passed=self.passed[:, None],
             )
             errors = np.concatenate([errors, acts])
-        return Equations(slope, errors, variance, *self.gap)
+        return RatioEquations(slope, errors, variance, *self.gap)
 
     def _rest(self, film: Array, acts: Array, errors: Array) -> Array:
         """Measured less expected logarithm of the ratio. [1]"""
@@ -394,7 +397,7 @@ class _Fit:
         expected = self.calibration.predict_log(film) + np.tensordot(errors, acts, axes=1) + bent
         return np.where(self.chosen, self.record.log_ratio - expected, 0.0)
 
-    def _excess(self, equations: Equations, rest: Array, step: Unknowns) -> float:
+    def _excess(self, equations: RatioEquations, rest: Array, step: RigidityUnknowns) -> float:
         """Variance of the logarithm of the ratio beyond the one taken. [1]"""
         moved = step.motion @ equations.motion + step.form
         left = rest - equations.slope * moved - np.tensordot(step.errors, equations.errors, axes=1)

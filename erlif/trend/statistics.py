@@ -13,7 +13,7 @@ from erlif.core.arrays import Array
 from erlif.core.products import RatioImages, ThicknessMaps, require
 from erlif.trend.blocks import BLOCK, BlockSums, sum_blocks
 from erlif.trend.curve import FilmCurve
-from erlif.trend.gap import MISFIT, Contact, GapMinimum, choose_contact, find_gap_minima
+from erlif.trend.gap import MISFIT, GapMinimum, GapShape, choose_contact, find_gap_minima
 from erlif.trend.region import Region
 
 _LEAST_PIXELS = 64  # measurable pixels of a mean, at least
@@ -116,7 +116,7 @@ def summarise_film(
     *,
     region: Region,
     sliding_along_x: bool = True,
-    contacts: Sequence[Contact] = (Contact.LINE,),
+    contacts: Sequence[GapShape] = (GapShape.LINE,),
 ) -> FilmStatistics:
     """Mean and minimum film thickness of one trigger over a region.
 
@@ -133,7 +133,7 @@ def summarise_film(
     region : Region
     sliding_along_x : bool
         Whether image x is the sliding direction.
-    contacts : sequence of Contact
+    contacts : sequence of GapShape
         The gap, or all of them, among which the curvatures of this trigger choose.
 
     Returns

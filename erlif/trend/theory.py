@@ -58,7 +58,7 @@ class VogelLaw:
 
 
 @dataclass(frozen=True)
-class Joint:
+class LubricatedJoint:
     """The loaded joint and its oil.
 
     Attributes
@@ -96,7 +96,7 @@ class Joint:
         return float(conformal_radius(self.pin_radius, bushing_radius=self.bushing_radius))
 
 
-def predict_film(triggers: xr.Dataset, joint: Joint) -> xr.Dataset:
+def predict_film(triggers: xr.Dataset, joint: LubricatedJoint) -> xr.Dataset:
     """Film thickness expected at the speed and load of each trigger.
 
     Parameters
@@ -104,7 +104,7 @@ def predict_film(triggers: xr.Dataset, joint: Joint) -> xr.Dataset:
     triggers : xarray.Dataset
         sliding_speed [m s-1] and load [N]; temperature [degree_Celsius] where the viscosity follows
         Vogel's law; film_min [um] for the film parameter; dim trigger.
-    joint : Joint
+    joint : LubricatedJoint
 
     Returns
     -------
@@ -123,7 +123,7 @@ def predict_film(triggers: xr.Dataset, joint: Joint) -> xr.Dataset:
     Examples
     --------
     >>> acrylic = Solid(2.7e9, 0.37)
-    >>> joint = Joint(33.36e-3, 33.59e-3, 0.237, acrylic, acrylic, 0.12, 12.4e-9)
+    >>> joint = LubricatedJoint(33.36e-3, 33.59e-3, 0.237, acrylic, acrylic, 0.12, 12.4e-9)
     >>> at = xr.Dataset({"sliding_speed": ("trigger", [0.0842]), "load": ("trigger", [222.4])})
     >>> predict_film(at, joint).film_theory.attrs["regime"]
     'isoviscous-rigid'

@@ -12,7 +12,7 @@ from click.testing import CliRunner
 import erlif
 import erlif.pipeline
 from erlif.commands.main import main
-from erlif.commands.options import Quantity
+from erlif.commands.options import QuantityOption
 
 COMMANDS = sorted(main.commands)
 
@@ -71,7 +71,7 @@ NUMBERS = {
 def test_a_value_with_a_dimension_is_a_quantity_with_its_unit():
     for name, option in OPTIONS:
         flag = option.opts[-1].removeprefix("--")
-        if isinstance(option.type, Quantity):
+        if isinstance(option.type, QuantityOption):
             with pytest.raises(click.BadParameter, match="a number with a unit"):
                 option.type.convert("5", option, None)
             five = option.type.convert(f"5 {option.type.unit}", option, None)

@@ -8,7 +8,7 @@ import erlif
 from erlif.core.errors import ErlifError
 from erlif.core.progress import choose_progress
 from erlif.pipeline.physics.fit import fit_film
-from erlif.review.audit.directory import audit
+from erlif.review.check import examine
 
 
 @pytest.mark.parametrize("asked", ["bar", True])
@@ -32,7 +32,7 @@ LONG = [
     erlif.pressure_from_film,
     erlif.process,
     erlif.simulate,
-    audit,
+    examine,
     fit_film,
     erlif.report.write_report,
 ]

@@ -5,7 +5,7 @@ import numpy.testing as npt
 import pytest
 from scipy.stats import norm
 
-from erlif.core.statistics import MAD_TO_STD, robust_rms, robust_std
+from erlif.core.statistics import MAD_TO_STD, neighbours_of, robust_rms, robust_std
 
 
 def test_factor_is_that_of_the_normal_distribution():
@@ -32,3 +32,7 @@ def test_an_offset_counts_in_the_rms_alone():
     values = np.array([9.0, 10.0, 11.0])
     npt.assert_allclose(robust_std(values), MAD_TO_STD)
     npt.assert_allclose(robust_rms(values), 10 * MAD_TO_STD)
+
+
+def test_a_series_is_mirrored_at_its_ends():
+    npt.assert_array_equal(neighbours_of(np.array([4.0, 1.0, 2.0]), 2)[0], [2, 1, 1, 2])

@@ -10,8 +10,8 @@ import xarray as xr
 from erlif.core.errors import EncoderError
 from erlif.core.notes import Level
 from erlif.kinematics import (
-    Rotation,
     Sinusoid,
+    TurningDisc,
     encoder_notes,
     locate_logged,
     locate_rotation,
@@ -31,7 +31,7 @@ def make_log(count, **columns):
 
 def test_a_disc_slides_at_speed_times_radius():
     """60 rpm at 20 mm: 2 pi 20 mm/s."""
-    found = locate_rotation(make_log(4), rotation=Rotation(0.02, 2 * math.pi))
+    found = locate_rotation(make_log(4), rotation=TurningDisc(0.02, 2 * math.pi))
     npt.assert_allclose(found.sliding_speed, 0.125664, rtol=1e-5)
     assert found.trigger.values.tolist() == [0, 1, 2, 3]
     assert set(found) == {"trigger", "cycle", "sliding_speed"}
@@ -43,7 +43,7 @@ def test_the_speed_of_a_disc_follows_from_angle_and_time(wrapped, sense):
     """40 degrees in 0.1 s: 6.981 rad/s, whether the encoder begins anew at 360 degrees or not."""
     angle = sense * 40.0 * np.arange(30)
     log = make_log(30, angle=angle % 360 if wrapped else angle, time=0.1 * np.arange(30))
-    found = locate_rotation(log, rotation=Rotation(0.02), zero=math.radians(15))
+    found = locate_rotation(log, rotation=TurningDisc(0.02), zero=math.radians(15))
     npt.assert_allclose(found.sliding_speed, 0.02 * math.radians(400), rtol=1e-12)
     npt.assert_allclose(found.crank_angle, (angle + 15) % 360)
     assert "stroke" not in found
@@ -53,7 +53,7 @@ def test_a_disc_that_speeds_up_has_the_derivative_of_its_angle():
     """Angle 50 t^2 degree: 100 t degree/s; central differences of a parabola are exact."""
     time = np.linspace(0, 3, 61)
     log = make_log(61, angle=50 * time**2 % 360, time=time)
-    speed = locate_rotation(log, rotation=Rotation(0.5)).sliding_speed.values
+    speed = locate_rotation(log, rotation=TurningDisc(0.5)).sliding_speed.values
     npt.assert_allclose(speed[1:-1], 0.5 * np.radians(100 * time[1:-1]), rtol=1e-9)
 
 
@@ -68,20 +68,20 @@ def test_a_disc_that_speeds_up_has_the_derivative_of_its_angle():
 )
 def test_a_speed_that_the_log_does_not_determine_is_asked_for(columns, words):
     with pytest.raises(EncoderError, match=words) as refusal:
-        locate_rotation(make_log(3, **columns), rotation=Rotation(0.02))
+        locate_rotation(make_log(3, **columns), rotation=TurningDisc(0.02))
     assert 'speed = "60 rpm" in [mechanism]' in str(refusal.value)
     with pytest.raises(EncoderError, match="remove bins"):
-        locate_rotation(make_log(4), rotation=Rotation(0.02, 1.0), bins=4)
+        locate_rotation(make_log(4), rotation=TurningDisc(0.02, 1.0), bins=4)
 
 
 def test_a_logged_speed_takes_the_place_of_the_computed_one():
     """As it is; 0.02 m at 3 rad/s; and the slope of a continuous log, 90 degrees in a second."""
-    found = locate_rotation(make_log(2, sliding_speed=[0.1, -0.2]), rotation=Rotation(0.02, 1.0))
+    found = locate_rotation(make_log(2, sliding_speed=[0.1, -0.2]), rotation=TurningDisc(0.02, 1.0))
     assert found.sliding_speed.values.tolist() == [0.1, 0.2]
     logged = make_log(2, rotation_speed=[3.0, -3.0], angle_rate=[90.0, 90.0])
-    found = locate_rotation(logged, rotation=Rotation(0.02, 1.0))
+    found = locate_rotation(logged, rotation=TurningDisc(0.02, 1.0))
     npt.assert_allclose(found.sliding_speed, 0.06)
-    found = locate_rotation(logged.drop_vars("rotation_speed"), rotation=Rotation(0.02))
+    found = locate_rotation(logged.drop_vars("rotation_speed"), rotation=TurningDisc(0.02))
     npt.assert_allclose(found.sliding_speed, 0.01 * math.pi)
 
 
@@ -142,7 +142,7 @@ def test_a_speed_that_the_log_contradicts_is_reported(step, rpm, given):
     1300 rpm turn by 780 degrees in that time, which leave the readings of 60.
     """
     log = make_log(12, angle=np.arange(12) * float(step) % 360, time=0.1 * np.arange(12))
-    disc = encoder_notes(locate_rotation(log, rotation=Rotation(0.02, rpm * math.pi / 30)))
+    disc = encoder_notes(locate_rotation(log, rotation=TurningDisc(0.02, rpm * math.pi / 30)))
     slider = encoder_notes(locate_slider(log, slider=Sinusoid(0.01, rpm / 60)))
     assert [note.level for note in (*disc, *slider)] == [Level.WARNING] * 2 * (given is not None)
     if given:
@@ -157,8 +157,8 @@ def test_a_speed_that_the_log_contradicts_is_reported(step, rpm, given):
 def test_a_logged_speed_needs_no_other_one():
     log = make_log(12, angle=30.0 * np.arange(12), time=0.1 * np.arange(12))
     logged = log.assign(rotation_speed=("frame", np.full(12, 5.2)))
-    assert encoder_notes(locate_rotation(log, rotation=Rotation(0.02, 52.0)))
-    assert not encoder_notes(locate_rotation(logged, rotation=Rotation(0.02, 52.0)))
+    assert encoder_notes(locate_rotation(log, rotation=TurningDisc(0.02, 52.0)))
+    assert not encoder_notes(locate_rotation(logged, rotation=TurningDisc(0.02, 52.0)))
 
 
 # folding
@@ -166,7 +166,7 @@ def test_a_logged_speed_needs_no_other_one():
 
 def test_turns_of_a_disc_fold_onto_one():
     log = make_log(12, angle=np.arange(12) * 90.0)
-    found = locate_rotation(log, rotation=Rotation(0.02, 1.0), triggers_per_cycle=4)
+    found = locate_rotation(log, rotation=TurningDisc(0.02, 1.0), triggers_per_cycle=4)
     assert found.trigger.values.tolist() == [0, 1, 2, 3] * 3
     assert found.cycle.values.tolist() == [0] * 4 + [1] * 4 + [2] * 4
 
@@ -175,7 +175,7 @@ def test_turns_of_a_disc_fold_onto_one():
 def test_triggers_that_span_several_turns_have_a_note(triggers, turns):
     """12 frames a turn of 30 degrees each."""
     log = make_log(72, angle=np.arange(72) * 30.0 % 360)
-    found = locate_rotation(log, rotation=Rotation(0.02, 6.0), triggers_per_cycle=triggers)
+    found = locate_rotation(log, rotation=TurningDisc(0.02, 6.0), triggers_per_cycle=triggers)
     notes = [note for note in encoder_notes(found) if "triggers_per_cycle" in note.text]
     assert [note.level for note in notes] == [Level.NOTE] * (turns > 1)
     assert all(f"spans {turns} turns" in note.text and "12 would" in note.text for note in notes)
@@ -186,7 +186,7 @@ def test_cycles_are_counted_in_either_sense(sense):
     """30 degrees from frame to frame: 24 frames are two turns, whichever way the disc turns."""
     angle = (5.0 + sense * 30.0 * np.arange(24)) % 360
     log = make_log(24, angle=angle)
-    found = locate_rotation(log, rotation=Rotation(0.02, 5.0), bins=4)
+    found = locate_rotation(log, rotation=TurningDisc(0.02, 5.0), bins=4)
     assert np.bincount(found.trigger).tolist() == [6, 6, 6, 6]
     passed = np.floor(({1: 5.0, -1: 355.0}[sense] + 30.0 * np.arange(24)) / 360)
     assert found.cycle.values.tolist() == passed.tolist()

@@ -81,7 +81,6 @@ def test_declared_arguments_are_refused_by_name():
     ):
         with pytest.raises(ModelError, match=f"^{name} {message}"):
             declared(**{"width": 1.0, name: value})
-    assert "`width`, `turns`, `cells` not positive" in declared.__doc__
 
 
 def test_declared_arguments_pass_warn_and_keep_integers():

@@ -17,11 +17,11 @@ from erlif.io.ingest import FramePairs, open_run
 from erlif.io.ingest.images import Page
 from erlif.io.settings import RunSettings
 from erlif.pipeline.film import (
-    _mean_column,
     _note_moved_mean,
+    _trigger_mean,
+    assemble_film,
+    assemble_frames,
     describe_exponents,
-    describe_film,
-    describe_frames,
     describe_statistics,
     describe_triggers,
     group_frames,
@@ -218,7 +218,7 @@ def test_marks_of_the_surfaces_widen_the_exponent_of_the_minimum_alone(power_law
 def make_film(cycles, calibration, *, notes=(), **changes):
     run, cycle = cycles
     results = [make_result(k, k + 6, **changes) for k in range(6)]
-    return describe_film(
+    return assemble_film(
         run,
         describe_triggers(run, cycle),
         results,
@@ -256,15 +256,15 @@ def test_share_beyond_the_range_has_a_note_from_one_per_cent_on(cycles, calibrat
 def test_the_mean_angle_of_a_turning_encoder_passes_over_zero(mounted):
     """350, 359 and 6 degrees, the last one as 726 two turns later."""
     angles = xr.DataArray([350.0, 359.0, 726.0], dims="frame", name="encoder_angle")
-    assert _mean_column(angles.assign_attrs(mounted), [0, 1, 2]) == pytest.approx(358 + 1 / 3)
-    assert _mean_column(angles.assign_attrs(mounted_on="rocker"), [0, 1]) == 354.5
+    assert _trigger_mean(angles.assign_attrs(mounted), [0, 1, 2]) == pytest.approx(358 + 1 / 3)
+    assert _trigger_mean(angles.assign_attrs(mounted_on="rocker"), [0, 1]) == 354.5
 
 
 def test_frames_have_their_drift_about_the_mean_and_relative_pulse_energy(cycles):
     """Drifts 0.1 k and -0.2 k px less the mean; energies 100 + k over their mean 105.5."""
     run, cycle = cycles
     results = [make_result(k, k + 6) for k in range(6)]
-    frames = describe_frames(run, cycle, results, np.array([0.55, -1.1]))
+    frames = assemble_frames(run, cycle, results, np.array([0.55, -1.1]))
     number = np.arange(12)
     npt.assert_allclose(frames.drift_x, 0.1 * number - 0.55, atol=1e-12)
     npt.assert_allclose(frames.drift_y, -0.2 * number + 1.1, atol=1e-12)
@@ -276,6 +276,6 @@ def test_frames_that_were_left_out_have_no_drift(cycles):
     run, cycle = cycles
     run = replace(run, pairs=replace(run.pairs, skipped={7: "damaged"}))
     results = [make_result(*([k, k + 6] if k != 1 else [k])) for k in range(6)]
-    frames = describe_frames(run, cycle, results, np.zeros(2))
+    frames = assemble_frames(run, cycle, results, np.zeros(2))
     assert np.flatnonzero(np.isnan(frames.drift_x)).tolist() == [7]
     assert "damaged" in frames.attrs["skipped_frames"]

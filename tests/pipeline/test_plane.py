@@ -10,7 +10,7 @@ from scenes.film import RUN_TOML
 from erlif.core.errors import ConfigError
 from erlif.io.settings import RunSettings
 from erlif.pipeline.plane import ObjectPlane
-from erlif.trend import Contact, Region
+from erlif.trend import GapShape, Region
 
 SHAPE = (96, 128)
 
@@ -43,13 +43,13 @@ def test_view_is_that_of_the_settings():
 
 def test_a_pin_in_a_bushing_has_a_line_contact_and_a_disc_any():
     disc = {"kind": "rotation", "radius": "20 mm", "speed": "60 rpm"}
-    assert plane().contacts == plane(joint=None, oil=None).contacts == (Contact.LINE,)
+    assert plane().contacts == plane(joint=None, oil=None).contacts == (GapShape.LINE,)
     raw = tomllib.loads(RUN_TOML) | {"mechanism": disc}
     shaft = ObjectPlane(RunSettings.model_validate(raw), SHAPE)
-    assert shaft.contacts == (Contact.LINE,)
+    assert shaft.contacts == (GapShape.LINE,)
     for name in ("joint", "oil"):
         del raw[name]
-    assert ObjectPlane(RunSettings.model_validate(raw), SHAPE).contacts == tuple(Contact)
+    assert ObjectPlane(RunSettings.model_validate(raw), SHAPE).contacts == tuple(GapShape)
 
 
 def test_sliding_may_be_along_y():

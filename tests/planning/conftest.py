@@ -2,16 +2,16 @@
 
 import pytest
 
-from erlif.planning import Film
-from erlif.planning.design import example_design
+from erlif.planning import WantedFilm
+from erlif.planning.design import example_dye_design
 
 
 @pytest.fixture(scope="package")
 def design():
     """Concentrations of the thesis, invented spectra."""
-    return example_design()
+    return example_dye_design()
 
 
 @pytest.fixture(scope="package")
 def film():
-    return Film(2.0, 10.0, (0.1, 18.0))
+    return WantedFilm(2.0, 10.0, (0.1, 18.0))

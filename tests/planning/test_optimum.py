@@ -7,7 +7,7 @@ import numpy.testing as npt
 import pytest
 
 from erlif.core.errors import ModelError
-from erlif.planning import Film, Spectrum, find_optimum, largest_error
+from erlif.planning import Spectrum, WantedFilm, find_optimum, largest_error
 from erlif.planning.precision import dimmed_to_full_scale
 
 FILL = 0.75  # of full scale, the default
@@ -32,7 +32,7 @@ def test_no_concentrations_of_a_dense_grid_are_better(design, film, best):
 
 def test_ten_times_the_films_need_a_tenth_of_the_dyes(design, film, best):
     """Attenuation enters as its product with thickness alone."""
-    scaled = Film(10 * film.thinnest, 10 * film.thickest, (1.0, 180.0))
+    scaled = WantedFilm(10 * film.thinnest, 10 * film.thickest, (1.0, 180.0))
     found = find_optimum(design, scaled, largest=1.0)
     npt.assert_allclose(found.error, best.error, rtol=1e-3)
     npt.assert_allclose(10 * found.design.concentrations, best.design.concentrations, rtol=0.05)

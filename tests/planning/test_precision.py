@@ -7,8 +7,8 @@ import numpy.testing as npt
 import pytest
 
 from erlif.planning import (
-    Film,
-    References,
+    ReferencePages,
+    WantedFilm,
     calibrated_range,
     frames_needed,
     log_ratio,
@@ -53,7 +53,7 @@ def test_light_that_falls_off_is_averaged_over_a_square_field(design):
 
 
 def test_pages_of_flats_are_a_part_that_frames_do_not_reduce(design):
-    few = replace(design, references=References(flat_pages=4))
+    few = replace(design, references=ReferencePages(flat_pages=4))
     _, fixed = log_ratio_variance(few, 5.0)
     pages = 4 * 0.5 * design.cameras[0].full_scale
     reading = 81 + 4.4**2 / 12
@@ -79,14 +79,14 @@ def test_frames_needed_are_enough_and_one_fewer_is_not(design):
 def test_range_of_the_documented_rig(design):
     """docs/uncertainty.md: 0.9 to 12.5 um at full light, 1.3 to 10.5 at 3300, 2.0 to 8.2 at 1100,
     found with the virtual rig whose beam is darker beside its middle."""
-    film = Film(1.0, 10.0, (0.1, 18.0))
+    film = WantedFilm(1.0, 10.0, (0.1, 18.0))
     for energy, low, high in ((1.0, 0.9, 12.5), (0.3, 1.3, 10.5), (0.1, 2.0, 8.2)):
         found = measurable_range(replace(design, energy=energy), film)
         npt.assert_allclose(found, (low, high), rtol=0.15)
 
 
 def test_ends_of_the_range_are_two_standard_deviations_from_the_fixture(design):
-    film = Film(1.0, 10.0, (0.1, 18.0), frames=4)
+    film = WantedFilm(1.0, 10.0, (0.1, 18.0), frames=4)
     ends = measurable_range(design, film)
     for end, fixture in zip(ends, film.covered, strict=True):
         new, fixed = log_ratio_variance(design, end)
@@ -95,12 +95,12 @@ def test_ends_of_the_range_are_two_standard_deviations_from_the_fixture(design):
 
 
 def test_calibration_ends_where_a_quarter_of_the_film_is_noise(design):
-    _, high = calibrated_range(design, Film(1.0, 10.0, (0.1, 40.0)))
+    _, high = calibrated_range(design, WantedFilm(1.0, 10.0, (0.1, 40.0)))
     npt.assert_allclose(thickness_std(design, high) / high, 0.25, rtol=1e-4)
 
 
 def test_a_saturated_camera_ends_the_range_and_no_film_is_measurable_in_the_dark(design):
-    bright, film = replace(design, energy=2.0), Film(1.0, 10.0, (0.1, 18.0))
+    bright, film = replace(design, energy=2.0), WantedFilm(1.0, 10.0, (0.1, 18.0))
     _, high = measurable_range(bright, film)
     largest = max(float(signal(bright, number, high)) for number in (1, 2))
     npt.assert_allclose(largest, design.cameras[0].full_scale, rtol=1e-4)

@@ -6,7 +6,7 @@ import numpy as np
 import numpy.testing as npt
 import pytest
 
-from erlif.planning import Film, Spectrum, log_ratio, vary_tolerances
+from erlif.planning import Spectrum, WantedFilm, log_ratio, vary_tolerances
 from erlif.planning.optimum import FILMS
 
 
@@ -24,7 +24,7 @@ def test_the_largest_effect_is_first_and_noise_leaves_the_film_alone(design, cha
     still = [films[what] for what in ("pulse energy", "read noise", "full well")]
     npt.assert_allclose(still, 0.0, atol=1e-12)
 
-    found = vary_tolerances(design, Film(2.0, 10e3, (0.1, 20e3)))
+    found = vary_tolerances(design, WantedFilm(2.0, 10e3, (0.1, 20e3)))
     assert all(np.isnan(change.std) for change in found)
     films = [change.film for change in found]
     assert films == sorted(films, reverse=True)
@@ -43,7 +43,7 @@ def test_gain_of_a_camera_moves_the_film_by_its_logarithm(design, film, changes)
 
 
 def test_more_light_extends_the_range(design):
-    narrow = Film(2.0, 8.0, (0.1, 18.0))
+    narrow = WantedFilm(2.0, 8.0, (0.1, 18.0))
     found = {one.what: one for one in vary_tolerances(design, narrow, {"gain": 0.005})}
     change = found["pulse energy"]
     assert change.std == pytest.approx(1 / np.sqrt(0.9) - 1, abs=0.01)  # less light

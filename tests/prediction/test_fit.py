@@ -33,7 +33,7 @@ from erlif.prediction import (
 )
 from erlif.prediction.comparison import DESCRIBED
 from erlif.rig.cavitation import follow_cavitated
-from erlif.rig.orbit import Bearing
+from erlif.rig.orbit import RigidBearing
 from erlif.trend import VogelLaw
 
 SCALE = 0.005  # error of the calibration that all films share
@@ -160,7 +160,7 @@ def test_a_guided_pin_is_led_in_also_where_the_recording_is_shorter_than_a_turn(
     moments = np.linspace(0.0, 0.886 * period, 50)
     middle = float(np.mean(RIG.limits()))
     orbit = follow_cavitated(
-        Bearing(STATED.radius, STATED.clearance, STATED.length, 0.16),
+        RigidBearing(STATED.radius, STATED.clearance, STATED.length, 0.16),
         np.append(-3 * period, moments),
         load=lambda _: 222.4,
         angle=lambda moment: float(RIG.rocker_angle(SPEED * moment)) - middle,

@@ -10,7 +10,7 @@ from scenes.orbits import RIG, SPEED, STATED
 from scenes.pin import follow_true_pin
 
 from erlif.prediction import follow_motion
-from erlif.prediction.gaps import MOST_FILLED, fill_gaps
+from erlif.prediction.gaps import MOST_FILLED, find_motion_in_gaps
 from erlif.rig.film import crank_at
 from erlif.rig.journal import follow_pin
 
@@ -39,7 +39,7 @@ def fill(pin, missing, position=None):
     frames = xr.Dataset({name: ("frame", values) for name, values in frames.items()})
     place = pin.position if position is None else position
     noise = np.random.default_rng(2).multivariate_normal(np.zeros(4), NOISE, COUNT)
-    return fill_gaps(
+    return find_motion_in_gaps(
         replace(STATED, cavitation_pressure=1e3 * pin.rig.cavitation_pressure),
         follow_motion(frames, RIG, crank_speed=SPEED, viscosity=STATED.viscosity),
         time=time,

@@ -24,7 +24,7 @@ from erlif.models.reynolds import crank_motion, solve_journal
 from erlif.prediction import GivenErrors, fit_motion
 from erlif.prediction.given import follow_changes
 from erlif.rig.cavitation import follow_cavitated
-from erlif.rig.orbit import Bearing
+from erlif.rig.orbit import RigidBearing
 
 CLEARANCE_STD, LOAD_STD = 5e-6, 0.1
 
@@ -197,7 +197,7 @@ def cavitated_orbit(**changes):
     """A guided pin by the rig's own cavities, after three turns."""
     period = 2 * np.pi / SPEED
     return follow_cavitated(
-        Bearing(STATED.radius, STATED.clearance, STATED.length, VISCOSITY),
+        RigidBearing(STATED.radius, STATED.clearance, STATED.length, VISCOSITY),
         np.append(-3 * period, MOTION.time[STEPS]),
         load=lambda _: 222.4,
         angle=lambda time: float(RIG.rocker_angle(SPEED * time)) - float(np.mean(RIG.limits())),

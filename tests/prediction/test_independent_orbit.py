@@ -11,7 +11,7 @@ from erlif.rig import RigSettings
 from erlif.rig.cavitation import follow_cavitated
 from erlif.rig.film import crank_at, rocker_angle, rocker_range
 from erlif.rig.journal import follow_pin, load_at
-from erlif.rig.orbit import Bearing
+from erlif.rig.orbit import RigidBearing
 
 TIME = np.linspace(0.0, 60 / 114, 51)
 NOISE = np.array([1e-9, 1e-8])  # m, of the exact positions
@@ -50,7 +50,7 @@ def test_cavities_carry_a_guided_pin_in_both_solvers():
     time = np.linspace(0.0, 60 / 114, 201)
     middle = np.mean(rocker_range(rig))
     place = follow_cavitated(
-        Bearing(np.sqrt(0.03336 * 0.03359), 0.23e-3, 0.237, 0.12),
+        RigidBearing(np.sqrt(0.03336 * 0.03359), 0.23e-3, 0.237, 0.12),
         time,
         load=lambda _: 222.411,
         angle=lambda moment: float(rocker_angle(crank_at(np.asarray(moment), rig), rig) - middle),

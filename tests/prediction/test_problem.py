@@ -6,7 +6,7 @@ import numpy.testing as npt
 from erlif.models.reynolds import Journal, Motion
 from erlif.prediction.measured import MeasuredMotion
 from erlif.prediction.orbits import FreeOrbits
-from erlif.prediction.problem import Frames, Problem
+from erlif.prediction.problem import FrameSteps, Problem
 
 LONG = Journal(0.03336, 0.03359, length=0.237, viscosity=0.12, long=True)
 TIME = np.linspace(0.0, 4.0, 41)
@@ -22,14 +22,14 @@ def sinking(viscosity):
 
 def pose(measured):
     """The fit of the viscosity of a free pin."""
-    frames = Frames.of(measured, np.arange(41), None)
+    frames = FrameSteps.of(measured, np.arange(41), None)
     problem = Problem(FreeOrbits(LONG, AT_REST), frames, measured, "free")
     return problem, problem.unknowns(("viscosity",), {"load_line": 5e-3})
 
 
 def test_triggers_are_the_means_of_their_frames():
     measured = sinking(0.12)
-    frames = Frames.of(measured, np.arange(4), np.array([2, 0, -1, 2]))
+    frames = FrameSteps.of(measured, np.arange(4), np.array([2, 0, -1, 2]))
     assert frames.measured.tolist() == [0, 2]
     values = np.array([[1.0, 2.0, 100.0, 4.0]])
     npt.assert_allclose(frames.average(values)[0, [0, 2]], [2.0, 2.5])

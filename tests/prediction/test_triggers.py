@@ -14,7 +14,7 @@ from scipy.integrate import solve_ivp
 
 from erlif.models.reynolds import Journal
 from erlif.prediction import (
-    View,
+    ImageLine,
     average_triggers,
     follow_motion,
     predict_frames,
@@ -24,7 +24,7 @@ from erlif.prediction import (
 
 LOAD = 222.4
 LONG = Journal(0.03336, 0.03359, length=0.237, viscosity=0.12, long=True)
-VIEW = View(np.linspace(-0.009, 0.009, 301), slice(301))
+VIEW = ImageLine(np.linspace(-0.009, 0.009, 301), slice(301))
 
 
 def motion(count=25, cycles=1, viscosity=0.12):

@@ -4,7 +4,7 @@ import numpy as np
 import numpy.testing as npt
 from scenes.orbits import STATED
 
-from erlif.prediction import View, gap_in_view, summarise_gap
+from erlif.prediction import ImageLine, gap_in_view, summarise_gap
 
 PLACE = np.linspace(-0.01, 0.012, 2001)
 
@@ -28,7 +28,7 @@ def test_minimum_and_mean_are_those_of_the_region():
     """The thinnest place of the second position lies outside the region, on its right."""
     region = slice(300, 1700)
     load, side = np.array([224e-6, 200e-6]), np.array([10e-6, 105e-6])
-    minimum, mean = summarise_gap(load, side, STATED, View(PLACE, region))
+    minimum, mean = summarise_gap(load, side, STATED, ImageLine(PLACE, region))
     gap = gap_in_view(load, side, STATED, PLACE[region])
     npt.assert_allclose(minimum, gap.min(axis=1), atol=1e-11)
     npt.assert_allclose(mean, gap.mean(axis=1), rtol=1e-12)

@@ -5,7 +5,7 @@ import numpy.testing as npt
 import pytest
 from scenes.pair import references_of, unknown
 
-from erlif.ratio.noise_fit import BLOCKS, NoiseCells, NoiseFit, fit_noise, weigh_gains
+from erlif.ratio.noise_fit import BLOCKS, NoiseCells, NoiseFit, fit_pixel_noise, weigh_gains
 
 CELLS = 1500
 GAIN = np.array([4.4, 2.2])  # [electron/DN]
@@ -34,7 +34,7 @@ def cells(*, gain=GAIN, dark=(0.0, 0.0), pattern=0.0, constant=0.0, pixels=1e10)
 
 def fit(given, what, *, pattern=False, flat_var=0.0):
     known = references_of((3, 4), gain=GAIN, read_noise=READ, flat=0.5, flat_var=flat_var)
-    return fit_noise(given, known, what, one_gain=False, pattern=pattern)
+    return fit_pixel_noise(given, known, what, one_gain=False, pattern=pattern)
 
 
 DARK = (READ / GAIN) ** 2  # [DN2]

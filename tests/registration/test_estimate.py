@@ -18,10 +18,10 @@ from erlif.registration.estimate import (
     start_with_any,
 )
 from erlif.registration.matching import AA, AB, BB, SUMS, WEIGHT
-from erlif.registration.pairs import open_frames
+from erlif.registration.pairs import open_series
 from erlif.registration.selection import Model
 from erlif.registration.surface import equations, solve_surface
-from erlif.registration.views import Views
+from erlif.registration.views import TextureViews
 
 SHAPE = (256, 320)
 
@@ -237,9 +237,9 @@ def test_products_eight_standard_errors_above_zero_are_common_texture():
 
 def fit_of(truth, **chosen):
     pair = truth.reference, truth.moving, None, None
-    frames = open_frames([pair], RegistrationSettings(**chosen))
+    frames = open_series([pair], RegistrationSettings(**chosen))
     number, pair, surface = start_with_any(frames)
-    views = Views(frames, pair, number=number)
+    views = TextureViews(frames, pair, number=number)
     return views, fit_surface(views, surface)
 
 

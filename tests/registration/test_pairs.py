@@ -7,7 +7,7 @@ import pytest
 from erlif.core.errors import RegistrationError
 from erlif.registration import RegistrationSettings, orient
 from erlif.registration.interpolation import laid_over
-from erlif.registration.pairs import Textures, make_pair, open_frames
+from erlif.registration.pairs import Textures, make_pair, open_series
 from erlif.registration.settings import ORIENTATIONS
 
 SHAPE = (64, 80)
@@ -86,11 +86,11 @@ def test_pixels_without_weight_are_not_interpolated_over():
     ],
 )
 def test_the_middle_frames_of_equal_parts_of_the_run_make_the_map(count, most, chosen):
-    frames = open_frames([()] * count, RegistrationSettings(frames_for_map=most))
+    frames = open_series([()] * count, RegistrationSettings(frames_for_map=most))
     assert frames.count == count
     assert list(frames.chosen) == chosen
 
 
 def test_a_run_without_frames_is_refused():
     with pytest.raises(RegistrationError, match="at least one pair of frames, got none"):
-        open_frames([], SETTINGS)
+        open_series([], SETTINGS)

@@ -12,9 +12,9 @@ from erlif.registration.surface import (
     affine_surface,
     cell_weights,
     degree_basis,
-    design,
     equations,
     solve_surface,
+    spline_weights,
 )
 
 BOX = (-4.0, 156.0, 2.0, 98.0)
@@ -61,7 +61,7 @@ def make_cells(surface, *, here=(0.0, 0.0), shape=(12, 20), step=8, seed=2, nois
 def test_design_is_the_b_spline_basis_of_scipy(elements):
     """Beyond the interval the outer elements are continued as polynomials."""
     places = np.linspace(-44, 199, 301)
-    found = design(places, -4.0, 156.0, elements)
+    found = spline_weights(places, -4.0, 156.0, elements)
     npt.assert_allclose(
         found, basis_functions(-4.0, 156.0, elements)(places), rtol=1e-9, atol=1e-12
     )
@@ -97,7 +97,7 @@ def test_basis_of_a_degree_holds_its_polynomials_only(degree):
     npt.assert_allclose(basis.T @ basis, np.eye(basis.shape[1]), atol=1e-12)
     # coefficients of x^i y^j on the unit square, by interpolation
     t = np.linspace(0, 1, 4)
-    matrix = np.kron(design(t, 0, 1, 1), design(t, 0, 1, 1))
+    matrix = np.kron(spline_weights(t, 0, 1, 1), spline_weights(t, 0, 1, 1))
     for j, i in np.ndindex(4, 4):
         values = np.outer(t**j, t**i).ravel()
         coefficients = np.linalg.solve(matrix, values)

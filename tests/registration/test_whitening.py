@@ -12,7 +12,7 @@ from erlif.registration.whitening import (
     make_filter,
     measure_spectra,
     slope_gain,
-    whiten,
+    whiten_texture,
 )
 
 SIDE = 64
@@ -122,7 +122,7 @@ def test_few_blocks_and_unrelated_textures_give_no_filter():
 def test_weight_ends_where_the_filter_reaches_beyond_the_frame():
     weight = ones()
     weight[50, 60] = 0
-    _, kept = whiten(noise(), weight, np.ones((192, 129), np.float32))
+    _, kept = whiten_texture(noise(), weight, np.ones((192, 129), np.float32))
     inner = kept[REACH:-REACH, REACH:-REACH]
     assert inner.sum() == inner.size - 1
     assert kept.sum() == inner.sum()

@@ -2,9 +2,8 @@
 
 import numpy as np
 
-from erlif.ratio import cell_places
+from erlif.ratio import LightCells, cell_places
 from erlif.show.plots import example_calibration
-from erlif.trend import LightRecord
 
 CALIBRATION = example_calibration()
 K, P, Q = CALIBRATION.parameters
@@ -50,4 +49,4 @@ def draw_run(
     variance = np.full(gap.shape, 1e-6)
     ratio = np.log(two / one) + np.sqrt(variance) * rng.standard_normal(gap.shape)
     logged = energy * (1 + meter * rng.standard_normal(frames))
-    return LightRecord(np.log(one), ratio, np.zeros(gap.shape), variance), logged
+    return LightCells(np.log(one), ratio, np.zeros(gap.shape), variance), logged

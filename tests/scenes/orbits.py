@@ -11,7 +11,7 @@ from erlif.models.mechanism import CrankRocker
 from erlif.models.reynolds import Journal, crank_motion, solve_journal
 from erlif.prediction import FrameMotion, GivenErrors, MeasuredMotion, MotionFit
 from erlif.rig.cavitation import follow_cavitated
-from erlif.rig.orbit import Bearing, follow_orbit
+from erlif.rig.orbit import RigidBearing, follow_orbit
 
 RIG = CrankRocker(crank=0.055, coupler=0.44, rocker=0.26, ground=0.51)
 SPEED = 114 * 2 * np.pi / 60
@@ -31,7 +31,7 @@ WIDTHS = GivenErrors(clearance=5e-6, load=0.1, load_line=0.5e-3, tilt=2e-5, drif
 def free_orbit(start, **oil):
     """Two cycles of a free pin by Chebyshev collocation; thicker and tilt are as of the rig."""
     return follow_orbit(
-        Bearing(STATED.radius, STATED.clearance, STATED.length, VISCOSITY),
+        RigidBearing(STATED.radius, STATED.clearance, STATED.length, VISCOSITY),
         MOTION.time[STEPS],
         load=lambda time: 222.4,
         rotation=lambda time: float(RIG.rocker_speed(SPEED * time, crank_speed=SPEED)),
@@ -93,7 +93,7 @@ def _follow_rig(off, sideways, rng):
     ]  # fmt: skip
     clearance, load = STATED.clearance + wider, (1 + heavier) * 222.4
     viscosity, film = rng.uniform(0.1, 0.25), rng.uniform(12e-6, 26e-6)
-    oil = Bearing(STATED.radius, clearance, STATED.length, viscosity)
+    oil = RigidBearing(STATED.radius, clearance, STATED.length, viscosity)
     time = MOTION.time[STEPS]
     alike = {
         "load": lambda _: load,

@@ -7,7 +7,7 @@ from scipy.interpolate import CubicSpline
 
 from erlif.rig.film import crank_at, cycle_time, rocker_angle, rocker_range, rocker_speed
 from erlif.rig.journal import follow_pin
-from erlif.rig.orbit import Bearing, solve_squeeze
+from erlif.rig.orbit import RigidBearing, solve_squeeze
 from erlif.rig.settings import RigSettings
 
 RIG = RigSettings(film="reynolds", tilt=0.0, load_swing=0.0)
@@ -18,7 +18,7 @@ class TruePin:
     """Motion and pressure of a pin; lengths in m."""
 
     rig: RigSettings
-    bearing: Bearing
+    bearing: RigidBearing
     time: np.ndarray
     angle: np.ndarray
     turning: np.ndarray
@@ -36,7 +36,7 @@ def follow_true_pin(count, **changes):
     fine = np.sort(np.concatenate([time - step, time, time + step]))
     before, here, after = np.moveaxis(follow_pin(fine, rig).reshape(-1, 3, 2), 1, 0)
     zero = np.zeros_like(here)
-    bearing = Bearing(
+    bearing = RigidBearing(
         1e-3 * rig.journal_radius, 1e-6 * rig.clearance, 1e-3 * rig.length, rig.viscosity
     )
     peaks = np.array([_true_peak(bearing, one, rig.load) for one in here])

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from erlif.registration import RegistrationSettings, views
 from erlif.registration.matching import GXX, GXY, GYY, SUMS
-from erlif.registration.pairs import Pairs, open_frames
+from erlif.registration.pairs import Pairs, open_series
 from erlif.registration.surface import Surface, affine_surface
 
 Array = NDArray[Any]
@@ -269,10 +269,10 @@ def translation(
     return affine_surface((0.0, float(w), 0.0, float(h)), np.zeros((2, 2)), np.array([dx, dy]))
 
 
-def map_views(pairs: Pairs) -> views.Views:
+def map_views(pairs: Pairs) -> views.TextureViews:
     """Frames from which a map is made, on one thread; the first one is that of the start."""
-    frames = open_frames(pairs, RegistrationSettings(threads=1))
-    return views.Views(frames, next(iter(frames.pick([0]))))
+    frames = open_series(pairs, RegistrationSettings(threads=1))
+    return views.TextureViews(frames, next(iter(frames.pick([0]))))
 
 
 def texture_sums(shape: tuple[int, int], rng: np.random.Generator) -> Array:

@@ -7,7 +7,7 @@ import numpy as np
 import tifffile
 
 from erlif.rig import RigSettings
-from erlif.rig.orbit import Bearing
+from erlif.rig.orbit import RigidBearing
 
 SMALL = RigSettings(
     width=96, height=80, fixture_frames=3, dead_pixels=1, dark_pages=16, flat_pages=8
@@ -17,7 +17,7 @@ SMALL = RigSettings(
 QUICK = RigSettings(width=64, height=48, spacing=8.0, fixture_frames=1, dark_pages=1, flat_pages=1)
 """Six triggers on 64 x 48 pixels."""
 
-ACRYLIC = Bearing(np.sqrt(33.36e-3 * 33.59e-3), 0.23e-3, 0.237, 0.12)
+ACRYLIC = RigidBearing(np.sqrt(33.36e-3 * 33.59e-3), 0.23e-3, 0.237, 0.12)
 LOAD, CYCLE = 222.411, 60 / 114  # N, 50 lbf; s
 
 

@@ -9,7 +9,8 @@ from scenes.cells import CALIBRATION, P, X, Y, draw_run
 from scenes.fixture import with_systematics
 
 from erlif.calibration.departure import Departure
-from erlif.trend import LightRecord, estimate_background
+from erlif.ratio import LightCells
+from erlif.trend import estimate_background
 
 
 @pytest.mark.parametrize("logged", [True, False])
@@ -111,7 +112,7 @@ def test_a_pulse_that_the_meter_missed_costs_its_frame_alone():
     """The energies of the other frames stay known; without any, the scatter of the log is NaN."""
     record, energies = draw_run(np.random.default_rng(10), frames=60)
     kept = np.arange(60) != 7
-    fewer = LightRecord(*(part[kept] for part in record))
+    fewer = LightCells(*(part[kept] for part in record))
     expected = estimate_background(fewer, (X, Y), CALIBRATION, energies=energies[kept])
 
     found = estimate_background(record, (X, Y), CALIBRATION, energies=np.where(kept, energies, 0.0))
@@ -147,7 +148,7 @@ def test_runs_that_determine_nothing():
     assert found is None or not found.determined
     record, _ = draw_run(np.random.default_rng(13), frames=8)
     assert estimate_background(record, (X, Y), CALIBRATION) is None
-    empty = LightRecord(*np.full((4, 50, X.size), np.nan))
+    empty = LightCells(*np.full((4, 50, X.size), np.nan))
     assert estimate_background(empty, (X, Y), CALIBRATION) is None
     thick, _ = draw_run(np.random.default_rng(14), films=(30.0, 40.0))
     assert estimate_background(thick, (X, Y), CALIBRATION) is None

@@ -22,7 +22,7 @@ from erlif.core.products import RatioImages
 from erlif.rig import RigSettings
 from erlif.rig.film import Gap, draw_marks
 from erlif.trend import FilmCurve, Region, sum_blocks
-from erlif.trend.gap import MISFIT, Contact, choose_contact, find_gap_minima, find_gap_minimum
+from erlif.trend.gap import MISFIT, GapShape, choose_contact, find_gap_minima, find_gap_minimum
 
 S, Z = np.linspace(-1, 1, X.size)[None, :], np.linspace(-1, 1, Y.size)[:, None]
 PLACE = np.array([0.1 * 0.5 + 0.5, -0.2 * 0.5 + 0.5]) * [X.size - 1, Y.size - 1]
@@ -44,7 +44,7 @@ def choose(*films, noise=0.0135):
     """The gap that films of one run choose."""
     rng = np.random.default_rng(11)
     triggers = [noisy_ratios(film, noise, rng) for film in films]
-    return choose_contact([{Contact.POINT: fit(one, contact=Contact.POINT)} for one in triggers])
+    return choose_contact([{GapShape.POINT: fit(one, contact=GapShape.POINT)} for one in triggers])
 
 
 @pytest.mark.parametrize("minimum", [1.0, 3.0, 8.0])
@@ -174,47 +174,50 @@ def test_minimum_is_missing_where_the_blocks_do_not_determine_a_gap(name, part, 
 
 @pytest.mark.parametrize("minimum", [1.1, 3.0])
 def test_minimum_of_a_point_contact_is_found(minimum):
-    found = fit(exact_ratios(ball(minimum)), contact=Contact.POINT)
+    found = fit(exact_ratios(ball(minimum)), contact=GapShape.POINT)
     npt.assert_allclose(found.value, minimum, atol=2e-3)
     npt.assert_allclose(found.place, PLACE, atol=0.6)
     npt.assert_allclose(found.bend, [3.0, 2.0], rtol=5e-3)
 
     # the image turned: the curvature along sliding stays the first
     turned = exchange_axes(exact_ratios(ball(minimum)))
-    turned = fit(turned, region=TURNED, sliding_along_x=False, contact=Contact.POINT)
+    turned = fit(turned, region=TURNED, sliding_along_x=False, contact=GapShape.POINT)
     npt.assert_allclose(turned.value, found.value, rtol=1e-6)
     npt.assert_allclose(turned.bend, found.bend, rtol=1e-6)
 
 
 def test_minimum_of_a_plane_lies_in_its_lowest_corner():
-    found = fit(exact_ratios(3.0 + 0.2 * S - 0.3 * Z), contact=Contact.PLANE)
+    found = fit(exact_ratios(3.0 + 0.2 * S - 0.3 * Z), contact=GapShape.PLANE)
     npt.assert_allclose(found.value, 2.5, atol=1e-3)
     npt.assert_allclose(found.place, [0, Y.size - 1])
 
 
 def test_gap_is_chosen_by_the_curvatures_that_the_films_have():
-    assert choose(ball(1.1), ball(2.0)) is Contact.POINT
-    assert choose(ball(2.0, bend=(0.0, 2.0))) is Contact.POINT
-    assert choose(known_gap(1.1), known_gap(2.0)) is Contact.LINE
-    assert choose(1.1 + 0.2 * S + 0.1 * Z, 2.0 + 0.2 * S + 0 * Z) is Contact.PLANE
-    assert choose(np.full((Y.size, X.size), 60.0)) is Contact.LINE
+    assert choose(ball(1.1), ball(2.0)) is GapShape.POINT
+    assert choose(ball(2.0, bend=(0.0, 2.0))) is GapShape.POINT
+    assert choose(known_gap(1.1), known_gap(2.0)) is GapShape.LINE
+    assert choose(1.1 + 0.2 * S + 0.1 * Z, 2.0 + 0.2 * S + 0 * Z) is GapShape.PLANE
+    assert choose(np.full((Y.size, X.size), 60.0)) is GapShape.LINE
 
 
 def test_noise_averages_out_over_the_triggers_of_a_run_and_marks_do_not():
     """A curvature of one standard deviation in each of sixteen triggers is four of the mean."""
-    one = fit(exact_ratios(ball(3.0)), contact=Contact.POINT)
+    one = fit(exact_ratios(ball(3.0)), contact=GapShape.POINT)
     one = one._replace(bend=np.array([0.0, 0.1]))
     small, large = np.full(2, 1e-8), np.full(2, 0.01)
     noisy = one._replace(bend_random_var=large, bend_surface_var=small)
     marked = one._replace(bend_random_var=small, bend_surface_var=large)
-    assert choose_contact([{Contact.POINT: noisy}] * 16) is Contact.POINT
-    assert choose_contact([{Contact.POINT: noisy}] * 8) is Contact.PLANE
-    assert choose_contact([{Contact.POINT: marked}] * 16) is Contact.PLANE
+    assert choose_contact([{GapShape.POINT: noisy}] * 16) is GapShape.POINT
+    assert choose_contact([{GapShape.POINT: noisy}] * 8) is GapShape.PLANE
+    assert choose_contact([{GapShape.POINT: marked}] * 16) is GapShape.PLANE
 
 
 @pytest.mark.parametrize(
     ("film", "contact"),
-    [(ball(1.1), Contact.LINE), (1.1 + 3 * ((S - 0.1) ** 2 + (Z + 0.2) ** 2) ** 2, Contact.POINT)],
+    [
+        (ball(1.1), GapShape.LINE),
+        (1.1 + 3 * ((S - 0.1) ** 2 + (Z + 0.2) ** 2) ** 2, GapShape.POINT),
+    ],
 )
 def test_a_gap_that_does_not_describe_the_map_has_no_minimum(film, contact):
     found = fit(noisy_ratios(film, 0.0135, np.random.default_rng(12)), contact=contact)
@@ -254,7 +257,7 @@ def test_error_bar_covers_the_gap_that_each_contact_has(contact):
             gap = Gap(rig, film, marks)
             sums = sum_blocks(noisy_ratios(gap(x, y), 0.0135, rng), WHOLE)
             least.append(gap.smooth(x, y).min())
-            options = {"region": WHOLE, "sliding_along_x": True, "contacts": tuple(Contact)}
+            options = {"region": WHOLE, "sliding_along_x": True, "contacts": tuple(GapShape)}
             minima.append(find_gap_minima(sums, curve, **options))
         chosen = choose_contact(minima)
         kinds.append(chosen)
@@ -262,7 +265,7 @@ def test_error_bar_covers_the_gap_that_each_contact_has(contact):
         pulls.append(
             (found.value - least[seed % 2]) / np.hypot(found.random_std, found.surface_std)
         )
-    expected = {"ball": Contact.POINT, "plane": Contact.PLANE, "pin": Contact.LINE}[contact]
+    expected = {"ball": GapShape.POINT, "plane": GapShape.PLANE, "pin": GapShape.LINE}[contact]
     assert kinds.count(expected) > 0.9 * len(kinds)
     if contact != "plane":
         assert_covers(pulls)
@@ -290,8 +293,8 @@ def test_error_bar_covers_turned_and_scratched_surfaces():
 @pytest.mark.parametrize(
     ("film", "contact"),
     [
-        (np.maximum(-1.0 + 6 * S**2 + 5 * Z**2, 0.3), Contact.POINT),
-        (np.maximum(-0.6 + 6 * S**2 + 0 * Z, 0.3), Contact.LINE),
+        (np.maximum(-1.0 + 6 * S**2 + 5 * Z**2, 0.3), GapShape.POINT),
+        (np.maximum(-0.6 + 6 * S**2 + 0 * Z, 0.3), GapShape.LINE),
     ],
 )
 def test_a_contact_that_is_flattened_has_no_negative_minimum(film, contact):

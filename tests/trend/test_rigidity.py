@@ -7,9 +7,9 @@ import numpy.testing as npt
 import pytest
 from scenes.fixture import with_systematics
 
-from erlif.ratio import cell_centres
+from erlif.ratio import LightCells, cell_centres
 from erlif.show.plots import example_calibration
-from erlif.trend import LightRecord, PinView, estimate_errors
+from erlif.trend import PinView, estimate_errors
 
 SHAPE, PITCH = (256, 320), 0.06
 PIN, BORE = 33.36, 33.59
@@ -71,7 +71,7 @@ def draw_run(rng, errors, *, films=(3.0, 7.0), bore=BORE, form=0.0, dyes=(K, P, 
     ratio = log_ratio(gaps, PASSED[:, None], errors, dyes)
     ratio = ratio + noise * rng.standard_normal(gaps.shape)
     light = np.log((1 - np.exp(-P * gaps)) / P) + 0.05 * rng.standard_normal((len(gaps), 1))
-    return LightRecord(light, ratio, np.zeros(gaps.shape), np.full(gaps.shape, noise**2))
+    return LightCells(light, ratio, np.zeros(gaps.shape), np.full(gaps.shape, noise**2))
 
 
 def estimate(record, calibration=CALIBRATION, **changes):

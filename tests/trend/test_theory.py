@@ -6,7 +6,7 @@ import pytest
 import xarray as xr
 
 from erlif.core.errors import ConfigError
-from erlif.trend import Joint, Solid, VogelLaw, predict_film
+from erlif.trend import LubricatedJoint, Solid, VogelLaw, predict_film
 
 ACRYLIC = Solid(2.7e9, 0.37, 0.2e-6)
 STEEL = Solid(200e9, 0.3)  # E* = 109.8901 GPa
@@ -16,7 +16,7 @@ SPEED = 0.0842  # m/s, sliding speed of the joint
 
 def joint(solid=ACRYLIC, **changes):
     values = {"viscosity": 0.12, "pressure_viscosity": 20e-9, **changes}
-    return Joint(33.36e-3, 33.59e-3, 0.237, solid, solid, **values)
+    return LubricatedJoint(33.36e-3, 33.59e-3, 0.237, solid, solid, **values)
 
 
 def at(speed, load, **more):

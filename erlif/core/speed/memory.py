@@ -30,7 +30,7 @@ def keep_memory() -> bool:
     >>> keep_memory() in (True, False)
     True
     """
-    choose = _find("mallopt")
+    choose = _find_function("mallopt")
     return choose is not None and all(choose(name, value) for name, value in _OPTIONS.items())
 
 
@@ -51,12 +51,12 @@ def release_memory() -> bool:
     >>> release_memory() in (True, False)
     True
     """
-    trim = _find("malloc_trim")
+    trim = _find_function("malloc_trim")
     return bool(trim is not None and trim(0))
 
 
 @cache
-def _find(name: str) -> Callable[..., Any] | None:
+def _find_function(name: str) -> Callable[..., Any] | None:
     """A function of the C library; None where it has none."""
     try:
         function: Callable[..., Any] = getattr(ctypes.CDLL(None), name)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Literal
 import click
 
 from erlif.commands.lines import describe_written, verbosity, wrap
-from erlif.commands.options import LENGTH, OVERWRITE, PATH, Quantity, output_option
+from erlif.commands.options import LENGTH, OVERWRITE, PATH, QuantityOption, output_option
 from erlif.core.speed.imports import large_imports
 from erlif.joint.commands.log_columns import (
     choose_columns,
@@ -31,7 +31,7 @@ _FEWEST_RUNS = 2
 @click.option("--radius", "pin_radius", type=LENGTH, help='Radius of the pin, "33.36 mm".')
 @click.option("--arm", type=LENGTH, help='Arm of the torque\'s load cell, "30 cm".')
 @click.option(
-    "--idle-load", type=Quantity("N", "LOAD"), help='Load up to which a run is idle, "2 kN".'
+    "--idle-load", type=QuantityOption("N", "LOAD"), help='Load up to which a run is idle, "2 kN".'
 )
 @click.option(
     "--least-rise",

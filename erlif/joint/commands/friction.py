@@ -8,7 +8,7 @@ from typing import Any
 import click
 
 from erlif.commands.lines import describe_written, wrap
-from erlif.commands.options import LENGTH, OVERWRITE, PATH, Quantity, output_option
+from erlif.commands.options import LENGTH, OVERWRITE, PATH, QuantityOption, output_option
 from erlif.core.speed.imports import large_imports
 from erlif.joint.commands.log_columns import choose_columns, describe_reading, log_options
 
@@ -20,11 +20,11 @@ _SHARE = click.FloatRange(min=0, max=1)
 @click.option("--radius", type=LENGTH, help='Radius of the shaft, "5 mm".')
 @click.option("--diameter", type=LENGTH, help='Or its diameter, "10 mm".')
 @click.option(
-    "--load", type=Quantity("N", "LOAD"), help='Constant load, "5 kN"; no cells are read.'
+    "--load", type=QuantityOption("N", "LOAD"), help='Constant load, "5 kN"; no cells are read.'
 )
 @click.option("--arm", type=LENGTH, help='Arm of the torque\'s load cell, "30 cm".')
 @click.option("--vector", is_flag=True, help="The load is the vector sum of the cells.")
-@click.option("--speed", type=Quantity("m/s", "SPEED"), help='Sliding speed, "10 mm/s".')
+@click.option("--speed", type=QuantityOption("m/s", "SPEED"), help='Sliding speed, "10 mm/s".')
 @click.option("--torque-std", type=_SHARE, default=0.0, help="Relative error of the torque.")
 @click.option("--load-std", type=_SHARE, default=0.0, help="Relative error of the load.")
 @click.option("--radius-std", type=_SHARE, default=0.0, help="Relative error of the radius.")

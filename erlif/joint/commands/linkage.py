@@ -10,10 +10,10 @@ from typing import Any
 import click
 
 from erlif.commands.lines import wrap
-from erlif.commands.options import LENGTH, OVERWRITE, Quantity, expect_output, output_option
+from erlif.commands.options import LENGTH, OVERWRITE, QuantityOption, expect_output, output_option
 from erlif.core.speed.imports import large_imports
 
-_ANGLE, _SPEED = Quantity("rad", "ANGLE"), Quantity("rad/s", "SPEED")
+_ANGLE, _SPEED = QuantityOption("rad", "ANGLE"), QuantityOption("rad/s", "SPEED")
 
 
 @click.command()

@@ -46,10 +46,17 @@ def pin_diameter_in_shear(load: Values, *, yield_stress: Values, safety: Values)
 
     Parameters
     ----------
+    load : float or array
+        Load F. [N]
+    safety : float or array
+        Safety factor eta. [1]
     yield_stress : float or array
         Yield stress sigma_y of the pin. [Pa]
 
-    Returns: Minimum diameter d. [m]
+    Returns
+    -------
+    float or array
+        Minimum diameter d. [m]
 
     Examples
     --------
@@ -74,12 +81,19 @@ def pin_diameter_in_bending(
 
     Parameters
     ----------
+    load : float or array
+        Load F. [N]
+    safety : float or array
+        Safety factor eta. [1]
     free_length : float or array
         Length L between the seats: bushing and lateral play. [m]
     yield_stress : float or array
         Yield stress sigma_y of the pin. [Pa]
 
-    Returns: Minimum diameter d. [m]
+    Returns
+    -------
+    float or array
+        Minimum diameter d. [m]
 
     Examples
     --------
@@ -106,7 +120,10 @@ def hole_stress_concentration(hole_ratio: Values) -> Values:
     hole_ratio : float or array
         Hole diameter over pin diameter x, 0 to 0.2. [1]
 
-    Returns: Stress concentration K_t. [1]
+    Returns
+    -------
+    float or array
+        Stress concentration K_t. [1]
 
     Raises
     ------
@@ -136,6 +153,10 @@ def pin_diameter_with_hole(
 
     Parameters
     ----------
+    load : float or array
+        Load F. [N]
+    safety : float or array
+        Safety factor eta. [1]
     free_length : float or array
         Length L between the seats: bushing and lateral play. [m]
     hole_ratio : float or array
@@ -143,7 +164,10 @@ def pin_diameter_with_hole(
     yield_stress : float or array
         Yield stress sigma_y of the pin. [Pa]
 
-    Returns: Minimum diameter d. [m]
+    Returns
+    -------
+    float or array
+        Minimum diameter d. [m]
 
     Raises
     ------
@@ -189,7 +213,10 @@ def lateral_shift(
         Load F in the middle [N], length L, both seats and the bushing [m], diameter d of the pin, I
         = pi d^4 / 64 [m], Young's modulus E of the pin [Pa].
 
-    Returns: Shortening dL. [m]
+    Returns
+    -------
+    float or array
+        Shortening dL. [m]
 
     Raises
     ------
@@ -238,7 +265,10 @@ def lateral_force(
     load, length, diameter, youngs_modulus : float or array
         As of `lateral_shift` [N, m, m, Pa]; A = pi d^2 / 4.
 
-    Returns: Axial force. [N]
+    Returns
+    -------
+    float or array
+        Axial force. [N]
 
     Raises
     ------
@@ -268,10 +298,15 @@ def least_projected_area(load: Values, *, yield_stress: Values) -> Values:
 
     Parameters
     ----------
+    load : float or array
+        Load F. [N]
     yield_stress : float or array
         Yield stress sigma_y of the softer body. [Pa]
 
-    Returns: Minimum of pin diameter times bushing width. [m2]
+    Returns
+    -------
+    float or array
+        Minimum of pin diameter times bushing width. [m2]
 
     Examples
     --------
@@ -293,10 +328,17 @@ def least_bushing_width(
 
     Parameters
     ----------
+    load : float or array
+        Load F. [N]
+    safety : float or array
+        Safety factor eta. [1]
     diameter, hardness : float or array
         Diameter d of the pin [m], hardness H of the bushing [Pa].
 
-    Returns: Minimum width w. [m]
+    Returns
+    -------
+    float or array
+        Minimum width w. [m]
 
     Examples
     --------
@@ -320,10 +362,15 @@ def least_seat_width(load: Values, *, diameter: Values, hardness: Values, safety
 
     Parameters
     ----------
+    safety : float or array
+        Safety factor eta. [1]
     load, diameter, hardness : float or array
         Load F on the joint [N], diameter d of the pin [m], hardness H of the seat [Pa].
 
-    Returns: Minimum width s of one seat. [m]
+    Returns
+    -------
+    float or array
+        Minimum width s of one seat. [m]
 
     Examples
     --------
@@ -347,7 +394,10 @@ def hardness_from_strength(ultimate_stress: Values) -> Values:
     ultimate_stress : float or array
         Tensile strength sigma. [Pa]
 
-    Returns: Brinell hardness H. [Pa]
+    Returns
+    -------
+    float or array
+        Brinell hardness H. [Pa]
 
     Notes
     -----
@@ -376,10 +426,17 @@ def least_eyebar_diameter(
 
     Parameters
     ----------
+    load : float or array
+        Load F. [N]
+    safety : float or array
+        Safety factor eta. [1]
     bore, width, yield_stress : float or array
         Inner diameter d [m], width s of the eye [m], yield stress sigma_y of the housing [Pa].
 
-    Returns: Minimum outer diameter D; infinite where no outer diameter carries the load (F from
+    Returns
+    -------
+    float or array
+        Minimum outer diameter D; infinite where no outer diameter carries the load (F from
         sigma_y s d / eta on). [m]
 
     Notes
@@ -421,13 +478,18 @@ def lock_force(
 
     Parameters
     ----------
+    load : float or array
+        Load F. [N]
     diameter, lever : float or array
         Diameter d of the pin [m], distance R of the screw from the pin axis [m].
     friction_bushing, friction_seat : float or array
         Friction coefficients mu1 in the bushing and mu2 in the seats; the defaults are the worst
         case of the source. [1]
 
-    Returns: Shear force, negative where the seats hold the pin more firmly than the bushing turns
+    Returns
+    -------
+    float or array
+        Shear force, negative where the seats hold the pin more firmly than the bushing turns
         it. [N]
 
     Examples
@@ -451,11 +513,18 @@ def least_weld_diameter(
 
     Parameters
     ----------
+    pin_diameter : float or array
+        Diameter d of the pin. [m]
+    safety : float or array
+        Safety factor eta. [1]
     load, throat, yield_stress : float or array
         Load F on the joint, with the friction of `lock_force` at its worst [N], effective throat a
         of the weld [m], yield stress sigma_y of the weld [Pa].
 
-    Returns: Minimum inner diameter; not positive where a weld of any diameter is strong enough. [m]
+    Returns
+    -------
+    float or array
+        Minimum inner diameter; not positive where a weld of any diameter is strong enough. [m]
 
     Notes
     -----
@@ -488,10 +557,15 @@ def largest_internal_weld_diameter(pin_diameter: Values, *, throat: Values) -> V
 
     Parameters
     ----------
+    pin_diameter : float or array
+        Diameter d of the pin. [m]
     throat : float or array
         Effective throat a of the weld. [m]
 
-    Returns: Largest inner diameter; not positive where the throat is too large for the pin. [m]
+    Returns
+    -------
+    float or array
+        Largest inner diameter; not positive where the throat is too large for the pin. [m]
 
     Examples
     --------
@@ -512,12 +586,17 @@ def least_open_prong_height(
 
     Parameters
     ----------
+    safety : float or array
+        Safety factor eta. [1]
     load : float or array
         Lock force F, see `lock_force`. [N]
     thickness, length, yield_stress : float or array
         Plate thickness t [m], lever L of the force [m], yield stress sigma_y of the plate [Pa].
 
-    Returns: Minimum height h. [m]
+    Returns
+    -------
+    float or array
+        Minimum height h. [m]
 
     Examples
     --------
@@ -541,7 +620,10 @@ def end_force_of_closed_lock(load: Values) -> Values:
     load : float or array
         Lock force F. [N]
 
-    Returns: Force that the closed end passes to the unloaded prong. [N]
+    Returns
+    -------
+    float or array
+        Force that the closed end passes to the unloaded prong. [N]
 
     Examples
     --------
@@ -561,12 +643,17 @@ def least_closed_prong_height(
 
     Parameters
     ----------
+    safety : float or array
+        Safety factor eta. [1]
     load : float or array
         Lock force F, see `lock_force`. [N]
     thickness, length, yield_stress : float or array
         Plate thickness t [m], lever L of the force [m], yield stress sigma_y of the plate [Pa].
 
-    Returns: Minimum height h. [m]
+    Returns
+    -------
+    float or array
+        Minimum height h. [m]
 
     Notes
     -----
@@ -599,12 +686,17 @@ def least_closed_end_width(
 
     Parameters
     ----------
+    safety : float or array
+        Safety factor eta. [1]
     load : float or array
         Lock force F, see `lock_force`. [N]
     thickness, yield_stress : float or array
         Plate thickness t [m], yield stress sigma_y of the plate [Pa].
 
-    Returns: Minimum width c. [m]
+    Returns
+    -------
+    float or array
+        Minimum width c. [m]
 
     Notes
     -----
@@ -637,10 +729,15 @@ def relative_play(pin_diameter: Values, *, bore: Values) -> Values:
 
     Parameters
     ----------
+    pin_diameter : float or array
+        Diameter d of the pin. [m]
     bore : float or array
         Diameter D of the bore. [m]
 
-    Returns: Relative play, negative for an interference; 0.3e-3 to 5e-3 is recommended. [1]
+    Returns
+    -------
+    float or array
+        Relative play, negative for an interference; 0.3e-3 to 5e-3 is recommended. [1]
 
     Examples
     --------
@@ -678,7 +775,10 @@ def press_fit_displacement(
     youngs_bushing, youngs_housing, poisson_bushing, poisson_housing : float or array
         Young's moduli E_b and E_h [Pa], Poisson's ratios nu_b and nu_h [1].
 
-    Returns: Radial displacement u of the bore, negative where it shrinks (by 2u in diameter). [m]
+    Returns
+    -------
+    float or array
+        Radial displacement u of the bore, negative where it shrinks (by 2u in diameter). [m]
 
     Raises
     ------

@@ -36,13 +36,18 @@ def friction_torque(
 
     Parameters
     ----------
+    load : float or array
+        Load F. [N]
     friction, radius : float or array
         Friction coefficient mu [1], radius R of the shaft [m].
     torque_ratio : float or array
         T* of the pressure distribution; 1 takes the contact for a line, as Farzaneh (2002),
         appendix A.3, does. [1]
 
-    Returns: Friction torque T. [N m]
+    Returns
+    -------
+    float or array
+        Friction torque T. [N m]
 
     Notes
     -----
@@ -69,6 +74,8 @@ def friction_coefficient(
 
     Parameters
     ----------
+    load : float or array
+        Load F. [N]
     torque : float or array
         Friction torque T; its sign is kept. [N m]
     radius : float or array
@@ -77,7 +84,10 @@ def friction_coefficient(
         T* of the pressure distribution. With 1 the result is the apparent coefficient mu' of the
         source, which is at least the true one. [1]
 
-    Returns: Friction coefficient mu. [1]
+    Returns
+    -------
+    float or array
+        Friction coefficient mu. [1]
 
     Examples
     --------
@@ -99,7 +109,15 @@ def uniform_torque_ratio(half_angle: Values) -> Values:
 
     alpha / sin alpha, pi/2 at 90 degrees.
 
-    Returns: Torque ratio T*. [1]
+    Parameters
+    ----------
+    half_angle : float or array
+        Half of the arc of contact. [rad]
+
+    Returns
+    -------
+    float or array
+        Torque ratio T*. [1]
 
     Examples
     --------
@@ -117,7 +135,15 @@ def cosine_torque_ratio(half_angle: Values) -> Values:
 
     (pi^2 - 4 alpha^2) / (pi^2 cos alpha).
 
-    Returns: Torque ratio T*. [1]
+    Parameters
+    ----------
+    half_angle : float or array
+        Half of the arc of contact. [rad]
+
+    Returns
+    -------
+    float or array
+        Torque ratio T*. [1]
 
     Notes
     -----
@@ -142,7 +168,15 @@ def elliptic_torque_ratio(half_angle: Values) -> Values:
 
     alpha / (2 J1(alpha)).
 
-    Returns: Torque ratio T*. [1]
+    Parameters
+    ----------
+    half_angle : float or array
+        Half of the arc of contact. [rad]
+
+    Returns
+    -------
+    float or array
+        Torque ratio T*. [1]
 
     Examples
     --------
@@ -160,7 +194,15 @@ def truncated_cosine_torque_ratio(half_angle: Values) -> Values:
 
     sin a / (a/2 + sin(2a)/4), 4/pi at 90 degrees; from Colbert et al. (2009), eq. 4.
 
-    Returns: Torque ratio T*. [1]
+    Parameters
+    ----------
+    half_angle : float or array
+        Half of the arc of contact. [rad]
+
+    Returns
+    -------
+    float or array
+        Torque ratio T*. [1]
 
     Examples
     --------
@@ -187,7 +229,10 @@ def thin_winkler_torque_ratio(half_angle: Values) -> Values:
         Half of the arc of contact a, 0 to pi/2; `thin_winkler_load` gives the load that belongs to
         it. [rad]
 
-    Returns: Torque ratio mu*. [1]
+    Returns
+    -------
+    float or array
+        Torque ratio mu*. [1]
 
     Examples
     --------
@@ -213,7 +258,15 @@ def thin_winkler_load(half_angle: Values) -> Values:
     (a - sin a cos a) / cos a, from Colbert et al. (2009), B1 to B10; see
     `thin_winkler_torque_ratio`.
 
-    Returns: Load group F* t* R/c, which grows without bound towards 90 degrees. [1]
+    Parameters
+    ----------
+    half_angle : float or array
+        Half of the arc of contact. [rad]
+
+    Returns
+    -------
+    float or array
+        Load group F* t* R/c, which grows without bound towards 90 degrees. [1]
 
     Raises
     ------
@@ -245,7 +298,10 @@ def torque_ratio(angle: Values, *, pressure: Values) -> Values:
     pressure : array, (..., n)
         Pressure there. [Pa, or any unit]
 
-    Returns: Torque ratio T*, over the last axis. [1]
+    Returns
+    -------
+    float or array
+        Torque ratio T*, over the last axis. [1]
 
     Raises
     ------

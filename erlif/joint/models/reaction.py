@@ -231,10 +231,17 @@ def coupler_force(linkage: CrankRocker, *, crank_angle: Values, rocker_torque: V
 
     Parameters
     ----------
+    linkage : CrankRocker
+        Lengths of the linkage between its joints. [m]
+    crank_angle : float or array
+        Crank angle t. [rad]
     rocker_torque : float or array
         Torque T on the rocker. [N m]
 
-    Returns: Force in the coupler, of the sign of the torque. [N]
+    Returns
+    -------
+    float or array
+        Force in the coupler, of the sign of the torque. [N]
 
     Examples
     --------
@@ -265,7 +272,10 @@ def rolling_bearing_life(
     exponent : float or array
         p: 3 for ball bearings, 10/3 for roller bearings. [1]
 
-    Returns: Life L10. [s]
+    Returns
+    -------
+    float or array
+        Life L10. [s]
 
     Notes
     -----
@@ -294,7 +304,10 @@ def rod_stress(force: Values, *, diameter: Values) -> Values:
     force, diameter : float or array
         Axial force F [N], diameter d [m].
 
-    Returns: Stress, of the sign of the force. [Pa]
+    Returns
+    -------
+    float or array
+        Stress, of the sign of the force. [Pa]
 
     Notes
     -----

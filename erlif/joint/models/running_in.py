@@ -120,6 +120,8 @@ def run_in_bushing(
 
     Parameters
     ----------
+    modulus : float
+        E' of the wall, see `erlif.models.contact.winkler_modulus`. [Pa]
     load : float
         Load on the shaft, of constant direction. [N]
     shaft_radius, bushing_radius : float
@@ -309,11 +311,16 @@ def thin_wall_torque_ratio(
 
     Parameters
     ----------
+    modulus : float or array
+        E' of the wall, see `erlif.models.contact.winkler_modulus`. [Pa]
     load_per_length, clearance, shaft_radius, thickness : float or array
         Load over width, q [N/m], radial clearance c, negative for an interference [m], radius R of
         the shaft and thickness t of the wall [m].
 
-    Returns: Torque over mu F R: from 1 for a wide clearance through 4/pi for none to 2 for an
+    Returns
+    -------
+    float or array
+        Torque over mu F R: from 1 for a wide clearance through 4/pi for none to 2 for an
         interference that is about to press all round, and more beyond it. [1]
 
     Raises

@@ -101,6 +101,12 @@ def wear_slider_crank(
 
     Parameters
     ----------
+    cycles : int
+        Cycles to the end of the test.
+    extrapolation : int
+        Cycles for which one computed cycle stands, A_E of Mukras et al. (2008), eq. 5.
+    steps_per_cycle : int
+        Crank angles of a computed cycle.
     linkage : SliderCrank
         Lengths and unworn clearance. [m]
     crank_speed : float

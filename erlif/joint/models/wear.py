@@ -26,10 +26,19 @@ def adhesive_wear(
 
     Parameters
     ----------
+    load : float or array
+        Load F. [N]
+    sliding_distance : float or array
+        Sliding distance s. [m]
+    hardness : float or array
+        Hardness H of the softer body. [Pa]
     coefficient : float or array
         Wear coefficient K, from a test of the same pair and lubricant. [1]
 
-    Returns: Worn volume V. [m3]
+    Returns
+    -------
+    float or array
+        Worn volume V. [m3]
 
     Examples
     --------
@@ -52,10 +61,19 @@ def abrasive_wear(
 
     Parameters
     ----------
+    load : float or array
+        Load F. [N]
+    sliding_distance : float or array
+        Sliding distance s. [m]
+    hardness : float or array
+        Hardness H of the softer body. [Pa]
     asperity_slope : float or array
         Angle Theta of the hard asperities to the surface, 0 to below pi/2. [rad]
 
-    Returns: Worn volume V. [m3]
+    Returns
+    -------
+    float or array
+        Worn volume V. [m3]
 
     Examples
     --------
@@ -100,11 +118,20 @@ def fatigue_wear(
 
     Parameters
     ----------
+    load : float or array
+        Load F. [N]
+    sliding_distance : float or array
+        Sliding distance s. [m]
+    hardness : float or array
+        Hardness H of the softer body. [Pa]
     asperity_distribution, particle_size, failure_strain, coefficient : float or array
         Constant eta of the distribution of asperity heights [1], constant gamma of the particle
         size [1], strain eps to failure in one cycle [1], wear coefficient C [1].
 
-    Returns: Worn volume V. [m3]
+    Returns
+    -------
+    float or array
+        Worn volume V. [m3]
 
     Examples
     --------
@@ -136,7 +163,10 @@ def wear_depth(pressure: Values, *, sliding_distance: Values, specific_wear: Val
         Pressure p [Pa], sliding distance s, speed times time [m], specific wear rate k, the K/H of
         `adhesive_wear` [1/Pa].
 
-    Returns: Worn depth h. [m]
+    Returns
+    -------
+    float or array
+        Worn depth h. [m]
 
     Examples
     --------
@@ -183,6 +213,10 @@ def steady_bushing_wear(
 
     Parameters
     ----------
+    load : float or array
+        Load F. [N]
+    sliding_distance : float or array
+        Sliding distance s. [m]
     shaft_radius, width, specific_wear : float or array
         Radius R of the shaft [m], width w of the bushing [m], specific wear rate k [1/Pa].
 
@@ -224,7 +258,10 @@ def mean_sliding_speed(half_swing: Values, *, diameter: Values, period: Values) 
         Half of the angle from end to end, beta [rad], diameter d of the pin [m], time t of a swing
         forth and back [s].
 
-    Returns: Mean sliding speed v. [m/s]
+    Returns
+    -------
+    float or array
+        Mean sliding speed v. [m/s]
 
     Notes
     -----
@@ -250,12 +287,17 @@ def pressure_velocity(load: Values, *, diameter: Values, width: Values, speed: V
 
     Parameters
     ----------
+    load : float or array
+        Load F. [N]
     diameter, width : float or array
         Diameter d and width w of the joint. [m]
     speed : float or array
         Sliding speed v; its sign is kept. [m/s]
 
-    Returns: pv. [W/m2]
+    Returns
+    -------
+    float or array
+        pv. [W/m2]
 
     Examples
     --------
@@ -274,10 +316,15 @@ def friction_heat(load: Values, *, friction: Values, speed: Values) -> Values:
 
     Parameters
     ----------
+    load : float or array
+        Load F. [N]
     friction, speed : float or array
         Friction coefficient mu [1], sliding speed v, in either direction [m/s].
 
-    Returns: Heat Q. [W]
+    Returns
+    -------
+    float or array
+        Heat Q. [W]
 
     Examples
     --------
@@ -298,7 +345,10 @@ def bushing_heat_share(pin_conductivity: Values, *, bushing_conductivity: Values
     pin_conductivity, bushing_conductivity : float or array
         Thermal conductivities. [W/(m K)]
 
-    Returns: Share of the heat. [1]
+    Returns
+    -------
+    float or array
+        Share of the heat. [1]
 
     Examples
     --------
@@ -328,12 +378,17 @@ def surface_temperature(
 
     Parameters
     ----------
+    pin_diameter : float or array
+        Diameter d of the pin. [m]
     measured_temperature, heat, wall, width, conductivity, arc : float or array
         Temperature T_m on the outside of the bushing [K], heat Q into the bushing [W], wall
         thickness t of the bushing [m], width w of the bushing [m], thermal conductivity lambda of
         the bushing [W/(m K)], angle through which the heat flows, 2 pi for the whole ring [rad].
 
-    Returns: Temperature T_s of the sliding surface. [K]
+    Returns
+    -------
+    float or array
+        Temperature T_s of the sliding surface. [K]
 
     Notes
     -----
@@ -366,7 +421,10 @@ def thermal_growth(diameter: Values, *, expansion: Values, temperature_change: V
         Diameter d [m], coefficient of linear thermal expansion alpha [1/K], rise of the temperature
         dT [K].
 
-    Returns: Change of the diameter, positive for growth. [m]
+    Returns
+    -------
+    float or array
+        Change of the diameter, positive for growth. [m]
 
     Examples
     --------
@@ -423,6 +481,12 @@ def coupled_wear(
 
     Parameters
     ----------
+    cycles : int
+        Cycles to the end of the test.
+    extrapolation : int
+        Cycles for which one computed cycle stands, A_E of Mukras et al. (2008), eq. 5.
+    steps_per_cycle : int
+        Crank angles of a computed cycle.
     linkage : SliderCrank
         Lengths of the unworn linkage. [m]
     crank_speed : float

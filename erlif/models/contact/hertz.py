@@ -44,6 +44,15 @@ def hertz_line(load_per_length: Values, *, radius: Values, contact_modulus: Valu
 
     b = sqrt(4 q R / (pi E*)),  p0 = sqrt(q E* / (pi R)).
 
+    Parameters
+    ----------
+    load_per_length : float or array
+        Line load q. [N/m]
+    radius : float or array
+        Reduced radius R, see `erlif.models.contact.conformal_radius`. [m]
+    contact_modulus : float or array
+        Contact modulus E*, see `erlif.models.contact.contact_modulus`. [Pa]
+
     Returns
     -------
     LineContact
@@ -193,6 +202,8 @@ def hertz_ellipse(
 
     Parameters
     ----------
+    contact_modulus : float or array
+        Contact modulus E*, see `erlif.models.contact.contact_modulus`. [Pa]
     load : float or array
         Load P. [N]
     radius, radius_across : float or array
@@ -251,6 +262,8 @@ def thesis_ellipse(
 
     Parameters
     ----------
+    contact_modulus : float or array
+        Contact modulus E*, see `erlif.models.contact.contact_modulus`. [Pa]
     load, radius, radius_across : float or array
         Load P [N], the larger and the smaller reduced radius R' and R'' [m].
 

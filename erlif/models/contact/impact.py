@@ -16,12 +16,17 @@ def impact_stiffness(
 
     Parameters
     ----------
+    contact_modulus : float or array
+        Contact modulus E*, see `erlif.models.contact.contact_modulus`. [Pa]
     pin_radius, bushing_radius : float or array
         Radii of the pin and of the bore. [m]
     as_printed : bool
         Use the reduced radius that the source prints.
 
-    Returns: Stiffness K. [N/m^1.5]
+    Returns
+    -------
+    float or array
+        Stiffness K. [N/m^1.5]
 
     Raises
     ------
@@ -76,7 +81,10 @@ def impact_force(
     restitution : float or array
         Coefficient of restitution e, 0 to 1; the law is meant for values near 1. [1]
 
-    Returns: Normal force F. [N]
+    Returns
+    -------
+    float or array
+        Normal force F. [N]
 
     Examples
     --------

@@ -22,7 +22,17 @@ _NEWTON_STEPS = 5
 def projected_pressure(load_per_length: Values, *, pin_diameter: Values) -> Values:
     """Compute the load over the projected area of a pin: p = q / d. Strand (2005), eq. 6.
 
-    Returns: Projected pressure p. [Pa]
+    Parameters
+    ----------
+    load_per_length : float or array
+        Line load q. [N/m]
+    pin_diameter : float or array
+        Diameter d of the pin. [m]
+
+    Returns
+    -------
+    float or array
+        Projected pressure p. [Pa]
 
     Examples
     --------
@@ -40,7 +50,17 @@ def sinusoidal_pressure(load_per_length: Values, *, pin_diameter: Values) -> Val
 
     p = 4q / (pi d).
 
-    Returns: Maximum pressure p, on the line of load. [Pa]
+    Parameters
+    ----------
+    load_per_length : float or array
+        Line load q. [N/m]
+    pin_diameter : float or array
+        Diameter d of the pin. [m]
+
+    Returns
+    -------
+    float or array
+        Maximum pressure p, on the line of load. [Pa]
 
     Notes
     -----
@@ -64,7 +84,15 @@ def persson_group(half_angle: Values) -> Values:
 
     [2 - ln(1 + b^2) - 2 b^4] / [pi b^2 (1 + b^2)] with b = tan(half_angle / 2).
 
-    Returns: E Delta / 2q. [1]
+    Parameters
+    ----------
+    half_angle : float or array
+        Half of the arc of contact. [rad]
+
+    Returns
+    -------
+    float or array
+        E Delta / 2q. [1]
 
     Notes
     -----
@@ -90,7 +118,15 @@ def persson_peak_group(half_angle: Values) -> Values:
 
     2b / (pi sqrt(1 + b^2)) + asinh(b) / [pi b^2 (1 + b^2)] with b = tan(half_angle / 2).
 
-    Returns: d p_max / 2q. [1]
+    Parameters
+    ----------
+    half_angle : float or array
+        Half of the arc of contact. [rad]
+
+    Returns
+    -------
+    float or array
+        d p_max / 2q. [1]
 
     Notes
     -----
@@ -117,7 +153,10 @@ def persson_half_angle(group: Values) -> Values:
     group : float or array
         E Delta / 2q, above -2/pi. [1]
 
-    Returns: Half contact angle. [rad]
+    Returns
+    -------
+    float or array
+        Half contact angle. [rad]
 
     Raises
     ------
@@ -162,10 +201,19 @@ def persson_pressure(
 
     Parameters
     ----------
+    half_angle : float or array
+        Half of the arc of contact. [rad]
+    load_per_length : float or array
+        Line load q. [N/m]
+    pin_diameter : float or array
+        Diameter d of the pin. [m]
     angle : float or array
         Angle from the line of load. [rad]
 
-    Returns: Pressure, zero outside the contact. [Pa]
+    Returns
+    -------
+    float or array
+        Pressure, zero outside the contact. [Pa]
 
     Raises
     ------
@@ -211,6 +259,12 @@ def persson_contact(
 
     Parameters
     ----------
+    load_per_length : float or array
+        Line load q. [N/m]
+    play : float or array
+        Bore less pin diameter; negative for an interference. [m]
+    pin_diameter : float or array
+        Diameter d of the pin. [m]
     youngs_modulus : float or array
         E of both bodies for plane stress; E/(1 - nu^2) for plane strain. [Pa]
 
@@ -266,10 +320,17 @@ def closed_contact_pressure(
 
     Parameters
     ----------
+    load_per_length : float or array
+        Line load q. [N/m]
+    pin_diameter : float or array
+        Diameter d of the pin. [m]
     interference, youngs_modulus : float or array
         Pin diameter less bore I, from 4q / (pi E) on [m], E of both bodies for plane stress [Pa].
 
-    Returns: Largest pressure, on the line of load; on the other side it is 4q / (pi d) less. [Pa]
+    Returns
+    -------
+    float or array
+        Largest pressure, on the line of load; on the other side it is 4q / (pi d) less. [Pa]
 
     Raises
     ------
@@ -307,10 +368,17 @@ def persson_load(half_angle: Values, *, play: Values, youngs_modulus: Values) ->
 
     Parameters
     ----------
+    half_angle : float or array
+        Half of the arc of contact. [rad]
+    play : float or array
+        Bore less pin diameter; negative for an interference. [m]
     youngs_modulus : float or array
         E of both bodies for plane stress; E/(1 - nu^2) for plane strain. [Pa]
 
-    Returns: Line load q. [N/m]
+    Returns
+    -------
+    float or array
+        Line load q. [N/m]
 
     Raises
     ------

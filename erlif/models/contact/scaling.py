@@ -14,7 +14,10 @@ def conformal_radius(pin_radius: Values, *, bushing_radius: Values) -> Values:
     pin_radius, bushing_radius : float or array
         Radii R2 of the pin and R1 of the bore. [m]
 
-    Returns: Reduced radius R. [m]
+    Returns
+    -------
+    float or array
+        Reduced radius R. [m]
 
     Raises
     ------
@@ -45,7 +48,10 @@ def contact_modulus(
     youngs_1, youngs_2, poisson_1, poisson_2 : float or array
         Young's moduli [Pa], Poisson's ratios [1].
 
-    Returns: Contact modulus E*. [Pa]
+    Returns
+    -------
+    float or array
+        Contact modulus E*. [Pa]
 
     Notes
     -----
@@ -81,7 +87,10 @@ def scale_load(
         Load F on the full joint [N], Young's moduli of the full joint and of the model [Pa],
         lengths of the model over those of the full joint [1].
 
-    Returns: Load on the model. [N]
+    Returns
+    -------
+    float or array
+        Load on the model. [N]
 
     Notes
     -----
@@ -112,7 +121,10 @@ def scale_stress(stress: Values, *, youngs_modulus: Values, model_youngs_modulus
     stress, youngs_modulus, model_youngs_modulus : float or array
         Stress in the full joint [Pa], Young's moduli of the full joint and of the model [Pa].
 
-    Returns: Stress in the model. [Pa]
+    Returns
+    -------
+    float or array
+        Stress in the model. [Pa]
 
     Examples
     --------

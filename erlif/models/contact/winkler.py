@@ -50,7 +50,10 @@ def winkler_modulus(youngs_modulus: Values, *, poisson: Values) -> Values:
     poisson : float or array
         Poisson's ratio nu of the layer, above -1 and below 0.5. [1]
 
-    Returns: E'. [Pa]
+    Returns
+    -------
+    float or array
+        E'. [Pa]
 
     Raises
     ------
@@ -89,10 +92,17 @@ def winkler_load(
 
     Parameters
     ----------
+    half_angle : float or array
+        Half of the arc of contact. [rad]
+    modulus : float or array
+        E' of the wall, see `erlif.models.contact.winkler_modulus`. [Pa]
     shaft_radius, bushing_radius, thickness : float or array
         Rs and Rb [m], wall thickness t of the bushing [m].
 
-    Returns: Line load. [N/m]
+    Returns
+    -------
+    float or array
+        Line load. [N/m]
 
     Raises
     ------
@@ -136,6 +146,10 @@ def winkler_contact(
 
     Parameters
     ----------
+    load_per_length : float or array
+        Line load q. [N/m]
+    modulus : float or array
+        E' of the wall, see `erlif.models.contact.winkler_modulus`. [Pa]
     shaft_radius, bushing_radius, thickness : float or array
         Rs and Rb [m], wall thickness t of the bushing [m].
 

@@ -131,7 +131,7 @@ class State:
 
 
 @dataclass(frozen=True)
-class Step:
+class StepDrive:
     """What drives one step.
 
     Attributes
@@ -167,7 +167,7 @@ class Step:
     supplied: Mask
 
 
-def start_state(medium: Medium, step: Step, position: Array) -> State:
+def start_state(medium: Medium, step: StepDrive, position: Array) -> State:
     """A film full of oil at ambient pressure."""
     walls, shape = displaced(step, position), medium.grid.shape
     return State(
@@ -180,7 +180,7 @@ def start_state(medium: Medium, step: Step, position: Array) -> State:
     )
 
 
-def displaced(step: Step, position: Array) -> Walls:
+def displaced(step: StepDrive, position: Array) -> Walls:
     """Film between rigid walls at a position."""
     walls = step.base
     for shift, direction in zip(position, step.directions, strict=True):
@@ -202,14 +202,14 @@ def forces(medium: Medium, directions: Sequence[Walls], pressure: Array) -> Arra
     )
 
 
-def advance(medium: Medium, step: Step, before: State, guess: State | None = None) -> State:
+def advance(medium: Medium, step: StepDrive, before: State, guess: State | None = None) -> State:
     """Solve one step.
 
     Parameters
     ----------
     medium : Medium
         Cells and oil.
-    step : Step
+    step : StepDrive
         Gap, load and motion at the end of the step.
     before : State
         Film at its beginning.
@@ -244,14 +244,14 @@ def advance(medium: Medium, step: Step, before: State, guess: State | None = Non
     )
 
 
-def settle(medium: Medium, step: Step, position: Array, *, rate: float) -> State:
+def settle(medium: Medium, step: StepDrive, position: Array, *, rate: float) -> State:
     """The steady film, approached from a full one by ever longer time steps.
 
     Parameters
     ----------
     medium : Medium
         Cells and oil.
-    step : Step
+    step : StepDrive
         Gap, load and speed; its own rate is not used.
     position : array, (free,)
         Displacements at the start. [m]
@@ -285,7 +285,7 @@ def settle(medium: Medium, step: Step, position: Array, *, rate: float) -> State
 class _Newton:
     """The iterate of one step, and what it leaves unbalanced."""
 
-    def __init__(self, medium: Medium, step: Step, before: State, guess: State) -> None:
+    def __init__(self, medium: Medium, step: StepDrive, before: State, guess: State) -> None:
         self.medium, self.step, self.before = medium, step, before.content
         self.earlier = before.walls
         self.share = 0.5 if step.speed == 0 else 1.0  # of the new film in that of the flow

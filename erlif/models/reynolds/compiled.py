@@ -27,7 +27,7 @@ from erlif.models.reynolds.flow import SMALLEST_FLUIDITY, mobility_of
 _part = njit(error_model="numpy")
 
 
-class Joint(NamedTuple):
+class CompiledJoint(NamedTuple):
     """What does not change from step to step.
 
     Attributes
@@ -635,7 +635,7 @@ def march(first, last, joint, drive, film, rows):  # type: ignore[no-untyped-def
     ----------
     first, last : int
         Steps from and to which, the last one left out.
-    joint : Joint
+    joint : CompiledJoint
     drive : Drive
     film : Film
     rows : array, (step, column)

@@ -13,7 +13,7 @@ from erlif.models.reynolds.balance import (
     Medium,
     NoConvergenceError,
     State,
-    Step,
+    StepDrive,
     advance,
     forces,
     settle,
@@ -204,12 +204,12 @@ class _Course:
         """Decrease of the film for a unit approach: one everywhere."""
         return average_walls(np.ones(self.films.shape[1:]), self.medium.grid)
 
-    def step(self, k: int, rate: float) -> Step:
+    def step(self, k: int, rate: float) -> StepDrive:
         """What drives film k."""
         free = 0 if self.loads is None else 1
         none = np.zeros(free)
         load = none if self.loads is None else self.loads[k : k + 1]
-        return Step(
+        return StepDrive(
             average_walls(self.films[k], self.medium.grid),
             [self.unit][:free],
             [self.unit][:free],

@@ -21,7 +21,10 @@ def roller_shape(x: Values, *, radius: Values) -> Values:
         Distance from the line of contact [m], radius R of the cylinder, or the reduced radius of
         two [m].
 
-    Returns: Height. [m]
+    Returns
+    -------
+    float or array
+        Height. [m]
 
     Examples
     --------
@@ -43,7 +46,10 @@ def pin_shape(x: Values, z: Values, *, radius: Values, cross_radius: Values) -> 
         Distances from the point of contact along sliding and across [m], radii of the pin along
         sliding and across [m].
 
-    Returns: Height above the point of contact. [m]
+    Returns
+    -------
+    float or array
+        Height above the point of contact. [m]
 
     Raises
     ------
@@ -76,7 +82,10 @@ def lobe_shape(axial: Values, *, centres: Sequence[float], radius: float, height
     height : float
         Height of a lobe above the bore. [m]
 
-    Returns: Height added to the gap, at most zero. [m]
+    Returns
+    -------
+    float or array
+        Height added to the gap, at most zero. [m]
 
     Examples
     --------

@@ -11,7 +11,14 @@ from erlif.core.arrays import Array
 from erlif.core.described import describe_by
 from erlif.core.errors import ModelError
 from erlif.models.arguments import require_finite, require_positive, require_single
-from erlif.models.reynolds.balance import NoConvergenceError, State, Step, advance, forces, settle
+from erlif.models.reynolds.balance import (
+    NoConvergenceError,
+    State,
+    StepDrive,
+    advance,
+    forces,
+    settle,
+)
 from erlif.models.reynolds.journal import Groove, Journal, covered
 from erlif.models.reynolds.transient import UNITS, Bearing, losses
 
@@ -106,12 +113,12 @@ class Rotation:
         self.supplied = np.zeros(grid.shape, dtype=bool)
         self.supplied[covered(bearing.grooves, bearing.angles)] = True
 
-    def step(self, load: Array, rate: float) -> Step:
+    def step(self, load: Array, rate: float) -> StepDrive:
         """A free pin under a load, or a held one without."""
         none = np.zeros(load.size)
         entrained = self.bearing.journal.radius * self.speed / 2
         axes = self.axes[: load.size]
-        return Step(self.rigid, axes, axes, load, none, none, rate, entrained, self.supplied)
+        return StepDrive(self.rigid, axes, axes, load, none, none, rate, entrained, self.supplied)
 
     def held_at(self, *place: float) -> State:
         """The steady film of a pin that is held at a place, along the axes."""

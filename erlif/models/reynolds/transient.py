@@ -16,7 +16,7 @@ from erlif.models.reynolds.balance import (
     Medium,
     NoConvergenceError,
     State,
-    Step,
+    StepDrive,
     advance,
     displaced,
     forces,
@@ -318,7 +318,7 @@ class TransientFilm:
         """The displacements that are unknown."""
         return held[:1] if self.mount.guided else held
 
-    def step(self, now: "_Moment", before: "_Moment | None") -> Step:
+    def step(self, now: "_Moment", before: "_Moment | None") -> StepDrive:
         """What drives the film to a moment from the one before; none before the start."""
         bearing, earlier = self.bearing, before or now
         turned = self.turned(now)
@@ -340,7 +340,9 @@ class TransientFilm:
         grid = bearing.medium.grid
         supplied = np.zeros(grid.shape, dtype=bool)
         supplied[covered(bearing.grooves, bearing.angles + turned)] = True
-        return Step(base, directions, axes, target, stiffness, rest, 1 / duration, speed, supplied)
+        return StepDrive(
+            base, directions, axes, target, stiffness, rest, 1 / duration, speed, supplied
+        )
 
     def pull(self, now: "_Moment") -> Array:
         """Load along the direction of free motion and across it. [N]"""
@@ -395,7 +397,7 @@ class TransientFilm:
                 "load and viscosity, take more cells round the joint, or end the motion earlier."
             )
 
-    def guess(self, step: Step) -> State:
+    def guess(self, step: StepDrive) -> State:
         """Where the Newton steps begin: the last film, moved on as it moved before."""
         state = self.state
         if self.earlier is None:
@@ -442,7 +444,7 @@ class TransientFilm:
         bearing, motion, state, mount = self.bearing, self.motion, self.state, self.mount
         medium, grid = bearing.medium, bearing.medium.grid
         fluid, sides = medium.fluid, np.array(grid.open_sides[2:])[:, np.newaxis]
-        joint = compiled.Joint(
+        joint = compiled.CompiledJoint(
             gap_cells=_owned(np.broadcast_to(bearing.rigid.centre[0], grid.across)),
             gap_faces=_owned(np.broadcast_to(bearing.rigid.across[0], grid.across + 1)),
             dx=float(grid.dx),

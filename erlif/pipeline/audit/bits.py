@@ -85,10 +85,10 @@ def find_bit_faults(histogram: Histogram) -> list[str]:
                 f"bit {names} (value {', '.join(str(1 << bit) for bit in bits)}) is {what} set: a "
                 "line of the camera or of its cable is stuck. Check the camera with a test image"
             )
-    return faults or _find_gaps(histogram)
+    return faults or _find_skipped_counts(histogram)
 
 
-def _find_gaps(histogram: Histogram) -> list[str]:
+def _find_skipped_counts(histogram: Histogram) -> list[str]:
     """Counts that do not occur between others, as a change of scale leaves them."""
     total = np.cumsum(histogram)
     tail = (1 - _FULLY) / 2 * total[-1]

@@ -9,7 +9,7 @@ import numpy as np
 from erlif.core.arrays import AnyArray, Array
 from erlif.core.notes import Note, list_some, warn
 from erlif.core.products import EncoderLog
-from erlif.core.statistics import robust_std
+from erlif.core.statistics import neighbours_of, robust_std
 from erlif.core.units import count_of
 from erlif.pipeline.audit.evidence import Evidence
 
@@ -56,7 +56,7 @@ def note_columns(evidence: Evidence) -> Iterator[Note]:
         odd = find_single(values, least=least)
         if odd.size:
             counted = name == "load" or (oil is not None and oil.vogel is not None)
-            yield _describe(name, values, odd, unit, counted=counted)
+            yield _note_single(name, values, odd, unit, counted=counted)
         elif name == "load":
             lost = find_lost(values)
             if lost.size:
@@ -90,7 +90,7 @@ def without_single(log: EncoderLog) -> EncoderLog:
     return EncoderLog(log.isel(frame=rows))
 
 
-def _describe(name: str, values: Array, odd: AnyArray, unit: str, *, counted: bool) -> Note:
+def _note_single(name: str, values: Array, odd: AnyArray, unit: str, *, counted: bool) -> Note:
     shown = ", ".join(f"{values[k]:.5g}" for k in odd[:5])
     others, unit = np.delete(values, odd), f" {unit}" if unit else ""
     use = "; speed exponent and theory count them" if counted else ""
@@ -127,9 +127,7 @@ def find_single(values: Array, *, least: float | None = None) -> AnyArray:
     >>> find_single(load)
     array([7])
     """
-    around = np.pad(values, 3, mode="reflect")
-    windows = np.lib.stride_tricks.sliding_window_view(around, 7)
-    off = np.abs(values - np.median(np.delete(windows, 3, axis=1), axis=1))
+    off = np.abs(values - np.median(neighbours_of(values, 3), axis=1))
     least = _RELATIVE * abs(float(np.median(values))) if least is None else least
     apart = off > max(least, _SIGMAS * robust_std(off))
 

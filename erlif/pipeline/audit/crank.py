@@ -12,7 +12,7 @@ import numpy as np
 from erlif.core.arrays import AnyArray, Array
 from erlif.core.errors import ModelError
 from erlif.core.notes import Note, list_some, warn
-from erlif.core.statistics import robust_std
+from erlif.core.statistics import neighbours_of, robust_std
 from erlif.io.ingest import Run
 from erlif.io.settings import CrankRockerSettings
 from erlif.kinematics import choose_link
@@ -211,12 +211,11 @@ def find_odd(rest: Array, swing: float) -> AnyArray:
     >>> find_odd(rest, 24.0)
     array([7])
     """
-    around = np.pad(rest, 2, mode="reflect")
-    windows = np.lib.stride_tricks.sliding_window_view(around, 5)
-    off = np.abs(rest - np.median(np.delete(windows, 2, axis=1), axis=1))
+    beside = neighbours_of(rest, 2)
+    off = np.abs(rest - np.median(beside, axis=1))
 
     # on either side of a slip the readings differ
-    apart = np.abs(windows[:, :2].mean(axis=1) - windows[:, 3:].mean(axis=1))
+    apart = np.abs(beside[:, :2].mean(axis=1) - beside[:, 2:].mean(axis=1))
     return np.flatnonzero(
         (off > max(_LEAST_ODD * swing, _ODD * robust_std(off))) & (apart < off / 2)
     )

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from erlif.core.arrays import AnyArray, Array
-from erlif.core.statistics import robust_std
+from erlif.core.statistics import robust_rms, robust_std
 from erlif.pipeline.audit.rows import FARTHEST, FEW_ODD, FEWEST, ODD, SIDE, Order, shifted
 
 # Pairs with a partner in another order, at least.
@@ -58,7 +58,7 @@ def compare_energies(energies: Array, light: Array) -> tuple[Order | None, AnyAr
         return None
     logged = _without_trend(np.log(np.where(energies > 0, energies, 1.0)))
     seen = _without_trend(np.log(np.where(known, light, np.nan)))
-    spread = float(np.nanmedian(np.abs(seen)) * 1.4826), robust_std(logged)
+    spread = robust_rms(seen[np.isfinite(seen)]), robust_std(logged)
     if min(spread) < _SCATTER:
         return None
 
@@ -66,12 +66,12 @@ def compare_energies(energies: Array, light: Array) -> tuple[Order | None, AnyAr
     limit = min(FARTHEST, logged.size // 4)
     moved = {lag: seen - shifted(logged, lag) for lag in range(-limit, limit + 1)}
     back = seen - logged[::-1]
-    noise = max(min(_noise(rest) for rest in (*moved.values(), back)), _SCATTER / 2)
+    noise = max(min(_quartile_noise(rest) for rest in (*moved.values(), back)), _SCATTER / 2)
     cost = {lag: _cost(rest, noise, spread) for lag, rest in moved.items()}
     best, least = Order(0, 0, True, 0.0, 0.0), float(_cost(back, noise, spread).sum())
     for lag in filter(None, cost):
         partners = np.cumsum(np.isfinite(moved[lag])[::-1])[::-1]
-        since, total = _split(cost[0], cost[lag], int((partners >= _PARTNERS).sum()))
+        since, total = _split_orders(cost[0], cost[lag], int((partners >= _PARTNERS).sum()))
         if total < least:
             best, least = Order(lag, since, False, 0.0, 0.0), total
     gain = float(cost[0].sum()) - least
@@ -79,24 +79,24 @@ def compare_energies(energies: Array, light: Array) -> tuple[Order | None, AnyAr
         rest = back if best.reverse else np.where(
             np.arange(seen.size) < best.since, moved[0], moved[best.lag]
         )  # fmt: skip
-        left = 2 * _scatter(rest) ** 2 / (spread[0] ** 2 + spread[1] ** 2)
+        left = 2 * _known_scatter(rest) ** 2 / (spread[0] ** 2 + spread[1] ** 2)
         if left < _LEFT:
             return best._replace(left=left, gain=gain), np.array([], int)
-    if _scatter(moved[0]) > spread[0]:
+    if _known_scatter(moved[0]) > spread[0]:
         return None  # the energies have nothing to do with the light
 
-    off = np.abs(moved[0] - np.nanmedian(moved[0])) > ODD * max(_scatter(moved[0]), noise)
+    off = np.abs(moved[0] - np.nanmedian(moved[0])) > ODD * max(_known_scatter(moved[0]), noise)
     odd = np.flatnonzero(off & known)
     return None, odd if odd.size <= FEW_ODD * known.sum() else np.array([], int)
 
 
-def _scatter(rest: Array) -> float:
+def _known_scatter(rest: Array) -> float:
     """Robust standard deviation of the known values; infinite where they are few."""
     some = rest[np.isfinite(rest)]
     return robust_std(some) if some.size >= FEWEST / 2 else math.inf
 
 
-def _noise(rest: Array) -> float:
+def _quartile_noise(rest: Array) -> float:
     """The same where only a part of the differences is noise: by the smallest quarter of them."""
     some = np.abs(rest[np.isfinite(rest)])
     return float(np.quantile(some, 0.25)) / 0.3186 if some.size >= FEWEST / 2 else math.inf
@@ -124,7 +124,7 @@ def _without_trend(values: Array) -> Array:
     return np.asarray(values - usual)
 
 
-def _split(own: Array, other: Array, last: int) -> tuple[int, float]:
+def _split_orders(own: Array, other: Array, last: int) -> tuple[int, float]:
     """The pair up to `last` from which on another order costs less, and what both cost together."""
     before = np.concatenate([[0.0], np.cumsum(own)])
     after = np.concatenate([np.cumsum(other[::-1])[::-1], [0.0]])

@@ -62,15 +62,17 @@ def compare_film(drive: Array, levels: Array) -> Order | None:
     if np.nanstd(levels) < _FLAT:
         return None
     drive = drive / drive.max()
-    plain = _rest_share(_columns(drive), levels)
+    plain = _rest_share(_speed_terms(drive), levels)
     limit = min(FARTHEST, levels.size // 4)
-    orders = [Order(0, 0, True, _rest_share(_columns(drive[::-1]), levels), 0.0)]
+    orders = [Order(0, 0, True, _rest_share(_speed_terms(drive[::-1]), levels), 0.0)]
     places = np.unique(np.linspace(0, levels.size - SIDE, _PLACES).astype(int))
     for lag in (*range(-limit, 0), *range(1, limit + 1)):
         moved = shifted(drive, lag)
         for since in places[(places == 0) | (places >= SIDE)]:
             joined = np.where(np.arange(drive.size) >= since, moved, drive)
-            orders.append(Order(lag, int(since), False, _rest_share(_columns(joined), levels), 0.0))
+            orders.append(
+                Order(lag, int(since), False, _rest_share(_speed_terms(joined), levels), 0.0)
+            )
     best = min(orders, key=lambda one: one.left)
     if best.left < plain:
         # the size of a speed repeats twice a turn: what squeeze delays is late, early or reversed
@@ -98,7 +100,7 @@ def find_other_films(drive: Array, levels: Array) -> AnyArray:
     used = np.flatnonzero(np.isfinite(levels))
     if used.size < FEWEST or not np.ptp(drive) > 0.2 * drive.max():
         return np.array([], int)
-    columns, y = _columns(drive[used] / drive.max()), levels[used]
+    columns, y = _speed_terms(drive[used] / drive.max()), levels[used]
     kept = np.ones(used.size, bool)
     rest = y
     for _ in range(5):
@@ -109,7 +111,7 @@ def find_other_films(drive: Array, levels: Array) -> AnyArray:
     return used[~kept & (np.abs(rest) > _OTHER)] if few and follows else np.array([], int)
 
 
-def _columns(drive: Array) -> Array:
+def _speed_terms(drive: Array) -> Array:
     """Functions of the speed whose sum the film is taken to be, (frame, term)."""
     return np.stack([np.ones_like(drive), np.sqrt(drive), drive, drive**2], axis=1)
 
@@ -119,7 +121,7 @@ def _delayed(drive: Array, memory: float) -> Array:
     from scipy.signal import lfilter  # slow to load
 
     kept = math.exp(-1 / memory)
-    late = lfilter([1 - kept], [1, -kept], _columns(drive), axis=0)
+    late = lfilter([1 - kept], [1, -kept], _speed_terms(drive), axis=0)
     return np.column_stack([late, kept ** np.arange(drive.size)])
 
 

@@ -36,11 +36,13 @@ def note_order(evidence: Evidence) -> Iterator[Note]:
         if judged is not None:
             found, odd = judged
             if found is not None:
-                yield _describe(found, numbers, "the light of the pulses follows the energies")
+                yield _note_other_order(
+                    found, numbers, "the light of the pulses follows the energies"
+                )
             elif odd.size:
                 yield warn(
                     "log",
-                    f"{_pairs(numbers[odd])} of another place or of another recording: the light "
+                    f"{_subject(numbers[odd])} of another place or of another recording: the light "
                     "is not that of the energy in the rows, or the energies are wrong. Compare "
                     "numbers of frames and rows",
                 )
@@ -61,24 +63,24 @@ def _note_by_film(evidence: Evidence, numbers: AnyArray, *, known: bool) -> Iter
     drive = np.abs(speed[:_MOST]) / (1.0 if load is None else load[:_MOST] / np.median(load))
     found = None if known else compare_film(drive, levels)
     if found is not None:
-        yield _describe(found, numbers, "the film follows the speed")
+        yield _note_other_order(found, numbers, "the film follows the speed")
         return
     odd = find_other_films(drive, levels)
     odd = odd[odd > 0]  # a camera keeps nothing of a pulse before its first one
     if odd.size:
         yield warn(
             "log",
-            f"{_pairs(numbers[odd])} of another place or of another recording, or the angles are "
+            f"{_subject(numbers[odd])} of another place or of another recording, or the angles are "
             "wrong: the film does not follow the speed there. Compare numbers of frames and rows",
         )
 
 
-def _pairs(numbers: AnyArray) -> str:
+def _subject(numbers: AnyArray) -> str:
     """Pairs as the subject of a sentence, with its verb."""
     return f"pair {numbers[0]} is" if numbers.size == 1 else f"pairs {list_some(numbers)} are"
 
 
-def _describe(found: Order, numbers: AnyArray, fact: str) -> Note:
+def _note_other_order(found: Order, numbers: AnyArray, fact: str) -> Note:
     """An order in words, and what to do."""
     if found.reverse:
         return warn(

@@ -14,6 +14,7 @@ import numpy as np
 
 from erlif.core.arrays import AnyArray, Array
 from erlif.core.notes import Note, warn
+from erlif.core.statistics import MAD_TO_STD
 from erlif.core.units import count_of
 from erlif.pipeline.audit.evidence import Evidence, median_by_frame
 
@@ -136,7 +137,7 @@ def form_changes(ratios: Array) -> Array | None:
         right = np.einsum("fp,fi,fp->pi", w, columns, values)
         found = np.einsum("pij,pj->pi", np.linalg.pinv(normal, hermitian=True), right)
         rest = np.where(known, values - columns @ found.T, np.nan)
-        change = 1.4826 * median_of(np.abs(rest))
+        change = MAD_TO_STD * median_of(np.abs(rest))
         usual = float(np.nanmedian(change))
         if not usual > 0:
             return None

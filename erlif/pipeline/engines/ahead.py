@@ -26,7 +26,7 @@ from erlif.pipeline.passes import film, measure_film
 from erlif.ratio import PairRatio, compute_ratio, flag_bubbles, measure_sharpness
 from erlif.ratio.cells import sample_cells
 from erlif.thickness import FilmTables
-from erlif.trend import Contact, FilmCurve, Region, find_gap_minima
+from erlif.trend import FilmCurve, GapShape, Region, find_gap_minima
 
 # The smallest image whose light is averaged over cells. [px]
 _SHAPE = (80, 96)
@@ -60,8 +60,8 @@ def compiling_ahead() -> Iterator[None]:
 
 def is_compiled() -> bool:
     """Whether the largest kernel is kept, of this version of erlif or another."""
-    stats = getattr(film._measure, "stats", None)  # none where numba compiles nothing
-    return stats is None or any(Path(stats.cache_path).glob("film._measure-*.nbi"))
+    stats = getattr(film._measure_film, "stats", None)  # none where numba compiles nothing
+    return stats is None or any(Path(stats.cache_path).glob("film._measure_film-*.nbi"))
 
 
 def compile_kernels() -> None:
@@ -91,7 +91,7 @@ def compile_kernels() -> None:
         FilmCurve.of(calibration),
         region=whole,
         sliding_along_x=True,
-        contacts=[Contact.LINE],
+        contacts=[GapShape.LINE],
     )
     encode_netcdf({"thickness": ratio}, [MapVariable("thickness", "float32", {}, std="thickness")])
     sample_cells(one, ratio, zero, valid)

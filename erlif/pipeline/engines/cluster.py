@@ -177,7 +177,7 @@ class Cluster:
 
         # dask warns of large arguments, as most of them would be sent with every item
         with dask.config.set({"distributed.admin.large-graph-warning-threshold": "1TB"}):
-            return self._client.submit(_load, packed, __version__, key=f"work-{name}")
+            return self._client.submit(_unpack_work, packed, __version__, key=f"work-{name}")
 
     def _obtain(self, job: Any) -> Any:
         """The result of a job; a warning where there is no worker to compute it."""
@@ -305,7 +305,7 @@ def _translated(scheduler: str) -> Iterator[None]:
 _checked: set[str] = set()
 
 
-def _load(packed: bytes, version: str) -> Any:
+def _unpack_work(packed: bytes, version: str) -> Any:
     """The work that was sent, on a worker."""
     _check_version(_this_worker(), __version__, version)
     return pickle.loads(packed)

@@ -25,10 +25,10 @@ from erlif.ratio import (
 )
 from erlif.thickness import NO_PATCH, PatchMean, sample_patch
 from erlif.trend import (
-    Contact,
     FilmStatistics,
     FittedNumbers,
     GapMinimum,
+    GapShape,
     PinPosition,
     Region,
     find_shift,
@@ -143,7 +143,7 @@ class TriggerResult:
         Valid pixels of its map, then those with each flag, as `count_flags` gives them.
     position : PinPosition | None
         Position of the pin; None without a joint.
-    minima : Mapping[Contact, GapMinimum]
+    minima : Mapping[GapShape, GapMinimum]
         Minimum of each gap that the surfaces may have; empty where they can have one alone.
     """
 
@@ -151,7 +151,7 @@ class TriggerResult:
     frames: tuple[FrameResult, ...]
     pixels: tuple[int, ...]
     position: PinPosition | None = None
-    minima: Mapping[Contact, GapMinimum] = field(default_factory=dict)
+    minima: Mapping[GapShape, GapMinimum] = field(default_factory=dict)
 
     def with_parameter(self, like: int, weight: float) -> TriggerResult:
         """The same with one more parameter of the calibration, as the last.
@@ -208,13 +208,13 @@ class TriggerResult:
         kept: dict[str, Any] = {}
         for one in fields(FilmStatistics):
             # numbers of the statistics are floats, their gradients and places arrays
-            kept[one.name] = _number(arrays[f"film_{one.name}"])
+            kept[one.name] = _as_stored(arrays[f"film_{one.name}"])
         statistics = FilmStatistics(**kept)
         minima = {
             contact: GapMinimum(
-                *(_number(arrays[f"gap_{contact}_{name}"]) for name in GapMinimum._fields)
+                *(_as_stored(arrays[f"gap_{contact}_{name}"]) for name in GapMinimum._fields)
             )
-            for contact in Contact
+            for contact in GapShape
             if f"gap_{contact}_value" in arrays
         }
 
@@ -245,7 +245,7 @@ class TriggerResult:
         return cls(statistics, frames, tuple(arrays["pixels"].tolist()), position, minima)
 
 
-def _number(value: AnyArray) -> Any:
+def _as_stored(value: AnyArray) -> Any:
     """A float from an array without dimensions, other arrays as they are."""
     return value if value.ndim else float(value)
 

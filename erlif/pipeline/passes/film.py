@@ -79,9 +79,9 @@ def measure_film(pair: PairRatio, tables: FilmTables, region: Region) -> FilmMap
 
     offset, variance = find_medians(pair.log_ratio, pair.variance, pair.flags)
 
-    # plain tuples are types of numba's own, see `_measure`
+    # plain tuples are types of numba's own, see `_measure_film`
     blocks = BlockRows.of(shape, region)
-    _measure(
+    _measure_film(
         (pair.log_ratio, pair.variance, pair.variance_shared, pair.flags),
         np.float32(offset),
         *tables,
@@ -155,7 +155,7 @@ def measure_pulse(pair: PairRatio, tables: FilmTables, *, model: Reabsorption) -
 
 
 @numba.njit(nogil=True, cache=True, error_model="numpy")
-def _measure(  # type: ignore[no-untyped-def]
+def _measure_film(  # type: ignore[no-untyped-def]
     images, offset, scale, tables, limits, surroundings, rows, blocks, maps
 ):
     """Fill the maps and the sums over blocks.

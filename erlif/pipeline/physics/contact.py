@@ -11,18 +11,18 @@ import numpy as np
 from erlif.calibration import Calibration
 from erlif.core.notes import Note, remark, warn
 from erlif.pipeline.engines.results import TriggerResult
-from erlif.trend import Contact, choose_contact
+from erlif.trend import GapShape, choose_contact
 
 _GAPS = {
-    Contact.PLANE: "a plane film with a tilt",
-    Contact.LINE: "a gap that is curved along sliding (line contact)",
-    Contact.POINT: "a gap that is curved along and across sliding (point contact)",
+    GapShape.PLANE: "a plane film with a tilt",
+    GapShape.LINE: "a gap that is curved along sliding (line contact)",
+    GapShape.POINT: "a gap that is curved along and across sliding (point contact)",
 }
 
 
 def settle_contact(
     results: Sequence[TriggerResult], calibration: Calibration
-) -> tuple[list[TriggerResult], Contact]:
+) -> tuple[list[TriggerResult], GapShape]:
     """Give all triggers the minimum of the gap that the curvatures of the run choose.
 
     Parameters
@@ -35,11 +35,11 @@ def settle_contact(
     -------
     results : list of TriggerResult
         With one minimum each.
-    contact : Contact
+    contact : GapShape
         A line contact where the joint of the run has this gap.
     """
     if not any(one.minima for one in results):
-        return list(results), Contact.LINE
+        return list(results), GapShape.LINE
     contact = choose_contact([one.minima for one in results])
     covariance = calibration.full_covariance
     return [
@@ -48,14 +48,14 @@ def settle_contact(
     ], contact
 
 
-def note_contact(results: Sequence[TriggerResult], contact: Contact) -> list[Note]:
+def note_contact(results: Sequence[TriggerResult], contact: GapShape) -> list[Note]:
     """Notes on the gap that was chosen, and on triggers whose map no smooth gap describes.
 
     Parameters
     ----------
     results : sequence of TriggerResult
         With one minimum each.
-    contact : Contact
+    contact : GapShape
 
     Returns
     -------

@@ -13,7 +13,7 @@ from erlif.core.arrays import Array
 from erlif.core.notes import Note, warn
 from erlif.correction import UnlitPixels
 from erlif.pipeline.engines.results import FrameResult
-from erlif.trend import Change, find_shift
+from erlif.trend import CourseChange, find_shift
 
 # Standard deviations from which on a level is neither chance nor light.
 _SIGNIFICANT = 3.0
@@ -36,7 +36,7 @@ class DarkLevel:
         Its standard deviation, with the light that the noise of the pixels allows. [DN]
     light : float
         Median light of the run. [DN]
-    change : Change | None
+    change : CourseChange | None
         Step or drift during the run; None where there is none of consequence. [DN]
     """
 
@@ -44,7 +44,7 @@ class DarkLevel:
     level: float
     std: float
     light: float
-    change: Change | None = None
+    change: CourseChange | None = None
 
     @property
     def counts(self) -> bool:

@@ -8,7 +8,7 @@ from erlif.calibration import Calibration
 from erlif.io.settings import LightOptions
 from erlif.pipeline.physics.dark import DarkLevel
 from erlif.pipeline.physics.reference import PatchScale
-from erlif.trend import BackgroundEstimate, Change, ErrorEstimate, Trend
+from erlif.trend import BackgroundEstimate, CourseChange, ErrorEstimate, Trend
 
 
 @dataclass(frozen=True)
@@ -23,7 +23,7 @@ class LightFindings:
         None where it is not determined.
     source : str
         Where the film is the same, for bleaching.
-    course : Change | None
+    course : CourseChange | None
         Largest step or drift of the logarithm of the ratio at equal film; None where it is not
         determined.
     scale : PatchScale | None
@@ -39,7 +39,7 @@ class LightFindings:
     background: BackgroundEstimate | None = None
     bleaching: Trend | None = None
     source: str = ""
-    course: Change | None = None
+    course: CourseChange | None = None
     scale: PatchScale | None = None
     errors: ErrorEstimate | None = None
     darks: tuple[DarkLevel, ...] = ()

@@ -16,15 +16,15 @@ from erlif.core.progress import Progress, ShowProgress, choose_progress, silent
 from erlif.io.files import open_film, takes
 from erlif.io.settings import RunSettings
 from erlif.models.reynolds import Journal
-from erlif.pipeline.physics.joint import describe_joint
+from erlif.pipeline.physics.joint import joint_and_oil
 from erlif.pipeline.physics.position import clearance_std
 from erlif.pipeline.physics.predict import film_beside, is_film, read_film
-from erlif.pipeline.physics.prediction import build_journal, build_motion
+from erlif.pipeline.physics.prediction import build_journal, build_motion, swinging_joint
 from erlif.prediction import (
-    Comparison,
     Estimate,
     GivenErrors,
     MeasuredMotion,
+    ModelComparison,
     compare_models,
     film_temperature,
     measured_minima,
@@ -45,7 +45,7 @@ _MILLI = 1e3
 
 
 @takes(path="run or film")
-def fit_film(path: str | Path, *, progress: ShowProgress = None) -> Comparison:
+def fit_film(path: str | Path, *, progress: ShowProgress = None) -> ModelComparison:
     """Fit the models of what may carry the film of an oscillating joint, and compare them.
 
     A pin on a sideways spring is fitted where no other model describes the positions.
@@ -59,7 +59,7 @@ def fit_film(path: str | Path, *, progress: ShowProgress = None) -> Comparison:
 
     Returns
     -------
-    Comparison
+    ModelComparison
 
     Raises
     ------
@@ -82,10 +82,10 @@ def fit_film(path: str | Path, *, progress: ShowProgress = None) -> Comparison:
     source = read_film(place)
     with open_film(place) as film:
         run = film, source.settings, source.frames
-        comparison = _compare(*run, ("free", "guided"), progress=report)
+        comparison = _compare_models(*run, ("free", "guided"), progress=report)
         # of four unknowns in a film with cavities: slow, and needed by no other film
         if not comparison.candidates[0].describes:
-            comparison = _compare(*run, ("free", "guided", "spring"), progress=report)
+            comparison = _compare_models(*run, ("free", "guided", "spring"), progress=report)
 
     if comparison.fit is None:
         return comparison
@@ -95,7 +95,7 @@ def fit_film(path: str | Path, *, progress: ShowProgress = None) -> Comparison:
     line, seen = found.get("load_line"), source.film.get("pin_displacement", xr.DataArray())
     if line is not None and "load_line" in seen.attrs:
         about = 1e-3 * float(seen.attrs["load_line"])
-        beside["load_line"] = _place(line, about)
+        beside["load_line"] = _load_line_place(line, about)
         if abs(line.value) > _FAR * line.std and comparison.fit.sideways == "free":
             middle = f"{_MILLI * (about + line.value):.2f}"
             text = (
@@ -108,7 +108,7 @@ def fit_film(path: str | Path, *, progress: ShowProgress = None) -> Comparison:
     return replace(comparison, fit=fit)
 
 
-def _place(line: Estimate, about: float) -> Estimate:
+def _load_line_place(line: Estimate, about: float) -> Estimate:
     """The place of a load line in the image, from its deviation from another place. [m]"""
     low, high = line.low + about, line.high + about
     return replace(line, value=line.value + about, low=low, high=high)
@@ -122,12 +122,10 @@ def _beside_sheet(
     The temperature of the film does not change the viscosity that is fitted, but what is expected
     of the oil.
     """
-    joint, oil = describe_joint(settings), settings.oil
-    assert joint is not None  # as for the errors
-    assert oil is not None
-    expected = float(viscosity_at(frames, joint.viscosity).mean())
+    _, oil = joint_and_oil(settings)
+    law = swinging_joint(settings).joint.viscosity
+    expected = float(viscosity_at(frames, law).mean())
     parts = {"oil": float(oil.viscosity_std or 0.0) / expected}
-    law = joint.viscosity
     beside: dict[str, Estimate] = {}
     if isinstance(law, VogelLaw):
         parts["temperature"] = _by_kelvin(law, frames) * float(settings.temperature.reading_std)
@@ -169,7 +167,7 @@ def state_physics(film: xr.Dataset, settings: RunSettings, frames: xr.Dataset) -
     if "film_predicted_min" not in film or not all(name in film for name in _POSITIONS):
         return ""
     try:
-        comparison = _compare(film, settings, frames, ("free", "any guided"))
+        comparison = _compare_models(film, settings, frames, ("free", "any guided"))
     # the measured film is complete without this sentence
     except (ErlifError, ArithmeticError, ValueError, np.linalg.LinAlgError):
         return ""
@@ -186,13 +184,13 @@ def state_physics(film: xr.Dataset, settings: RunSettings, frames: xr.Dataset) -
     )
 
 
-def _compare(
+def _compare_models(
     film: xr.Dataset,
     settings: RunSettings,
     frames: xr.Dataset,
     sideways: Sequence[str],
     progress: Progress = silent,
-) -> Comparison:
+) -> ModelComparison:
     """The models of what may carry a film; a spring takes positions."""
     if "load" not in frames:
         raise ConfigError(
@@ -204,7 +202,7 @@ def _compare(
     steady = {name: film[name].values * 1e-6 for name in STEADY if name in film}
     given = _given_errors(settings, film, frames)
     line = given.load_line
-    measured = _measured(film, journal)
+    measured = _measured_motion(film, journal)
     return compare_models(
         measured,
         journal,
@@ -220,13 +218,11 @@ def _compare(
 
 def _given_errors(settings: RunSettings, film: xr.Dataset, frames: xr.Dataset) -> GivenErrors:
     """Errors of what the settings, which have a joint, give: stated, else assumed or measured."""
-    joint, oil, options = settings.joint, settings.oil, settings.prediction
-    assert joint is not None  # `build_motion` refuses a run without one
-    assert oil is not None
-    law = describe_joint(settings)
+    (joint, oil), options = joint_and_oil(settings), settings.prediction
+    law = swinging_joint(settings).joint.viscosity
     drift = float(oil.drift_std or 0.0) / 100
-    if oil.drift_std is None and law is not None and isinstance(law.viscosity, VogelLaw):
-        drift = _by_kelvin(law.viscosity, frames) * float(settings.temperature.reading_std)
+    if oil.drift_std is None and isinstance(law, VogelLaw):
+        drift = _by_kelvin(law, frames) * float(settings.temperature.reading_std)
     rounding = 1e-6 * clearance_std(joint)
     line = options.load_line_std or 0.1 * LOAD_LINE_STD
     return GivenErrors(
@@ -253,7 +249,7 @@ def _tilt(film: xr.Dataset) -> float:
     return 1e-3 * float(np.sqrt(np.mean(tilt[known]) ** 2 + np.mean(cov[known])))
 
 
-def _measured(film: xr.Dataset, journal: Journal) -> MeasuredMotion:
+def _measured_motion(film: xr.Dataset, journal: Journal) -> MeasuredMotion:
     """Positions of the pin, else minima where too few positions are known."""
     if all(name in film for name in _POSITIONS):
         positions = measured_positions(film, calibration_of(film).full_covariance)

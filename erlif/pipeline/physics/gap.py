@@ -11,8 +11,8 @@ from erlif.core.notes import Note, remark, warn
 from erlif.pipeline.engines.results import FrameResult, shares_passed
 from erlif.pipeline.physics.position import clearance_std
 from erlif.pipeline.plane import ObjectPlane
-from erlif.ratio import cell_centres
-from erlif.trend import ErrorEstimate, LightRecord, estimate_errors
+from erlif.ratio import LightCells, cell_centres
+from erlif.trend import ErrorEstimate, estimate_errors
 
 # Shift over its standard deviation from which a note is a warning.
 _SIGNIFICANT = 3.0
@@ -56,7 +56,7 @@ def find_errors(
     inside = (rows.start <= y) & (y < rows.stop) & (columns.start <= x) & (x < columns.stop)
     parts[:, :, ~inside] = np.nan
     return estimate_errors(
-        LightRecord(*parts.transpose(1, 0, 2)),
+        LightCells(*parts.transpose(1, 0, 2)),
         centres,
         calibration,
         plane.view,

@@ -11,6 +11,7 @@ from erlif.io.ingest import Run
 from erlif.io.settings import (
     CrankRockerSettings,
     EncoderSettings,
+    JointSettings,
     MaterialSettings,
     OilSettings,
     RotationSettings,
@@ -21,8 +22,8 @@ from erlif.io.settings import (
 from erlif.kinematics import (
     Encoder,
     Mechanism,
-    Rotation,
     Sinusoid,
+    TurningDisc,
     entrained_stroke,
     locate_frames,
     locate_logged,
@@ -30,7 +31,7 @@ from erlif.kinematics import (
     locate_slider,
 )
 from erlif.models.mechanism import CrankRocker, SliderCrank
-from erlif.trend import Joint, Solid, VogelLaw
+from erlif.trend import LubricatedJoint, Solid, VogelLaw
 
 
 def build_linkage(links: CrankRockerSettings | SliderCrankSettings) -> Mechanism:
@@ -80,7 +81,7 @@ def locate_run(run: Run) -> xr.Dataset:
         case RotationSettings() as disc:
             return locate_rotation(
                 log,
-                rotation=Rotation(disc.radius, disc.speed),
+                rotation=TurningDisc(disc.radius, disc.speed),
                 zero=encoder.zero or 0.0,
                 triggers_per_cycle=per_cycle,
                 bins=encoder.bins,
@@ -109,7 +110,7 @@ def describe_encoder_settings(settings: RunSettings, *, folded: bool = True) -> 
     )
 
 
-def describe_joint(settings: RunSettings) -> Joint | None:
+def describe_joint(settings: RunSettings) -> LubricatedJoint | None:
     """The joint of the settings, as the theory needs it.
 
     Parameters
@@ -118,13 +119,13 @@ def describe_joint(settings: RunSettings) -> Joint | None:
 
     Returns
     -------
-    Joint or None
+    LubricatedJoint or None
         None where [joint] or [oil] is absent.
     """
     joint, oil = settings.joint, settings.oil
     if joint is None or oil is None:
         return None
-    return Joint(
+    return LubricatedJoint(
         pin_radius=joint.pin_radius,
         bushing_radius=joint.bushing_radius,
         length=joint.length,
@@ -134,6 +135,13 @@ def describe_joint(settings: RunSettings) -> Joint | None:
         pressure_viscosity=oil.pressure_viscosity,
         stroke=_entrained_travel(settings, joint.pin_radius),
     )
+
+
+def joint_and_oil(settings: RunSettings) -> tuple[JointSettings, OilSettings]:
+    """[joint] and [oil] of settings that have been found to have both, as by `swinging_joint`."""
+    assert settings.joint is not None
+    assert settings.oil is not None
+    return settings.joint, settings.oil
 
 
 def missing_load() -> ConfigError:

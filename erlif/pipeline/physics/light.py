@@ -25,7 +25,7 @@ from erlif.pipeline.physics.gap import describe_gap, find_errors, with_errors
 from erlif.pipeline.physics.reference import (
     describe_reference,
     describe_scale,
-    find_scale,
+    fit_patch_scale,
 )
 from erlif.pipeline.physics.systematics import (
     with_background,
@@ -33,11 +33,10 @@ from erlif.pipeline.physics.systematics import (
     without_background,
 )
 from erlif.pipeline.plane import ObjectPlane
-from erlif.ratio import cell_places
+from erlif.ratio import LightCells, cell_places
 from erlif.trend import (
     BackgroundEstimate,
-    Change,
-    LightRecord,
+    CourseChange,
     Region,
     Trend,
     estimate_background,
@@ -138,11 +137,11 @@ def find_background(
 
 def _record(
     lights: dict[int, FrameResult], calibration: Calibration, pairs: int
-) -> tuple[LightRecord, Calibration]:
+) -> tuple[LightCells, Calibration]:
     """Light and ratio of the cells, frames in their order, and the curve that holds for all."""
     frames = np.array(sorted(lights))
     parts = np.array([lights[frame].cells for frame in frames], float)
-    record = LightRecord(*parts.transpose(1, 0, 2))
+    record = LightCells(*parts.transpose(1, 0, 2))
     if calibration.later is None:
         return record, calibration
 
@@ -190,10 +189,12 @@ def describe_background(
         ),
         "background_std": FILM["background_std"].fill(estimate.std),
     }
-    return variables, [_describe(estimate, calibration, corrected=corrected)]
+    return variables, [_note_background(estimate, calibration, corrected=corrected)]
 
 
-def _describe(estimate: BackgroundEstimate, calibration: Calibration, *, corrected: bool) -> Note:
+def _note_background(
+    estimate: BackgroundEstimate, calibration: Calibration, *, corrected: bool
+) -> Note:
     """What was found, in one line."""
     one, two = (
         f"camera {n} {100 * share:.1f} ± {100 * std:.1f} %"
@@ -360,7 +361,7 @@ def find_light(
 ) -> LightFindings:
     """Background, bleaching, course and errors of a run, and the scale of its ratio on a patch.
 
-    Parameters as for the first two, and as for `find_dark_levels`, `find_errors` and `find_scale`.
+    Parameters as for the first two, `find_dark_levels`, `find_errors` and `fit_patch_scale`.
     """
     bleaching, source = find_bleaching(lights, triggers, energies)
     course = None
@@ -375,7 +376,7 @@ def find_light(
     background = find_background(lights, calibration, energies, pairs=triggers.size)
     scale = None
     if reference is not None:
-        scale = find_scale(lights, calibration, reference, pairs=triggers.size)
+        scale = fit_patch_scale(lights, calibration, reference, pairs=triggers.size)
     darks = find_dark_levels(lights, correct.unlit, correct.references.gain.values)
     errors = None
     beyond = bool(darks)  # a background beyond its width
@@ -389,7 +390,7 @@ def is_beyond_widths(
     calibration: Calibration,
     background: BackgroundEstimate | None,
     bleaching: Trend | None,
-    course: Change | None,
+    course: CourseChange | None,
     pulses: int,
 ) -> bool:
     """Whether a run shows a change that the widths of its errors do not hold.
@@ -424,12 +425,12 @@ def is_beyond_widths(
     return bool(abs(course.size) > (most if course.frame is None else most / _MOST_RISING))
 
 
-def describe_course(course: Change | None, calibration: Calibration) -> list[Note]:
+def describe_course(course: CourseChange | None, calibration: Calibration) -> list[Note]:
     """Notes about a step or a drift of the ratio.
 
     Parameters
     ----------
-    course : Change or None
+    course : CourseChange or None
     calibration : Calibration
 
     Returns

@@ -84,7 +84,7 @@ def find_load_line(plane: ObjectPlane, film: xr.Dataset, frames: xr.Dataset) -> 
             return middle
         place, std = view.load_line + swing, None
         if free and measured.known.sum() >= FEWEST_TRIGGERS:
-            found = _fit_line(plane, measured, motion, frames)
+            found = _fit_load_line(plane, measured, motion, frames)
             if found is not None and found[1] <= _MILLI * _LOOSEST:
                 return LoadLine(view.load_line + found[0], found[1], "fitted")
             std = None if found is None else found[1]
@@ -126,7 +126,7 @@ def middle_of_swing(
     return radius * (float(np.median(np.arctan2(side, load))) - expected)
 
 
-def _fit_line(
+def _fit_load_line(
     plane: ObjectPlane, measured: MeasuredMotion, motion: FrameMotion, frames: xr.Dataset
 ) -> tuple[float, float] | None:
     """Deviation of the line from that of the view and its standard deviation [mm]; None without."""

@@ -163,7 +163,7 @@ def _note_cause(form: GapForm, view: PinView, joint: JointSettings) -> Note:
             "a wrong dark, or light that is not film, which weighs most where the beam is weak: "
             "look at the dark of this run, and photograph the dry joint"
         )
-        causes = _list(["a bent pin or an uneven bore", by_dark, *imitations])
+        causes = _list_causes(["a bent pin or an uneven bore", by_dark, *imitations])
         return warn(
             "pin",
             f"the gap is curved along the axis, {1e3 * form.bend:.2f} ± {1e3 * form.bend_std:.2f} "
@@ -194,7 +194,7 @@ def _note_cause(form: GapForm, view: PinView, joint: JointSettings) -> Note:
     # radii and scale are known better than the errors that frames do not show, or less well
     own_cost = (form.excess / math.hypot(std / view.clearance, SCALE_STD)) ** 2
     first = bool(form.imitations) and form.imitations[0].cost < own_cost
-    causes = _list([*imitations, *own] if first else [*own, *imitations])
+    causes = _list_causes([*imitations, *own] if first else [*own, *imitations])
     std = 100 * form.excess_std
     return warn(
         "pin",
@@ -204,7 +204,7 @@ def _note_cause(form: GapForm, view: PinView, joint: JointSettings) -> Note:
     )
 
 
-def _list(causes: Sequence[str]) -> str:
+def _list_causes(causes: Sequence[str]) -> str:
     """Causes as one text, numbered where there are several."""
     if len(causes) == 1:
         return causes[0]

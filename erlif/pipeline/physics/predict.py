@@ -68,7 +68,7 @@ _OF_FILM = (
 
 
 @dataclass(frozen=True)
-class Source:
+class PredictionInputs:
     """What a prediction is made from.
 
     Attributes
@@ -175,11 +175,11 @@ def _write_prediction(
                 chunks = unfinished.maps.encode({MAP.name: plane.spread(gap)})
                 unfinished.put(trigger, chunks, {})
             progress("prediction", trigger + 1, len(gaps))
-        described = _describe(source, prediction).assign_coords(grid.coords)
-        write_film(unfinished, described, {"frames": _describe_frames(source, prediction)})
+        described = _predicted_triggers(source, prediction).assign_coords(grid.coords)
+        write_film(unfinished, described, {"frames": _predicted_frames(source, prediction)})
 
 
-def read_film(path: Path) -> Source:
+def read_film(path: Path) -> PredictionInputs:
     """The settings, statistics and frames that a film holds."""
     with open_film(path) as film, closing(open_film(path, group="frames")) as group:
         settings = settings_of(film)
@@ -201,10 +201,10 @@ def read_film(path: Path) -> Source:
             frames["time"] = ("frame", group["time"].values)
         shape = film.sizes["y"], film.sizes["x"]
         hashes = {path.name: str(film.attrs.get("identity", ""))}
-    return Source(settings, kept, frames, shape, hashes)
+    return PredictionInputs(settings, kept, frames, shape, hashes)
 
 
-def _read_run(run_dir: Path, allow_outside: bool) -> Source:
+def _read_run(run_dir: Path, allow_outside: bool) -> PredictionInputs:
     """The source of a run directory, with its film where that was made."""
     run = open_run(run_dir, find_start=fit_start, allow_outside=allow_outside)
     swinging_joint(run.settings)
@@ -223,7 +223,7 @@ def _read_run(run_dir: Path, allow_outside: bool) -> Source:
                 'there is none. Make it with erlif process, or give start_film = "20 um" in '
                 "[prediction] of run.toml."
             )
-        return Source(run.settings, xr.Dataset(), frames, run.pairs.shape, hashes)
+        return PredictionInputs(run.settings, xr.Dataset(), frames, run.pairs.shape, hashes)
     with open_film(film_path) as film:
         if film.sizes["trigger"] != int(frames.trigger.max()) + 1:
             raise EncoderError(
@@ -233,10 +233,10 @@ def _read_run(run_dir: Path, allow_outside: bool) -> Source:
             )
         kept = film[[name for name in _OF_FILM if name in film]].load()
         hashes[film_path.name] = str(film.attrs.get("identity", ""))
-    return Source(run.settings, kept, frames, run.pairs.shape, hashes)
+    return PredictionInputs(run.settings, kept, frames, run.pairs.shape, hashes)
 
 
-def _describe(source: Source, prediction: Prediction) -> xr.Dataset:
+def _predicted_triggers(source: PredictionInputs, prediction: Prediction) -> xr.Dataset:
     """Everything of the triggers, and the record of how it was made."""
     settings = source.settings
     start = prediction.triggers.film_predicted_min.attrs
@@ -257,7 +257,7 @@ def _describe(source: Source, prediction: Prediction) -> xr.Dataset:
     )
 
 
-def _describe_frames(source: Source, prediction: Prediction) -> xr.Dataset:
+def _predicted_frames(source: PredictionInputs, prediction: Prediction) -> xr.Dataset:
     """The positions of the frames: those averaged in a trigger each have their own film."""
     belong = source.frames[["trigger", "cycle"]].copy()
     for name in ("trigger", "cycle"):

@@ -14,18 +14,18 @@ from erlif.io.ingest import Run
 from erlif.io.settings import CrankRockerSettings, PredictionOptions, RunSettings
 from erlif.models.mechanism import CrankRocker
 from erlif.models.reynolds import Journal
-from erlif.pipeline.physics.joint import build_linkage, describe_joint
+from erlif.pipeline.physics.joint import build_linkage, describe_joint, joint_and_oil
 from erlif.pipeline.plane import ObjectPlane
 from erlif.prediction import (
     FrameMotion,
-    View,
+    ImageLine,
     follow_motion,
     gap_in_view,
     predict_triggers,
     speed_correlation,
 )
 from erlif.prediction.triggers import CELLS
-from erlif.trend import Joint, viscosity_at
+from erlif.trend import LubricatedJoint, viscosity_at
 
 # Regime whose surfaces keep their shape, as the transient prediction takes them.
 _RIGID = "isoviscous-rigid"
@@ -77,12 +77,12 @@ class SwingingJoint(NamedTuple):
     crank_speed : float
         [rad/s]
     linkage : CrankRocker
-    joint : Joint
+    joint : LubricatedJoint
     """
 
     crank_speed: float
     linkage: CrankRocker
-    joint: Joint
+    joint: LubricatedJoint
 
 
 def swinging_joint(settings: RunSettings, what: str = "the prediction") -> SwingingJoint:
@@ -150,15 +150,13 @@ def frames_of_run(run: Run, cycle: xr.Dataset) -> xr.Dataset:
 
 def build_journal(settings: RunSettings, viscosity: float) -> Journal:
     """The joint of the settings, which have one, with a viscosity [Pa s], for the solver."""
-    joint, options = settings.joint, settings.prediction
-    assert joint is not None  # `swinging_joint` refuses a run without them
-    assert settings.oil is not None
+    (joint, oil), options = joint_and_oil(settings), settings.prediction
     return Journal(
         pin_radius=joint.pin_radius,
         bushing_radius=joint.bushing_radius,
         length=joint.length,
         viscosity=viscosity,
-        pressure_viscosity=settings.oil.pressure_viscosity,
+        pressure_viscosity=oil.pressure_viscosity,
         cavitation_pressure=options.cavitation_pressure,
         long=options.long,
     )
@@ -252,7 +250,7 @@ def predict_run(
         motion,
         trigger=frames.trigger.values,
         used=frames.used.values,
-        view=View(1e-3 * (plane.along - line), plane.within),
+        view=ImageLine(1e-3 * (plane.along - line), plane.within),
         sideways=options.sideways if isinstance(options.sideways, str) else float(options.sideways),
         start_film=None if options.start_film == "fit" else float(options.start_film),
         cells=cells,

@@ -20,6 +20,7 @@ from erlif.core.version import __version__
 from erlif.io.files import open_film, set_coordinates, settings_of, take
 from erlif.io.settings import RunSettings
 from erlif.models.contact import conformal_radius
+from erlif.pipeline.physics.joint import joint_and_oil
 from erlif.pipeline.physics.prediction import (
     build_journal,
     build_motion,
@@ -28,7 +29,7 @@ from erlif.pipeline.physics.prediction import (
 )
 from erlif.pipeline.plane import ObjectPlane
 from erlif.prediction.fit import LOAD_LINE_STD
-from erlif.prediction.gaps import LARGEST_GAP, MOST_FILLED, fill_gaps
+from erlif.prediction.gaps import LARGEST_GAP, MOST_FILLED, find_motion_in_gaps
 from erlif.prediction.pin_motion import PinMotion, find_pin_motion
 from erlif.prediction.pressure import CHANGING, CLEAR, find_pressures
 from erlif.prediction.smoothing import FEWEST
@@ -91,21 +92,21 @@ def pressure_from_film(
     report = choose_progress(progress)
     if isinstance(film, str | Path):
         with open_film(film) as source:
-            return _find(source, report)
-    return _find(take(film, "film", where="film"), report)
+            return _find_pressure(source, report)
+    return _find_pressure(take(film, "film", where="film"), report)
 
 
-def _find(film: xr.Dataset, progress: Progress) -> xr.Dataset:
+def _find_pressure(film: xr.Dataset, progress: Progress) -> xr.Dataset:
     """The pressure of an open film."""
     settings = settings_of(film)
     view = _view(film, settings)
     known = _known(film)
-    positions = _follow(film, settings, known)
+    positions = _follow_pin(film, settings, known)
     motion, order = _lay_path(positions), positions.order
     joint = swinging_joint(settings).joint
     conditions = film[[name for name in ("crank_angle", "temperature") if name in film]].load()
     viscosity = viscosity_at(conditions, joint.viscosity)[order]
-    x, y = _grid(film)
+    x, y = _image_grid(film)
     line = settings.prediction.load_line_std
     if line is None:
         line = film.pin_displacement.attrs.get("load_line_std", 0.0) / _MILLI
@@ -118,17 +119,15 @@ def _find(film: xr.Dataset, progress: Progress) -> xr.Dataset:
         axial=(across - view.axial_origin) / _MILLI,
         settings_std=_settings_std(settings, viscosity),
         load_line_std=float(line),
-        fill=partial(_fill, film, settings, positions),
+        fill=partial(_fill_motion, film, settings, positions),
         progress=progress,
     )
-    return _describe(film, settings, view, pressures, motion, order, (x, y))
+    return _pressure_by_trigger(film, settings, view, pressures, motion, order, (x, y))
 
 
 def _settings_std(settings: RunSettings, viscosity: Array) -> tuple[float, float]:
     """Standard deviations of viscosity and clearance over their values; 0 where none is stated."""
-    joint, oil = settings.joint, settings.oil
-    assert joint is not None  # `_view` refuses a film without them
-    assert oil is not None
+    joint, oil = joint_and_oil(settings)
     clearance = joint.bushing_radius - joint.pin_radius
     return (
         float(oil.viscosity_std or 0.0) / float(np.mean(viscosity)),
@@ -189,7 +188,7 @@ class _Positions(NamedTuple):
     period: float
 
 
-def _follow(film: xr.Dataset, settings: RunSettings, known: Mask) -> _Positions:
+def _follow_pin(film: xr.Dataset, settings: RunSettings, known: Mask) -> _Positions:
     """Positions of the pin, and the motion of the bushing."""
     frames = xr.Dataset(
         {
@@ -234,7 +233,7 @@ def _lay_path(at: _Positions) -> PinMotion:
     return find_pin_motion(at.time, at.angle, at.turning, at.value, period=at.period, **errors)
 
 
-def _fill(film: xr.Dataset, settings: RunSettings, at: _Positions) -> PinMotion | None:
+def _fill_motion(film: xr.Dataset, settings: RunSettings, at: _Positions) -> PinMotion | None:
     """The motion of a guided pin through the gaps of its triggers; None without a known load."""
     load = film["load"].values if "load" in film else np.full(film.sizes["trigger"], settings.load)
     if not np.isfinite(load[at.order].astype(float)).all():
@@ -250,7 +249,7 @@ def _fill(film: xr.Dataset, settings: RunSettings, at: _Positions) -> PinMotion 
     options = settings.prediction
     line = float(options.load_line_std or 0.1 * LOAD_LINE_STD)
     errors: dict[str, Any] = dict(at.errors)
-    return fill_gaps(
+    return find_motion_in_gaps(
         build_journal(settings, moved.viscosity),
         moved,
         time=time,
@@ -274,7 +273,7 @@ def _covariances(film: xr.Dataset, order: npt.NDArray[np.intp]) -> tuple[Array, 
     return random, whole - random - shared - by_line, gradient
 
 
-def _grid(film: xr.Dataset) -> tuple[Array, Array]:
+def _image_grid(film: xr.Dataset) -> tuple[Array, Array]:
     """Places of the image at which the pressure is given, x and y. [mm]"""
     along_x = settings_of(film).optics.x_axis == "sliding"
     counts = GRID if along_x else GRID[::-1]
@@ -285,7 +284,7 @@ def _grid(film: xr.Dataset) -> tuple[Array, Array]:
     return x, y
 
 
-def _describe(
+def _pressure_by_trigger(
     film: xr.Dataset,
     settings: RunSettings,
     view: PinView,
@@ -322,8 +321,8 @@ def _describe(
     radius = float(conformal_radius(view.pin_radius, bushing_radius=view.bushing_radius))
     thinnest = spread(view.clearance - np.hypot(*motion.position[:, :2].T) * _MICRO) / _MICRO
     reach = np.sqrt(2 * radius * np.maximum(thinnest, 0.0))
-    assert settings.joint is not None  # as above
-    columns["peak_of_load"] = _KILO * load / (settings.joint.length * 0.5 * np.pi * reach)
+    length = joint_and_oil(settings)[0].length
+    columns["peak_of_load"] = _KILO * load / (length * 0.5 * np.pi * reach)
     columns["load"] = load
 
     x, y = grid
@@ -350,12 +349,10 @@ def _describe(
 
 def state_given(pressure: xr.Dataset) -> str:
     """Which errors of viscosity and clearance the pressure has, in words; as `state_limits`."""
-    settings = settings_of(pressure)
-    assert settings.joint is not None  # the pressure of another film is refused
-    assert settings.oil is not None
+    joint, oil = joint_and_oil(settings_of(pressure))
     std = {
-        "viscosity": float(settings.oil.viscosity_std or 0.0),
-        "clearance": _MICRO * float(settings.joint.clearance_std or 0.0),
+        "viscosity": float(oil.viscosity_std or 0.0),
+        "clearance": _MICRO * float(joint.clearance_std or 0.0),
     }
     of = {"viscosity": "Pa s ([oil])", "clearance": "um ([joint])"}
     tables = {"viscosity": "oil", "clearance": "joint"}

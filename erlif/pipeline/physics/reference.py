@@ -50,7 +50,7 @@ class PatchScale:
         return np.asarray(start + rise * np.linspace(0.0, 1.0, frames))
 
 
-def find_scale(
+def fit_patch_scale(
     lights: Mapping[int, FrameResult],
     calibration: Calibration,
     reference: ReferenceSettings,
@@ -138,7 +138,7 @@ def describe_reference(
     passed = [share_passed([one.frame for one in result.frames], pairs) for result in results]
     film, random = np.array(
         [
-            _average(result, calibration.at(share))
+            _average_patch(result, calibration.at(share))
             for result, share in zip(results, passed, strict=True)
         ]
     ).T.reshape(2, -1)
@@ -149,10 +149,10 @@ def describe_reference(
         ),
         "reference_film_std": FILM["reference_film_std"].fill(np.hypot(random, shared)),
     }
-    return variables, _compare(film, random, known, uncertainty, calibration)
+    return variables, _note_deviation(film, random, known, uncertainty, calibration)
 
 
-def _average(result: TriggerResult, calibration: Calibration) -> tuple[float, float]:
+def _average_patch(result: TriggerResult, calibration: Calibration) -> tuple[float, float]:
     """Film of the patch over the frames of a trigger, and its random standard deviation. [um]"""
     means = np.array([one.patch for one in result.frames]).reshape(-1, 3)
     means = means[np.isfinite(means).all(axis=1)]
@@ -168,7 +168,7 @@ def _average(result: TriggerResult, calibration: Calibration) -> tuple[float, fl
     return film, float(weight.sum() ** -0.5 / calibration.slope(film))
 
 
-def _compare(
+def _note_deviation(
     film: np.ndarray[Any, Any],
     random: np.ndarray[Any, Any],
     known: float,

@@ -19,7 +19,7 @@ from erlif.pipeline.physics.gap import with_errors
 from erlif.pipeline.physics.reference import PatchScale
 from erlif.pipeline.physics.temperature import error_of_warming
 from erlif.pipeline.recording.sample import Bands, ratios_of
-from erlif.trend import BackgroundEstimate, Change, Trend
+from erlif.trend import BackgroundEstimate, CourseChange, Trend
 
 # Terms that the difference of two fixtures holds.
 _BETWEEN_FIXTURES = ("ratio", "temperature", "bleaching")
@@ -261,7 +261,11 @@ def _with_darks(systematics: Systematics, darks: Sequence[DarkLevel]) -> Systema
 
 
 def follow_course(
-    results: Sequence[TriggerResult], calibration: Calibration, course: Change | None, *, pairs: int
+    results: Sequence[TriggerResult],
+    calibration: Calibration,
+    course: CourseChange | None,
+    *,
+    pairs: int,
 ) -> list[TriggerResult]:
     """Results of all triggers with the change of their films by the course of `update_systematics`.
 
@@ -270,7 +274,7 @@ def follow_course(
     results : sequence of TriggerResult
     calibration : Calibration
         With which they were measured.
-    course : Change or None
+    course : CourseChange or None
     pairs : int
         Frame pairs of the recording.
 

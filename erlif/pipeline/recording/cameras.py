@@ -144,10 +144,10 @@ def _measure_both(
     recording: Run | Fixture, looks: tuple[FrameLook, FrameLook]
 ) -> tuple[CameraMeasurement, CameraMeasurement]:
     one, two = looks
-    return _measure(recording, 1, one), _measure(recording, 2, two)
+    return _measure_camera(recording, 1, one), _measure_camera(recording, 2, two)
 
 
-def _measure(recording: Run | Fixture, number: int, look: FrameLook) -> CameraMeasurement:
+def _measure_camera(recording: Run | Fixture, number: int, look: FrameLook) -> CameraMeasurement:
     settings = recording.cameras[number - 1]
     camera, shape = f"camera{number}", recording.pairs.shape
 

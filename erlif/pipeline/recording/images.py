@@ -92,7 +92,7 @@ def restore_images(
     chain = replace(chain, ratio_change=stored.ratio_change)
     if chain.correct.energies is None:
         chain = replace(chain, correct=chain.correct.with_energies(stored.energies))
-    return _combine(chain, stored, frames, trigger)
+    return _combine_frames(chain, stored, frames, trigger)
 
 
 @dataclass(frozen=True)
@@ -178,7 +178,9 @@ def _check_run(run: Run, stored: _Stored) -> None:
         )
 
 
-def _combine(chain: FrameChain, stored: _Stored, frames: list[int], trigger: int) -> xr.Dataset:
+def _combine_frames(
+    chain: FrameChain, stored: _Stored, frames: list[int], trigger: int
+) -> xr.Dataset:
     """Mean light and combined ratio of the frames of a trigger."""
     shape = chain.pairs.shape
     total = RatioSum(shape)

@@ -86,7 +86,7 @@ def complete_noise(
 
     before = np.zeros((2, 2))
     for _ in range(_ROUNDS):
-        renewed = _estimate(chain, unknown)
+        renewed = _estimate_noise(chain, unknown)
         if renewed is None:
             return NoiseCompletion(chain, cameras.notes, sample)
         estimate = renewed
@@ -101,7 +101,7 @@ def complete_noise(
         if np.all(np.abs(now - before) <= _SETTLED * now):
             break
         before = now
-    return NoiseCompletion(chain, (*cameras.notes, *_describe(estimate, unknown)), sample)
+    return NoiseCompletion(chain, (*cameras.notes, *_note_estimates(estimate, unknown)), sample)
 
 
 def find_unknowns(references: References) -> NoiseUnknowns:
@@ -113,7 +113,7 @@ def find_unknowns(references: References) -> NoiseUnknowns:
     )
 
 
-def _estimate(chain: FrameChain, unknown: NoiseUnknowns) -> NoiseEstimate | None:
+def _estimate_noise(chain: FrameChain, unknown: NoiseUnknowns) -> NoiseEstimate | None:
     """What is unknown; None where only the response is, and the frames do not determine it."""
     rows, columns = chain.pairs.shape
     frames = chain.pairs.spread(_FRAMES_LARGE if rows * columns > _LARGE else _FRAMES_SMALL)
@@ -143,7 +143,7 @@ def _views(chain: FrameChain, frames: Sequence[int]) -> Iterator[NoiseView]:
         yield NoiseView.of(ratio, unit, chain.camera_map, size=size)
 
 
-def _describe(estimate: NoiseEstimate, unknown: NoiseUnknowns) -> list[Note]:
+def _note_estimates(estimate: NoiseEstimate, unknown: NoiseUnknowns) -> list[Note]:
     """What was estimated of each camera, and what was assumed."""
     notes = []
     for n, noise in enumerate(estimate.cameras):

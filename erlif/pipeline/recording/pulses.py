@@ -136,7 +136,7 @@ def refuse_stuck_cameras(pairs: FramePairs) -> None:
             return
     if len(stuck) == 2:
         raise PulseError(_one_image(len(pairs.usable), [page.name for page in pairs.pages[0]]))
-    raise PulseError(_one_camera(stuck.pop(), len(pairs.usable), pairs))
+    raise PulseError(_missing_in_camera(stuck.pop(), len(pairs.usable), pairs))
 
 
 def check_pulses(
@@ -248,7 +248,7 @@ def _check_stuck(ordered: Sequence[FrameResult], pairs: FramePairs) -> list[Note
         if copies < 1:
             continue
         if len(set(known)) == 1 and len(known) == len(ordered):
-            raise PulseError(_one_camera(camera + 1, len(known), pairs))
+            raise PulseError(_missing_in_camera(camera + 1, len(known), pairs))
         subject, count = f"camera{camera + 1}", len(known)
         text = (
             f"{copies} of {count} files are copies of others: the camera was stuck, or its export; "
@@ -258,7 +258,7 @@ def _check_stuck(ordered: Sequence[FrameResult], pairs: FramePairs) -> list[Note
     return notes
 
 
-def _one_camera(camera: int, count: int, pairs: FramePairs) -> str:
+def _missing_in_camera(camera: int, count: int, pairs: FramePairs) -> str:
     one, two = pairs.pages[camera - 1][:2]
     return (
         f"Expected a new exposure in every frame; all {count} frames of camera{camera} are the "

@@ -245,10 +245,10 @@ def as_plain(record: Any) -> dict[str, Any]:
     >>> as_plain(namedtuple("Pair", "film drift")(2.0, (math.nan, 0.5)))
     {'film': 2.0, 'drift': [None, 0.5]}
     """
-    return {name: _plain(value) for name, value in record._asdict().items()}
+    return {name: _as_json(value) for name, value in record._asdict().items()}
 
 
-def _plain(value: Any) -> Any:
+def _as_json(value: Any) -> Any:
     if isinstance(value, tuple):
-        return [_plain(one) for one in value]
+        return [_as_json(one) for one in value]
     return None if isinstance(value, float) and math.isnan(value) else value

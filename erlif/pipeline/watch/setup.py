@@ -37,7 +37,7 @@ class _References:
     fault: str
 
 
-class Setup(Follower):
+class SetupWatch(Follower):
     """A run directory in which the cameras write trial frames; the newest pair is looked at.
 
     Parameters and errors as for `Follower`.
@@ -113,7 +113,7 @@ class Setup(Follower):
         checks = [check_counts(*each) for each in zip(counts, pairs.full_scales, strict=True)]
         known = self._reference(pairs)
         if known.correct is not None:
-            checks = _with_light(checks, counts, known.correct)
+            checks = _with_references(checks, counts, known.correct)
         with self._changed:
             self._looked, self._cameras = frame, tuple(checks)
             self._images = tuple(image.astype(np.float32) for image in counts)
@@ -166,7 +166,7 @@ class Setup(Follower):
             self._notify()
 
 
-def _with_light(
+def _with_references(
     checks: Sequence[CameraCheck], counts: Sequence[Counts], correct: FrameCorrection
 ) -> list[CameraCheck]:
     """The same with what darks and flats determine."""

@@ -89,12 +89,12 @@ def fit_runs(records: list[RunRecord], duties: list[Array], statistic: str) -> l
     [0.6, 0.6, 0.6]
     """
     return [
-        *(_fit([one], [duty], statistic) for one, duty in zip(records, duties, strict=True)),
-        _fit(records, duties, statistic),
+        *(_fit_power([one], [duty], statistic) for one, duty in zip(records, duties, strict=True)),
+        _fit_power(records, duties, statistic),
     ]
 
 
-def _fit(records: list[RunRecord], duties: list[Array], statistic: str) -> Exponent:
+def _fit_power(records: list[RunRecord], duties: list[Array], statistic: str) -> Exponent:
     """One power for all triggers of some runs."""
     calibrations = joint_covariance(
         [record.calibration for record in records], [record.calibration_key for record in records]

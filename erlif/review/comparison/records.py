@@ -287,8 +287,9 @@ be compared.
             )
         if _motion(one.settings) != _motion(other.settings):
             raise ErlifError(
-                f"Expected runs of one mechanism; {one.name} has {_words(one.settings)}, "
-                f"{other.name} has {_words(other.settings)}. Compare runs of the same mechanism."
+                f"Expected runs of one mechanism; {one.name} has {_mechanism(one.settings)}, "
+                f"{other.name} has {_mechanism(other.settings)}. Compare runs of the same "
+                "mechanism."
             )
         if one.by_angle != other.by_angle:
             raise ErlifError(
@@ -305,7 +306,7 @@ def _motion(settings: RunSettings) -> dict[str, object]:
     return {key: getattr(settings.mechanism, key) for key in names if key not in _CHOSEN}
 
 
-def _words(settings: RunSettings) -> str:
+def _mechanism(settings: RunSettings) -> str:
     """A mechanism in words."""
     table = _motion(settings)
     if not table:

@@ -91,7 +91,7 @@ def compare(
     """
     refuse_repeated([film for film in films if not isinstance(film, xr.Dataset)])
     with ExitStack() as stack:
-        opened = [_open(film, stack) for film in films]
+        opened = [_open_in(film, stack) for film in films]
         records = []
         for k, film in enumerate(opened):
             records.append(read_run(film))
@@ -127,7 +127,7 @@ def compare(
     )
 
 
-def _open(film: xr.Dataset | str | Path, stack: ExitStack) -> xr.Dataset:
+def _open_in(film: xr.Dataset | str | Path, stack: ExitStack) -> xr.Dataset:
     """A film, closed with the stack where it is a file."""
     if isinstance(film, xr.Dataset):
         return cast(xr.Dataset, take(film, "film", where="films"))

@@ -45,7 +45,7 @@ def describe_comparison(comparison: xr.Dataset) -> list[str]:
         lines.append(f"note: {comparison.attrs['note']}")
     lines += _describe_map(comparison)
     lines += _describe_chart(comparison)
-    lines.append(f"conclusion: {_conclude(comparison)}")
+    lines.append(f"conclusion: {_which_differ(comparison)}")
     return lines
 
 
@@ -110,7 +110,7 @@ def _describe_chart(comparison: xr.Dataset) -> list[str]:
     return lines
 
 
-def _conclude(comparison: xr.Dataset) -> str:
+def _which_differ(comparison: xr.Dataset) -> str:
     """Which runs differ, in one sentence."""
     # a pair is named once, with all statistics that differ
     sentences = []

@@ -10,7 +10,7 @@ from erlif.core.errors import ConfigError, ErlifError
 from erlif.core.products import RatioImages, ThicknessMaps
 from erlif.core.tables import read_table
 from erlif.io.files import settings_of, takes
-from erlif.trend import Contact, FilmStatistics, Region, find_region, summarise_film
+from erlif.trend import FilmStatistics, GapShape, Region, find_region, summarise_film
 
 Interval = tuple[float, float]
 
@@ -57,7 +57,7 @@ def summarise_region(
         return summarise_region(film.expand_dims("trigger"), x=x, y=y).isel(trigger=0)
     region = _find_region(film, x, y)
     along_x = settings_of(film).optics.x_axis == "sliding"
-    contact = Contact(film.attrs.get("contact", Contact.LINE))
+    contact = GapShape(film.attrs.get("contact", GapShape.LINE))
     names = ["thickness", "thickness_std", "flags"]
     maps = film[names].isel(y=region.rows, x=region.columns)
 
@@ -98,7 +98,7 @@ def _find_region(film: xr.Dataset, x: Interval | None, y: Interval | None) -> Re
 
 
 def _summarise(
-    maps: xr.Dataset, calibration: Calibration, contact: Contact, *, along_x: bool
+    maps: xr.Dataset, calibration: Calibration, contact: GapShape, *, along_x: bool
 ) -> FilmStatistics:
     """Statistics of one trigger: the logarithm of the ratio follows from the calibration."""
     thickness = maps.thickness.values.astype(float)

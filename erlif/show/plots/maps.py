@@ -52,7 +52,7 @@ def thin_map(film: xr.Dataset, trigger: int) -> AnyArray:
     return np.asarray(film.thickness.isel(trigger=trigger).values[::every, ::every])
 
 
-class BlockMeans(NamedTuple):
+class MapBlocks(NamedTuple):
     """Means over square blocks of pixels.
 
     Attributes
@@ -72,7 +72,7 @@ class BlockMeans(NamedTuple):
 
 def average_in_blocks(
     film: xr.Dataset, values: npt.ArrayLike, *, along_x: int = _BLOCKS
-) -> BlockMeans:
+) -> MapBlocks:
     """Average an image of a film in blocks, as one pixel is mostly noise.
 
     Parameters
@@ -99,10 +99,10 @@ def average_in_blocks(
     high, wide = means.shape
     dx = size * (right - left) / film.sizes["x"]
     dy = size * (bottom - top) / film.sizes["y"]
-    return BlockMeans(means, (left, left + wide * dx, top + high * dy, top), size)
+    return MapBlocks(means, (left, left + wide * dx, top + high * dy, top), size)
 
 
-def draw_blocks(ax: Axes, film: xr.Dataset, means: BlockMeans, limits: Limits) -> AxesImage:
+def draw_blocks(ax: Axes, film: xr.Dataset, means: MapBlocks, limits: Limits) -> AxesImage:
     """Draw a map of differences in blocks, hatched where they have no value."""
     look: dict[str, Any] = {"colours": "vik", "bad": "none", "extent": means.extent}
     image = style.draw_image(ax, means.values, limits, **look)
@@ -111,7 +111,7 @@ def draw_blocks(ax: Axes, film: xr.Dataset, means: BlockMeans, limits: Limits) -
     return image
 
 
-def name_blocks(means: BlockMeans) -> str:
+def name_blocks(means: MapBlocks) -> str:
     """State over which blocks means are taken; nothing for single pixels."""
     return "" if means.size == 1 else f"means of {means.size} × {means.size} px"
 

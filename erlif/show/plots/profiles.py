@@ -14,7 +14,7 @@ from erlif.io.files import axis_labels, settings_of
 from erlif.show.plots import style
 from erlif.show.plots.style import MINIMUM, MUTED, OUTWARD, RETURN, pt, styled
 from erlif.trend import (
-    Contact,
+    GapShape,
     average_across_sliding,
     cut_through_minimum,
     place_of_minimum,
@@ -117,7 +117,7 @@ def _profile_of(film: xr.Dataset, trigger: int) -> xr.Dataset:
 
 def _is_point(film: xr.Dataset) -> bool:
     """Whether the gap of a film is that of a point contact."""
-    return bool(film.attrs.get("contact") == Contact.POINT)
+    return bool(film.attrs.get("contact") == GapShape.POINT)
 
 
 def _mark_minimum(ax: Axes, film: xr.Dataset, trigger: int) -> list[Artist]:

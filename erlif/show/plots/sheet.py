@@ -15,8 +15,8 @@ from erlif.core.arrays import Array, Mask
 from erlif.io.files import driven_link, region_of
 from erlif.show.plots import style
 from erlif.show.plots.maps import (
-    BlockMeans,
     Limits,
+    MapBlocks,
     average_in_blocks,
     common_limits,
     draw_blocks,
@@ -162,7 +162,7 @@ def best_columns(sizes: list[int]) -> int:
     )
 
 
-def depart_from_gap(film: xr.Dataset, trigger: int) -> BlockMeans:
+def depart_from_gap(film: xr.Dataset, trigger: int) -> MapBlocks:
     """Map of one trigger less the quadratic surface that fits its region of interest. [um]
 
     Examples
@@ -192,7 +192,7 @@ def depart_from_gap(film: xr.Dataset, trigger: int) -> BlockMeans:
 
 
 def _draw_small_map(
-    ax: Axes, film: xr.Dataset, trigger: int, limits: Limits, departure: BlockMeans | None
+    ax: Axes, film: xr.Dataset, trigger: int, limits: Limits, departure: MapBlocks | None
 ) -> AxesImage:
     """Draw one map of a sheet, thinned to the resolution of print, or what departs from its gap."""
     if departure is not None:

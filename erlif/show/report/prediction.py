@@ -12,7 +12,7 @@ from erlif.core.arrays import Array
 from erlif.core.notes import join_notes
 from erlif.io.files import settings_of
 from erlif.pipeline.physics.prediction import describe_sideways, note_difference
-from erlif.prediction import Comparison, Estimate, speed_correlation
+from erlif.prediction import Estimate, ModelComparison, speed_correlation
 from erlif.prediction.comparison import DESCRIBED
 from erlif.show.report.layout import TABLES, decimals, print_rows
 
@@ -124,14 +124,14 @@ _SMALL_PART = 0.01  # of an error, below which one of its parts is not printed
 _ALIKE = "load_line", "guided"  # what is fitted and not determined, and for which pin
 
 
-def summarise_comparison(found: Comparison) -> str:
+def summarise_comparison(found: ModelComparison) -> str:
     """Describe a comparison: the verdict, the models in their order, and the best fit.
 
     Examples
     --------
     >>> from erlif.prediction import Candidate
     >>> one = Candidate("a guided pin", 0.0, 4, 1.0, 4e-8)
-    >>> print(summarise_comparison(Comparison((one,), "It swings.", None, 1.0)))
+    >>> print(summarise_comparison(ModelComparison((one,), "It swings.", None, 1.0)))
     It swings.
       model          BIC  residual [um]
       a guided pin   0    0.04

@@ -8,7 +8,7 @@ import pytest
 
 from erlif.core.errors import ModelError
 from erlif.models.reynolds import Groove, Journal
-from erlif.models.reynolds.balance import Step, _Newton, advance, start_state
+from erlif.models.reynolds.balance import StepDrive, _Newton, advance, start_state
 from erlif.models.reynolds.transient import Bearing
 
 LOAD = np.array([2e3, 0.0])
@@ -23,7 +23,7 @@ def case(*, speed=0.3, load=LOAD, **changes):
     supplied[12] = True
     axes = bearing.directions(0.1, 0.0)
     none = np.zeros(2)
-    step = Step(bearing.rigid, axes, axes, load, none, none, 200.0, speed, supplied)
+    step = StepDrive(bearing.rigid, axes, axes, load, none, none, 200.0, speed, supplied)
     return bearing.medium, step
 
 

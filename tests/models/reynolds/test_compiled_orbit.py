@@ -6,7 +6,7 @@ from scenes.orbits import RIG, SPEED, STATED
 
 from erlif.models.reynolds import crank_motion
 from erlif.models.reynolds.full_film import follow_full_film
-from erlif.rig.orbit import Bearing, follow_orbit
+from erlif.rig.orbit import RigidBearing, follow_orbit
 
 
 def test_pins_of_any_start_and_oil_sink_as_those_of_the_virtual_rig():
@@ -16,7 +16,7 @@ def test_pins_of_any_start_and_oil_sink_as_those_of_the_virtual_rig():
     found = follow_full_film(STATED, motion, start=start, fluidity=fluidity)
     for pin, place, share in zip(found, start, fluidity, strict=True):
         orbit = follow_orbit(
-            Bearing(STATED.radius, STATED.clearance, STATED.length, STATED.viscosity / share),
+            RigidBearing(STATED.radius, STATED.clearance, STATED.length, STATED.viscosity / share),
             motion.time,
             load=lambda time: 222.4,
             rotation=lambda time: float(RIG.rocker_speed(SPEED * time, crank_speed=SPEED)),

@@ -25,7 +25,7 @@ from scipy.sparse.linalg import splu
 
 from erlif.models.reynolds import Groove, Journal, Motion, solve_journal
 from erlif.models.reynolds.full_film import follow_full_film
-from erlif.rig.orbit import Bearing, Mobility
+from erlif.rig.orbit import Mobility, RigidBearing
 
 BORE, CRANK, ROD = 0.2, 0.135, 0.6  # m
 RECIPROCATING = ROTATING = 40.0  # kg, of one cylinder
@@ -180,7 +180,7 @@ def test_full_film_follows_the_mobility_of_a_short_bearing():
 
 
 def test_full_film_with_ends_follows_the_mobility_of_chebyshev_collocation():
-    rig = Mobility(Bearing(RADIUS, CLEARANCE, LENGTH["quarter"], VISCOSITY))
+    rig = Mobility(RigidBearing(RADIUS, CLEARANCE, LENGTH["quarter"], VISCOSITY))
     exact = mobility_orbit(lambda eccentricity, force: force / rig.damping(eccentricity), CLEARANCE)
     found = solved_orbit("quarter", (256, 8), [], FULL)
     npt.assert_allclose(found, exact, atol=1e-3)

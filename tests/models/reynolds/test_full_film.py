@@ -7,7 +7,7 @@ from scenes.orbits import STATED as JOINT
 
 from erlif.models.reynolds import Journal, Motion, crank_motion, solve_journal
 from erlif.models.reynolds.full_film import FullFilm, follow_full_film
-from erlif.rig.orbit import Bearing, Mobility
+from erlif.rig.orbit import Mobility, RigidBearing
 
 LONG = Journal(0.03336, 0.03359, length=0.237, viscosity=0.12, long=True)
 FILMS = np.array([1.0, 0.7, 0.2, 0.05, 0.01, 0.002])
@@ -24,7 +24,7 @@ def test_dampings_of_a_long_film_are_those_of_booker():  # Booker (1965)
 
 def test_dampings_of_a_finite_film_are_those_of_chebyshev_collocation():
     found = FullFilm.of(JOINT).damping(FILMS)
-    rig = Mobility(Bearing(JOINT.radius, JOINT.clearance, JOINT.length, JOINT.viscosity))
+    rig = Mobility(RigidBearing(JOINT.radius, JOINT.clearance, JOINT.length, JOINT.viscosity))
     npt.assert_allclose(found, [rig.damping(1 - film) for film in FILMS], rtol=1e-4)
 
 

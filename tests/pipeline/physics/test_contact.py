@@ -10,7 +10,7 @@ from scenes.results import make_result
 from erlif.core.notes import Level
 from erlif.pipeline.physics.contact import note_contact, settle_contact
 from erlif.show.plots import example_calibration
-from erlif.trend import Contact, GapMinimum
+from erlif.trend import GapMinimum, GapShape
 
 CALIBRATION = example_calibration()
 
@@ -25,7 +25,7 @@ def minimum(value, bend=(0.0, 0.0), misfit=0.1):
 
 def result(bend, value=1.0, misfit=0.1):
     """A trigger whose plane, line and point contact have 1, 2 and 3 times a value."""
-    minima = {one: minimum(n * value, bend, misfit) for n, one in enumerate(Contact, 1)}
+    minima = {one: minimum(n * value, bend, misfit) for n, one in enumerate(GapShape, 1)}
     return replace(make_result(0), minima=minima)
 
 
@@ -45,8 +45,8 @@ def test_all_triggers_have_the_minimum_of_one_gap(bend, contact, factor):
 
 def test_a_pin_keeps_its_minimum():
     results = [make_result(0)]
-    assert settle_contact(results, CALIBRATION) == (results, Contact.LINE)
-    assert note_contact(results, Contact.LINE) == []
+    assert settle_contact(results, CALIBRATION) == (results, GapShape.LINE)
+    assert note_contact(results, GapShape.LINE) == []
 
 
 def test_triggers_without_a_smooth_gap_are_counted():

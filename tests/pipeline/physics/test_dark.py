@@ -10,7 +10,7 @@ from erlif.correction import UnlitPixels
 from erlif.pipeline.engines.results import FrameResult
 from erlif.pipeline.physics.dark import DarkLevel, describe_dark_levels, find_dark_levels
 from erlif.show.plots import example_calibration
-from erlif.trend import Change
+from erlif.trend import CourseChange
 
 GAINS = np.array([4.0, 4.0])
 
@@ -82,8 +82,8 @@ def test_cameras_without_dark_pixels_and_runs_without_frames_have_no_level():
 
 CHANGES = {
     "dark frames are not those": None,
-    "from frame 30 on": Change(30, 20.0, 0.1, 9.0),
-    "from the first to the last frame": Change(None, 20.0, 0.1, 9.0),
+    "from frame 30 on": CourseChange(30, 20.0, 0.1, 9.0),
+    "from the first to the last frame": CourseChange(None, 20.0, 0.1, 9.0),
 }
 
 

@@ -8,10 +8,10 @@ from erlif.io.settings import LightOptions
 from erlif.pipeline.physics.findings import LightFindings
 from erlif.pipeline.physics.reference import PatchScale
 from erlif.show.plots import example_calibration
-from erlif.trend import Change, ErrorEstimate, Trend
+from erlif.trend import CourseChange, ErrorEstimate, Trend
 
 CALIBRATION = with_systematics(example_calibration(), ratio=0.01)
-COURSE = Change(frame=None, size=0.01, std=0.001, significance=9.0)
+COURSE = CourseChange(frame=None, size=0.01, std=0.001, significance=9.0)
 
 
 def estimate(change):

@@ -18,7 +18,7 @@ from erlif.pipeline.physics.gap import describe_gap, find_errors
 from erlif.pipeline.physics.light import is_beyond_widths
 from erlif.pipeline.plane import ObjectPlane
 from erlif.show.plots import example_calibration
-from erlif.trend import Change, Trend
+from erlif.trend import CourseChange, Trend
 
 RIG = small_rig(
     width=160,
@@ -116,9 +116,9 @@ def test_the_shift_of_the_films_is_thick_or_thin_without_a_sign(shift, words):
 def test_a_drift_of_three_widths_and_a_step_of_one_leave_the_gap_alone(frame, size, beyond):
     """Bleaching of 1 % and a temperature of 0.5 % drift by 1.1 % together."""
     calibration = with_systematics(example_calibration(), bleaching=0.01, temperature=0.005)
-    course = Change(frame=frame, size=size, std=0.001, significance=9.0)
+    course = CourseChange(frame=frame, size=size, std=0.001, significance=9.0)
     assert is_beyond_widths(calibration, None, None, course, 50) is beyond
-    chance = Change(frame=frame, size=size, std=0.02, significance=2.0)
+    chance = CourseChange(frame=frame, size=size, std=0.02, significance=2.0)
     assert not is_beyond_widths(calibration, None, None, chance, 50)
 
 

@@ -12,7 +12,7 @@ from scenes.rig import small_rig
 import erlif
 from conftest import Laboratory
 from erlif.io.settings import ReferenceSettings
-from erlif.pipeline.physics.reference import find_scale
+from erlif.pipeline.physics.reference import fit_patch_scale
 from erlif.pipeline.physics.systematics import with_scale_of_patch
 from erlif.rig.dyes import BANDS, tabulate_signal
 from erlif.show.plots import example_calibration
@@ -176,13 +176,13 @@ def test_line_through_the_patch_has_its_course_and_scatter():
         lights = {
             n: SimpleNamespace(patch=PatchMean(7.0, one, 1e-5)) for n, one in enumerate(ratio)
         }
-        found = find_scale(lights, calibration, reference, pairs=101)
+        found = fit_patch_scale(lights, calibration, reference, pairs=101)
         pulls.append((found.course - [0.02, -0.03]) / np.sqrt(np.diag(found.covariance)))
     npt.assert_allclose(np.std(pulls, axis=0), 1, atol=0.15)
     npt.assert_allclose(np.mean(pulls, axis=0), 0, atol=0.25)
     npt.assert_allclose(found.change(101)[[0, -1]], found.course.cumsum())
     few = {n: lights[n] for n in range(5)}
-    assert find_scale(few, calibration, reference, pairs=101) is None
+    assert fit_patch_scale(few, calibration, reference, pairs=101) is None
 
 
 def test_errors_are_those_of_the_difference_to_the_patch():

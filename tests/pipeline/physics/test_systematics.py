@@ -24,7 +24,7 @@ from erlif.pipeline.physics.systematics import (
 from erlif.show.plots import example_calibration
 from erlif.trend import (
     BackgroundEstimate,
-    Change,
+    CourseChange,
     FilmStatistics,
     FittedNumbers,
     PinPosition,
@@ -143,7 +143,7 @@ def test_a_wrong_dark_is_a_background_of_its_camera_unless_that_is_known(options
     npt.assert_array_equal(growth, 0.0)
 
 
-STEP = Change(frame=25, size=-0.03, std=0.04, significance=9.0)
+STEP = CourseChange(frame=25, size=-0.03, std=0.04, significance=9.0)
 """Of 3 ± 4 %, root mean square 5 %."""
 
 
@@ -243,7 +243,7 @@ def test_ratios_beyond_those_of_all_films_put_their_scale_in_doubt():
 def test_a_drift_that_is_not_significant_takes_the_place_of_what_rises():
     """0.2 ± 0.3 % of a width of 0.5 %: mean 0.147 %, and 0.257 % about it."""
     before = calibration_of('\n[systematics]\nbleaching = "0.4 %"\ntemperature = "0.3 %"\n')
-    chance = Change(frame=3, size=0.004, std=0.002, significance=2.0, drift=(0.002, 0.003))
+    chance = CourseChange(frame=3, size=0.004, std=0.002, significance=2.0, drift=(0.002, 0.003))
     found = update_systematics(before, LightFindings(course=chance), REPORT, pulses=50)
     gain = 0.25 / (0.25 + 0.09)
     rise = np.hypot(0.002 * gain, 0.005 * np.sqrt(1 - gain))

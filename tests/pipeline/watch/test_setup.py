@@ -5,12 +5,12 @@ import numpy as np
 import pytest
 import tifffile
 
-from erlif.pipeline.watch.setup import Setup
+from erlif.pipeline.watch.setup import SetupWatch
 from tests.pipeline.watch.test_follow import wait_until
 
 
 def test_a_pair_is_shown_with_sharpness_and_registration(lab, small_rig):
-    setup = Setup(lab.run)
+    setup = SetupWatch(lab.run)
     with setup.running():
         wait_until(lambda: setup.news(-1, 0, 0, 0.0).get("map"), setup)
         news = setup.news(-1, 0, 0, 0.0)
@@ -28,7 +28,7 @@ def test_a_pair_is_shown_with_sharpness_and_registration(lab, small_rig):
 
 
 def test_a_camera_out_of_focus_is_named(lab):
-    setup = Setup(lab.run)
+    setup = SetupWatch(lab.run)
     with setup.running():
         wait_until(lambda: setup.news(-1, 0, 0, 0.0)["cameras"], setup)
         image = tifffile.imread(lab.frames(2)[-1])

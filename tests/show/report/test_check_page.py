@@ -5,14 +5,14 @@ import re
 import pytest
 
 from erlif.core.notes import Level, Note
-from erlif.review.audit import Audit, audit
+from erlif.review.check import Examination, examine
 from erlif.show.report import write_check_page
 
 
 @pytest.fixture(scope="module")
 def text(small_rig, tmp_path_factory):
     path = tmp_path_factory.mktemp("check") / "check.html"
-    return write_check_page(audit(small_rig.run), path).read_text(encoding="utf-8")
+    return write_check_page(examine(small_rig.run), path).read_text(encoding="utf-8")
 
 
 def test_the_page_is_well_formed_and_loads_nothing(text, read_page):
@@ -31,7 +31,7 @@ def test_the_page_is_well_formed_and_loads_nothing(text, read_page):
 
 
 def test_errors_stand_first_and_are_escaped(tmp_path, read_page):
-    found = Audit(tmp_path / "run")
+    found = Examination(tmp_path / "run")
     found.notes = [Note(Level.NOTE, "frames", "six"), Note(Level.ERROR, "log", "<no> & file")]
     text = write_check_page(found, tmp_path / "check.html").read_text(encoding="utf-8")
     page = read_page(text)

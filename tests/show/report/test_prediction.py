@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 from scenes import film as scene
 
-from erlif.prediction import Candidate, Comparison, Estimate, MotionFit
+from erlif.prediction import Estimate, FilmModel, ModelComparison, MotionFit
 from erlif.prediction.least_squares import Minimum
 from erlif.show.report import summarise_prediction
 from erlif.show.report.prediction import (
@@ -85,10 +85,10 @@ def comparison(viscosity, inflation=1.0):
     }
     fit = MotionFit("free", estimates, (), minimum, none, none)
     candidates = (
-        Candidate("a pin that is free sideways", 0.0, 4, 1.0, 37.6e-9),
-        Candidate("a guided pin", 1020.7, 4, 300.0, 9.67e-6),
+        FilmModel("a pin that is free sideways", 0.0, 4, 1.0, 37.6e-9),
+        FilmModel("a guided pin", 1020.7, 4, 300.0, 9.67e-6),
     )
-    return Comparison(candidates, "Squeeze carries the film.", fit, 1.0)
+    return ModelComparison(candidates, "Squeeze carries the film.", fit, 1.0)
 
 
 def test_the_verdict_stands_first_then_models_then_values_with_their_errors():

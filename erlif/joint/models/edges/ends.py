@@ -25,7 +25,10 @@ def edge_exponent(angle: Values, *, modulus_ratio: Values = 1.0) -> Values:
         E1* of the body with the edge over E2* of the flat, in plane strain; `inf` for a rigid edge.
         [1]
 
-    Returns: n, from 0 (no singularity) to 1/2. [1]
+    Returns
+    -------
+    float or array
+        n, from 0 (no singularity) to 1/2. [1]
 
     Raises
     ------
@@ -82,11 +85,16 @@ def lundberg_profile(
 
     Parameters
     ----------
+    contact_modulus : float or array
+        Contact modulus E*, see `erlif.models.contact.contact_modulus`. [Pa]
     axial, load, length : float or array
         Distance z from the middle of the roller, at most half its length [m], load F for which the
         profile is made [N], length L of the roller [m].
 
-    Returns: Material to take off, on one of the bodies or in sum. [m]
+    Returns
+    -------
+    float or array
+        Material to take off, on one of the bodies or in sum. [m]
 
     Raises
     ------

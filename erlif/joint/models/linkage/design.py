@@ -95,6 +95,8 @@ def measure_linkage(
 
     Parameters
     ----------
+    linkage : CrankRocker
+        Lengths of the linkage between its joints. [m]
     crank_speed : float, optional
         Speed of the crank, positive. [rad/s]
     rocker_speed : float, optional

@@ -80,6 +80,8 @@ def drive_power(
 
     Parameters
     ----------
+    linkage : CrankRocker
+        Lengths of the linkage between its joints. [m]
     crank_speed : float
         Speed of the crank, constant and positive. [rad/s]
     torque : float

@@ -43,7 +43,10 @@ def beam_bending_stress(force: Values, *, arm: Values, thickness: Values, depth:
         Force F across the link [N], distance L of the force from the section [m], side t of the
         section across the force [m], side h of the section along the force [m].
 
-    Returns: Stress at the edge, of the sign of the force. [Pa]
+    Returns
+    -------
+    float or array
+        Stress at the edge, of the sign of the force. [Pa]
 
     Raises
     ------
@@ -76,7 +79,10 @@ def pin_hole_concentration(hole_ratio: Values) -> Values:
     hole_ratio : float or array
         Diameter of the hole over width of the link, 0.15 to 0.75. [1]
 
-    Returns: Stress concentration. [1]
+    Returns
+    -------
+    float or array
+        Stress concentration. [1]
 
     Warns
     -----
@@ -111,7 +117,10 @@ def open_hole_concentration(hole_ratio: Values) -> Values:
     hole_ratio : float or array
         Diameter of the hole over width of the link, 0 to 1. [1]
 
-    Returns: Stress concentration, 3 at a small hole and 2 at a large one. [1]
+    Returns
+    -------
+    float or array
+        Stress concentration, 3 at a small hole and 2 at a large one. [1]
 
     Examples
     --------
@@ -136,7 +145,10 @@ def hole_stress(
         along the hole [m], diameter d of the hole, below the width [m], stress concentration K of
         the section beside the hole [1].
 
-    Returns: Stress, of the sign of the force. [Pa]
+    Returns
+    -------
+    float or array
+        Stress, of the sign of the force. [Pa]
 
     Raises
     ------
@@ -167,7 +179,10 @@ def thread_stress_area(diameter: Values, *, pitch: Values) -> Values:
     diameter, pitch : float or array
         Nominal diameter d [m], pitch p [m].
 
-    Returns: Area of the circle that is as strong as the thread. [m2]
+    Returns
+    -------
+    float or array
+        Area of the circle that is as strong as the thread. [m2]
 
     Raises
     ------
@@ -210,7 +225,10 @@ def fatigue_safety(
     tensile_strength : float or array
         Tensile strength Su; needed with a mean stress. [Pa]
 
-    Returns: Factor of safety; below 1 the part fails, infinite without stress. [1]
+    Returns
+    -------
+    float or array
+        Factor of safety; below 1 the part fails, infinite without stress. [1]
 
     Examples
     --------

@@ -11,7 +11,7 @@ import erlif
 from conftest import SMALL, Laboratory
 from erlif.core.notes import Level
 from erlif.io.ingest import frames
-from erlif.review.audit import audit
+from erlif.review.check import examine
 from erlif.rig import simulate
 
 content_of = frames.read_content
@@ -83,7 +83,7 @@ def test_a_profile_out_of_order_is_a_warning_with_one_mention_of_its_subject(lab
 
 
 def test_the_record_holds_findings_pairs_and_frames(lab):
-    record = audit(lab.run).to_record()
+    record = examine(lab.run).to_record()
     assert (record["errors"], record["warnings"]) == (0, 0)
     assert record["pairs"][0]["camera2"] == "frame_0000.tif"
     assert [one["frame"] for one in record["frames"]] == list(range(6))
@@ -104,7 +104,7 @@ def test_frames_of_a_long_recording_are_read_a_bounded_number_of_times(lab, monk
     monkeypatch.setattr(
         frames, "read_content", lambda *a, **k: read.append(a) or content_of(*a, **k)
     )
-    found = audit(lab.run)
+    found = examine(lab.run)
     assert "counts of 24 of them, evenly spread, are examined" in found.notes[0].text
     assert len(found.survey.frames) == 24
     # 24 for the counts, 8 for darks and flats (twice), 12 to register, 4 as a sample, 16 in a row
@@ -118,6 +118,6 @@ def test_the_audits_of_process_belong_to_check(two_cycles, tmp_path):
     settings.write_text(
         text.replace('mounted_on = "rocker"', 'mounted_on = "crank"'), encoding="utf-8"
     )
-    texts = [note.text for note in audit(tmp_path / "run").notes if note.level == "warning"]
+    texts = [note.text for note in examine(tmp_path / "run").notes if note.level == "warning"]
     assert sum("Set mounted_on = " in text for text in texts) == 1
     assert len(set(texts)) == len(texts)

@@ -3,7 +3,7 @@
 import pytest
 
 from erlif.io.ingest import open_run
-from erlif.review.audit.cameras import survey_cameras
+from erlif.review.check.cameras import survey_cameras
 
 
 @pytest.fixture(scope="session")

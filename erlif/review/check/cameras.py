@@ -47,7 +47,7 @@ _WIDTH = 640  # largest width of a picture on the page [px]
 
 
 @dataclass(frozen=True)
-class Picture:
+class PairPicture:
     """One frame pair on the pixels of camera 1, reduced in size.
 
     Attributes
@@ -66,7 +66,7 @@ class Picture:
 
 
 @dataclass(frozen=True)
-class CameraSurvey:
+class RatioSurvey:
     """What registration and ratio show before the film is computed.
 
     Attributes
@@ -81,7 +81,7 @@ class CameraSurvey:
         Median light of their valid pixels, NaN without any, (frame, camera). [DN]
     log_ratios : Array
         Valid ratios of a few pairs. [1]
-    picture : Picture
+    picture : PairPicture
         The middle pair.
     """
 
@@ -90,10 +90,10 @@ class CameraSurvey:
     frames: tuple[FrameResult, ...]
     light: Array
     log_ratios: Array
-    picture: Picture
+    picture: PairPicture
 
 
-def survey_cameras(recording: Run | Fixture) -> CameraSurvey:
+def survey_cameras(recording: Run | Fixture) -> RatioSurvey:
     """Register the cameras, and measure the ratio of consecutive pairs.
 
     Parameters
@@ -102,7 +102,7 @@ def survey_cameras(recording: Run | Fixture) -> CameraSurvey:
 
     Returns
     -------
-    CameraSurvey
+    RatioSurvey
 
     Raises
     ------
@@ -127,8 +127,8 @@ def survey_cameras(recording: Run | Fixture) -> CameraSurvey:
                 some = pair.flags[::step, ::step] == 0
                 kept.append(np.asarray(pair.log_ratio[::step, ::step][some], float))
             if frame == middle:
-                picture = _draw(frame, pair)
-    return CameraSurvey(
+                picture = _picture_of(frame, pair)
+    return RatioSurvey(
         chain, prepared.sample, tuple(frames), np.array(lights), np.concatenate(kept), picture
     )
 
@@ -159,7 +159,7 @@ def _median_light(light: Image, log_ratio: Image, flags: AnyArray) -> tuple[floa
     return float(np.median(one)), float(np.median(one * ratio))
 
 
-def _draw(frame: int, pair: PairRatio) -> Picture:
+def _picture_of(frame: int, pair: PairRatio) -> PairPicture:
     """The pair as it is shown on the page."""
     # flagged pixels hold numbers that mean nothing
     valid = pair.flags == 0
@@ -171,14 +171,14 @@ def _draw(frame: int, pair: PairRatio) -> Picture:
     weight, total = (cv2.blur(np.asarray(one, np.float32), (9, 9)) for one in (valid, clean))
     rest = np.where(valid, clean - total / np.maximum(weight, 1e-6), np.nan)
     step = -(-one.shape[1] // _WIDTH)
-    return Picture(
+    return PairPicture(
         frame,
         (one[::step, ::step], two[::step, ::step]),
         rest[::step, ::step].astype(np.float32),
     )
 
 
-def note_registration(survey: CameraSurvey) -> Iterator[Note]:
+def note_registration(survey: RatioSurvey) -> Iterator[Note]:
     """Displacement, correlation and overlap."""
     camera_map = survey.chain.camera_map
     overlap, quality = float(camera_map.overlap.mean()), camera_map.quality
@@ -215,7 +215,7 @@ def note_registration(survey: CameraSurvey) -> Iterator[Note]:
         )
 
 
-def note_textures(survey: CameraSurvey) -> Iterator[Note]:
+def note_textures(survey: RatioSurvey) -> Iterator[Note]:
     """Whether the flats show a texture of the joint, which both cameras see."""
     references, camera_map = survey.chain.correct.references, survey.chain.camera_map
     if not bool(references.has_flat.values.all()):
@@ -282,7 +282,7 @@ def _structure(flat: Image, bad: AnyArray) -> Image:
 
 
 def note_pulses(
-    survey: CameraSurvey, pairs: FramePairs, *, counted: Iterable[int] = ()
+    survey: RatioSurvey, pairs: FramePairs, *, counted: Iterable[int] = ()
 ) -> Iterator[Note]:
     """Pairs whose images belong to different laser pulses.
 

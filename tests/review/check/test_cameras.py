@@ -7,7 +7,7 @@ import numpy.testing as npt
 import pytest
 
 from erlif.io.ingest import read_pair
-from erlif.review.audit.cameras import (
+from erlif.review.check.cameras import (
     choose_consecutive,
     correlate_flats,
     note_pulses,

@@ -8,8 +8,8 @@ from matplotlib.figure import Figure
 from erlif.core.arrays import Array
 from erlif.core.statistics import central_range
 from erlif.pipeline.audit.log import Steps
-from erlif.review.audit.cameras import Picture
-from erlif.review.audit.counts import CountSurvey
+from erlif.review.check.cameras import PairPicture
+from erlif.review.check.counts import CountSurvey
 from erlif.show.plots import style
 from erlif.show.plots.style import MUTED, ONE_COLUMN, OUTWARD, RETURN, TWO_COLUMNS, styled
 
@@ -23,7 +23,7 @@ _BARS = 256  # of a histogram at most
 
 
 @styled
-def pair_figure(picture: Picture) -> Figure:
+def pair_figure(picture: PairPicture) -> Figure:
     """Draw the light of both cameras on the pixels of camera 1."""
     rows, columns = picture.light[0].shape
     figure = style.new_figure(TWO_COLUMNS, 0.38 * TWO_COLUMNS * rows / columns + _AROUND)
@@ -38,7 +38,7 @@ def pair_figure(picture: Picture) -> Figure:
 
 
 @styled
-def difference_figure(picture: Picture) -> Figure:
+def difference_figure(picture: PairPicture) -> Figure:
     """Draw what remains between the cameras once they are aligned and the film is taken out."""
     rows, columns = picture.difference.shape
     figure = style.new_figure(ONE_COLUMN, 0.76 * ONE_COLUMN * rows / columns + _AROUND)

@@ -6,7 +6,7 @@ import pytest
 import xarray as xr
 
 from erlif.pipeline.audit.bits import note_bits
-from erlif.review.audit.counts import (
+from erlif.review.check.counts import (
     CountSurvey,
     FrameCounts,
     note_bad_pixels,

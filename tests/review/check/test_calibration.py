@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import erlif
-from erlif.review.audit.calibration import note_age, note_range
+from erlif.review.check.calibration import note_age, note_range
 
 
 @pytest.fixture(scope="module")

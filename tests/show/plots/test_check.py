@@ -5,9 +5,9 @@ import numpy.testing as npt
 import pytest
 
 from erlif.pipeline.audit.log import Steps
-from erlif.review.audit.cameras import Picture
-from erlif.review.audit.counts import CountSurvey, FrameCounts
-from erlif.show.plots.audit import (
+from erlif.review.check.cameras import PairPicture
+from erlif.review.check.counts import CountSurvey, FrameCounts
+from erlif.show.plots.check import (
     histogram_figure,
     light_figure,
     pair_figure,
@@ -20,7 +20,7 @@ def picture():
     light = np.arange(48.0, dtype=np.float32).reshape(6, 8)
     difference = (0.01 * np.sin(light)).astype(np.float32)
     difference[0] = np.nan
-    return Picture(7, (light, 2 * light), difference)
+    return PairPicture(7, (light, 2 * light), difference)
 
 
 @pytest.fixture

@@ -15,7 +15,7 @@ from erlif.io.ingest import Run, hash_inputs, open_fixture
 from erlif.pipeline.fixture import before_wall_of
 from erlif.pipeline.recording.swap import judge_ratios
 from erlif.registration import MapNodes
-from erlif.review.audit.cameras import CameraSurvey
+from erlif.review.check.cameras import RatioSurvey
 
 _LARGEST = 2**31  # size of a fixture up to which its files are hashed [byte]
 
@@ -25,7 +25,7 @@ _COVERED = 0.5
 _MARGIN = 0.1  # widening of the range on both sides for noise, of the range of the logarithm
 
 
-def note_calibration(run: Run, cameras: CameraSurvey, *, allow_outside: bool) -> Iterator[Note]:
+def note_calibration(run: Run, cameras: RatioSurvey, *, allow_outside: bool) -> Iterator[Note]:
     """Whether the calibration fits the bands, the ratios and the fixture.
 
     Raises
@@ -39,7 +39,7 @@ def note_calibration(run: Run, cameras: CameraSurvey, *, allow_outside: bool) ->
         yield from _note_one(run, cameras, name, allow_outside=allow_outside)
 
 
-def _note_one(run: Run, cameras: CameraSurvey, name: str, *, allow_outside: bool) -> Iterator[Note]:
+def _note_one(run: Run, cameras: RatioSurvey, name: str, *, allow_outside: bool) -> Iterator[Note]:
     """The same of one calibration that the settings name."""
     settings, path = run.settings, run.directory / name
     has_fixture = (path.parent / "fixture.toml").is_file()

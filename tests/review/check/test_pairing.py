@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from erlif.io.ingest import FramePairs, Page
-from erlif.review.audit.pairing import note_numbers, tabulate_pairs
+from erlif.review.check.pairing import note_numbers, tabulate_pairs
 
 
 def test_a_missing_number_is_named_for_each_camera():

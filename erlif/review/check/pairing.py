@@ -71,10 +71,10 @@ def tabulate_pairs(pairs: FramePairs, run: Run | None, *, odd: Iterable[int] = (
     count = len(pairs.pages[0])
     ends = [*range(min(_FIRST, count)), *range(max(count - _LAST, 0), count)]
     chosen = sorted({*ends, *sorted(odd)[: _LISTED - len(ends)]})
-    return [_describe(pairs, run, k) for k in chosen]
+    return [_pair_row(pairs, run, k) for k in chosen]
 
 
-def _describe(pairs: FramePairs, run: Run | None, k: int) -> PairRow:
+def _pair_row(pairs: FramePairs, run: Run | None, k: int) -> PairRow:
     one, two = pairs.pages[0][k].name, pairs.pages[1][k].name
     if run is None:
         return PairRow(k, one, two)

@@ -21,20 +21,20 @@ from erlif.pipeline.audit.audits import audit_run
 from erlif.pipeline.audit.bits import note_bits
 from erlif.pipeline.audit.evidence import Evidence
 from erlif.pipeline.audit.log import Steps, note_conditions, note_energy, note_motion
-from erlif.pipeline.film import describe_cycle, describe_triggers
+from erlif.pipeline.film import describe_triggers, summarise_cycle
 from erlif.pipeline.physics.clock import fit_start
 from erlif.pipeline.physics.joint import locate_run
 from erlif.pipeline.recording.cameras import characterise_cameras
 from erlif.pipeline.recording.omissions import note_omissions
-from erlif.review.audit.calibration import note_calibration
-from erlif.review.audit.cameras import (
-    CameraSurvey,
+from erlif.review.check.calibration import note_calibration
+from erlif.review.check.cameras import (
+    RatioSurvey,
     note_pulses,
     note_registration,
     note_textures,
     survey_cameras,
 )
-from erlif.review.audit.counts import (
+from erlif.review.check.counts import (
     MOST_SPREAD,
     CountSurvey,
     find_copies,
@@ -44,7 +44,7 @@ from erlif.review.audit.counts import (
     note_light,
     survey_counts,
 )
-from erlif.review.audit.pairing import PairRow, note_numbers, tabulate_pairs
+from erlif.review.check.pairing import PairRow, note_numbers, tabulate_pairs
 
 _logger = logging.getLogger(__name__)
 
@@ -53,7 +53,7 @@ Step = Callable[[], Iterator[Note]]
 
 
 @dataclass
-class Audit:
+class Examination:
     """What was found in a directory.
 
     Attributes
@@ -71,7 +71,7 @@ class Audit:
         Counts of the frames that were read; None where none could be read.
     darks : tuple[float, float]
         Dark level of camera 1 and camera 2. [DN]
-    cameras : CameraSurvey | None
+    cameras : RatioSurvey | None
         Registration and ratio; None where the audit ended before.
     steps : Steps | None
         Angles and times of the log; None for a fixture.
@@ -83,7 +83,7 @@ class Audit:
     pairs: list[PairRow] = field(default_factory=list)
     survey: CountSurvey | None = None
     darks: tuple[float, float] = (0.0, 0.0)
-    cameras: CameraSurvey | None = None
+    cameras: RatioSurvey | None = None
     steps: Steps | None = None
 
     def count(self, level: Level) -> int:
@@ -118,7 +118,7 @@ def check(
     Parameters
     ----------
     directory, skip_bad_frames, allow_outside, progress
-        As for `erlif.review.audit.audit`.
+        As for `erlif.review.check.examine`.
 
     Returns
     -------
@@ -131,7 +131,7 @@ def check(
     ...     print(note.level, note.subject)
     error settings and files
     """
-    return audit(
+    return examine(
         directory,
         skip_bad_frames=skip_bad_frames,
         allow_outside=allow_outside,
@@ -140,13 +140,13 @@ def check(
 
 
 @takes(directory="directory")
-def audit(
+def examine(
     directory: str | Path,
     *,
     skip_bad_frames: bool = False,
     allow_outside: bool = False,
     progress: ShowProgress = None,
-) -> Audit:
+) -> Examination:
     """Examine a run or fixture directory before anything is computed.
 
     At most 24 frame pairs of a long recording are read, evenly spread, and 16 consecutive ones.
@@ -164,22 +164,22 @@ def audit(
 
     Returns
     -------
-    Audit
+    Examination
 
     Examples
     --------
-    >>> audit("an empty folder").count(Level.ERROR)
+    >>> examine("an empty folder").count(Level.ERROR)
     1
     """
     progress = choose_progress(progress)
-    result = Audit(Path(directory))
+    result = Examination(Path(directory))
     subject = "settings and files"
     try:
-        recording = _open(
+        recording = _open_recording(
             result.directory, skip_bad_frames=skip_bad_frames, allow_outside=allow_outside
         )
         result.name = recording.settings.name
-        result.notes.append(_describe(recording))
+        result.notes.append(_note_frames(recording))
         # pairs are listed even where a later part fails
         run = recording if isinstance(recording, Run) else None
         result.pairs = tabulate_pairs(recording.pairs, run)
@@ -197,7 +197,7 @@ def audit(
     return result
 
 
-def _open(directory: Path, **options: bool) -> Run | Fixture:
+def _open_recording(directory: Path, **options: bool) -> Run | Fixture:
     """The run or the fixture in the directory."""
     if (directory / "run.toml").is_file():
         return open_run(directory, find_start=fit_start, **options)
@@ -211,7 +211,7 @@ def _open(directory: Path, **options: bool) -> Run | Fixture:
     )
 
 
-def _describe(recording: Run | Fixture) -> Note:
+def _note_frames(recording: Run | Fixture) -> Note:
     height, width = recording.pairs.shape
     count, name = len(recording.pairs.usable), recording.settings.name
     some = f"; counts of {MOST_SPREAD} of them, evenly spread, are examined"
@@ -225,10 +225,10 @@ class _Parts:
 
     recording: Run | Fixture
     run: Run | None
-    found: Audit
+    found: Examination
     allow_outside: bool
     survey: CountSurvey = field(init=False)
-    cameras: CameraSurvey = field(init=False)
+    cameras: RatioSurvey = field(init=False)
 
     def list(self) -> list[tuple[str, Step]]:
         """Subject and function of each part."""
@@ -298,7 +298,7 @@ class _Parts:
         encoder = run.settings.encoder
         logged = encoder is not None and encoder.file is not None
         subject = "encoder log" if logged else "no encoder log"
-        yield remark(subject, f"{describe_cycle(located)}")
+        yield remark(subject, summarise_cycle(located))
         yield from note_motion(run.log, located, run.settings)
         yield from note_conditions(run.log, run.settings)
         numbers = [one.frame for one in self.cameras.frames]

@@ -1,0 +1,5 @@
+"""What can be found out about a run or a fixture before anything is computed."""
+
+from erlif.review.check.directory import Examination, check, examine
+
+__all__ = ["Examination", "check", "examine"]
