@@ -169,7 +169,7 @@ def measure(truth: Truth, rig, seed: int, cells: tuple[int, int]):
             "time": time,
             "crank_angle": np.degrees(crank_at(time, rig)) % 360,
             "cycle": np.zeros(time.size, int),
-            "load": np.full(time.size, rig.load),
+            "joint_load": np.full(time.size, rig.load),
         }
         return find_motion_in_gaps(
             joint,

@@ -29,7 +29,7 @@ def read_table(package: str, name: str) -> dict[str, Any]:
 
     Examples
     --------
-    >>> read_table("erlif.core", "variables.toml")["film"]["load"]["units"]
+    >>> read_table("erlif.core", "variables.toml")["film"]["joint_load"]["units"]
     'N'
     """
     return tomllib.loads(resources.files(package).joinpath(name).read_text(encoding="utf-8"))

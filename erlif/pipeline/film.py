@@ -360,7 +360,7 @@ def assemble_film(
         *note_difference(film, settings.prediction),
         *note_correlation(film),
     ]
-    load = float(np.median(film["load"])) if "load" in film else float("nan")
+    load = float(np.median(film["joint_load"])) if "joint_load" in film else float("nan")
     positions = [one.position for one in results]
     own += [*_censoring_notes(results), *note_form(positions, calibration, plane, load)]
     resolution = settings.thickness.smoothing
@@ -442,7 +442,7 @@ def predict_theory(settings: RunSettings, film: xr.Dataset) -> xr.Dataset:
         If Vogel's law has no temperature.
     """
     joint = describe_joint(settings)
-    if joint is not None and "sliding_speed" in film and "load" in film:
+    if joint is not None and "sliding_speed" in film and "joint_load" in film:
         return predict_film(film, joint)
     if settings.joint is None or "film_min" not in film:
         return xr.Dataset()
@@ -464,7 +464,7 @@ def describe_exponents(
     beyond the error.
     """
     name = _speed_of_trend(film)
-    if name not in film or "load" not in film:
+    if name not in film or "joint_load" not in film:
         return {}
 
     statistics = [result.statistics for result in results]
@@ -474,7 +474,7 @@ def describe_exponents(
             [one.mean if one.beyond_range <= LARGEST_BEYOND else np.nan for one in statistics]
         ),
     }
-    speed, load = film[name].values, film["load"].values
+    speed, load = film[name].values, film["joint_load"].values
     shared = scipy.linalg.block_diag(calibration.full_covariance, np.eye(1))
 
     exponents: dict[str, Any] = {}
@@ -629,11 +629,11 @@ def _columns_by_frame(run: Run, cycle: xr.Dataset) -> dict[str, xr.DataArray]:
     columns = {name: cycle[name] for name in _MOTION if name in cycle}
     of_log = ("number", "angle", "angle_rate", "time", *_MOTION)
     columns |= {str(name): run.log[name] for name in run.log if name not in of_log}
-    if "load" not in columns:
+    if "joint_load" not in columns:
         load = run.settings.load
         if load is not None:
-            columns["load"] = xr.full_like(cycle.trigger, load, float)
-            columns["load"].attrs = dict(FILM["load"].attrs)
+            columns["joint_load"] = xr.full_like(cycle.trigger, load, float)
+            columns["joint_load"].attrs = dict(FILM["joint_load"].attrs)
         elif run.settings.joint is not None:
             raise missing_load()
     return columns

@@ -124,12 +124,12 @@ def follow_motion(
 
     >>> rig = CrankRocker(0.055, 0.44, 0.26, 0.51)
     >>> frames = xr.Dataset({"crank_angle": ("frame", [350.0, 80.0, 170.0]),
-    ...                      "cycle": ("frame", [0, 0, 0]), "load": ("frame", [222.4] * 3)})
+    ...                      "cycle": ("frame", [0, 0, 0]), "joint_load": ("frame", [222.4] * 3)})
     >>> moved = follow_motion(frames, rig, crank_speed=10.0, viscosity=0.12)
     >>> moved.steps.tolist(), round(float(moved.motion.time[-1]), 4)
     ([0, 13, 26], 0.3142)
     """
-    require(frames, "crank_angle", "cycle", "load")
+    require(frames, "crank_angle", "cycle", "joint_load")
     time, crank = _clock(frames, linkage, crank_speed)
     nodes, steps = np.unique(time, return_inverse=True)
     if nodes.size < 2:
@@ -155,7 +155,7 @@ def follow_motion(
 
     middle = float(np.mean(linkage.limits()))
     angle = direction * (np.asarray(linkage.rocker_angle(fine)) - middle)
-    load = np.interp(at, time, frames["load"].values)
+    load = np.interp(at, time, frames["joint_load"].values)
     mean, since = scaled_time(at, time, np.broadcast_to(viscosity, time.shape))
     motion = Motion(since, angle=angle, load=load)
 

@@ -140,7 +140,7 @@ def _describe(variable: h5netcdf.Variable, entry: dict[str, str]) -> None:
 
 def _list_triggers(triggers: Triggers, mechanism: str) -> _Values:
     """Film and motion of each trigger."""
-    values = {"encoder_angle": triggers.reading, "load": triggers.load}
+    values = {"encoder_angle": triggers.reading, "joint_load": triggers.load}
     if mechanism != "crank-rocker":
         return values | {"sliding_speed": triggers.speed, "time": triggers.time}
     return values | {

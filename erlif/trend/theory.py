@@ -124,13 +124,14 @@ def predict_film(triggers: xr.Dataset, joint: LubricatedJoint) -> xr.Dataset:
     --------
     >>> acrylic = Solid(2.7e9, 0.37)
     >>> joint = LubricatedJoint(33.36e-3, 33.59e-3, 0.237, acrylic, acrylic, 0.12, 12.4e-9)
-    >>> at = xr.Dataset({"sliding_speed": ("trigger", [0.0842]), "load": ("trigger", [222.4])})
+    >>> speed, load = ("trigger", [0.0842]), ("trigger", [222.4])
+    >>> at = xr.Dataset({"sliding_speed": speed, "joint_load": load})
     >>> predict_film(at, joint).film_theory.attrs["regime"]
     'isoviscous-rigid'
     """
-    require(triggers, "sliding_speed", "load")
+    require(triggers, "sliding_speed", "joint_load")
     contact = {
-        "load_per_length": triggers["load"].values / joint.length,
+        "load_per_length": triggers["joint_load"].values / joint.length,
         "viscosity": viscosity_at(triggers, joint.viscosity),
         "pressure_viscosity": joint.pressure_viscosity,
         "radius": joint.radius,
@@ -231,7 +232,7 @@ def viscosity_at(conditions: xr.Dataset, viscosity: float | VogelLaw) -> Array:
 
     Examples
     --------
-    >>> viscosity_at(xr.Dataset({"load": ("trigger", [220.0, 230.0])}), 0.12)
+    >>> viscosity_at(xr.Dataset({"joint_load": ("trigger", [220.0, 230.0])}), 0.12)
     array([0.12, 0.12])
     """
     if not isinstance(viscosity, VogelLaw):

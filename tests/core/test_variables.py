@@ -1,7 +1,9 @@
 """The table of the variables that erlif writes."""
 
+import xarray as xr
+
 from erlif.core.flags import FLAG_ATTRS
-from erlif.core.variables import FILM
+from erlif.core.variables import CALIBRATION, FILM, FRAMES, PREDICTION, PRESSURE, REGISTRATION
 
 
 def test_variables_name_variables_of_the_same_file():
@@ -11,3 +13,10 @@ def test_variables_name_variables_of_the_same_file():
 
 def test_flags_have_the_same_attributes_as_in_memory():
     assert {name: FLAG_ATTRS[name] for name in ("units", "long_name")} == FILM["flags"].attrs
+
+
+def test_every_variable_is_an_attribute_of_a_dataset_that_holds_it():
+    """`film.load` would be the method of xarray, so that the variable is joint_load."""
+    taken = set(dir(xr.Dataset)) | set(dir(xr.DataArray))
+    tables = (FILM, FRAMES, REGISTRATION, CALIBRATION, PREDICTION, PRESSURE)
+    assert not [name for table in tables for name in table if name in taken]

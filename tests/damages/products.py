@@ -170,12 +170,18 @@ FILMS = [
     _film("calibration of NaN", _attribute("calibration", json.dumps({"a": 1})), "calibration"),
     _film(
         "values elsewhere",
-        lambda f: (_without("load")(f), f.__setitem__("load", h5py.ExternalLink("a.nc", "/a"))),
+        lambda f: (
+            _without("joint_load")(f),
+            f.__setitem__("joint_load", h5py.ExternalLink("a.nc", "/a")),
+        ),
         "load is a link",
     ),
     _film(
         "claims 8 GB",
-        lambda f: (_without("load")(f), f.create_dataset("load", (10**9,), "f8", chunks=(9,))),
+        lambda f: (
+            _without("joint_load")(f),
+            f.create_dataset("joint_load", (10**9,), "f8", chunks=(9,)),
+        ),
         "claims 8.0 GB",
     ),
     _bytes("cut", "films/film.nc", lambda d: d[: len(d) // 2], "figures films/film.nc", "process"),

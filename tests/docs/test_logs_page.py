@@ -27,7 +27,7 @@ def test_the_log_of_the_page_is_read_with_its_settings(tmp_path):
     log, notes = read_log(tmp_path / settings.file, choose_columns(settings), frames=3)
     np.testing.assert_allclose(log.angle, [12.5, 13.46, 14.42])
     np.testing.assert_allclose(log.time, [0, 0.017, 0.034])
-    np.testing.assert_allclose(log["load"], np.array([50.1, 50, 49.9]) * 4.4482216152605)
+    np.testing.assert_allclose(log["joint_load"], np.array([50.1, 50, 49.9]) * 4.4482216152605)
     np.testing.assert_allclose(log.temperature, [24.8, 24.8, 24.9])
     assert log.note.values.tolist() == ["start", "", ""]
     assert "time from column 'Time'" in str(notes[0])

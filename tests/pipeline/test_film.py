@@ -68,7 +68,7 @@ def logged(two_cycles):
 
 @pytest.mark.parametrize(
     ("name", "column"),
-    [("load", "load_N"), ("temperature", "temperature_C"), ("encoder_angle", "angle_deg")],
+    [("joint_load", "load_N"), ("temperature", "temperature_C"), ("encoder_angle", "angle_deg")],
 )
 def test_triggers_of_two_cycles_have_the_means_of_the_log(cycles, logged, name, column):
     triggers = describe_triggers(*cycles)
@@ -80,7 +80,7 @@ def test_trigger_has_the_mean_of_the_frames_that_are_left(cycles, logged):
     """Frame 7 belongs to trigger 1; both frames of trigger 2 are lost, and their log remains."""
     run, cycle = cycles
     pairs = replace(run.pairs, skipped=dict.fromkeys((7, 2, 8), "damaged"))
-    load = describe_triggers(replace(run, pairs=pairs), cycle)["load"].values
+    load = describe_triggers(replace(run, pairs=pairs), cycle)["joint_load"].values
     npt.assert_allclose(load[1], logged["load_N"][1])
     npt.assert_allclose(load[2], (logged["load_N"][2] + logged["load_N"][8]) / 2)
 
@@ -104,8 +104,8 @@ def test_mean_crank_angle_passes_through_zero(cycles):
 
 def test_load_of_the_settings_serves_where_the_log_has_none(cycles):
     run, cycle = cycles
-    log = run.log.drop_vars("load")
-    npt.assert_allclose(describe_triggers(replace(run, log=log), cycle)["load"], 222.411)
+    log = run.log.drop_vars("joint_load")
+    npt.assert_allclose(describe_triggers(replace(run, log=log), cycle)["joint_load"], 222.411)
     joint = run.settings.joint.model_copy(update={"load": None})
     settings = run.settings.model_copy(update={"joint": joint})
     with pytest.raises(ConfigError, match="no load_N and"):
@@ -119,7 +119,7 @@ def test_load_of_the_settings_serves_where_the_log_has_none(cycles):
 def power_law():
     """Triggers whose minimum follows the power 0.62 and whose mean follows 0.4."""
     speed, load = np.linspace(0.5, 2.5, 12), np.full(12, 222.0)
-    film = xr.Dataset({"rocker_speed": ("trigger", speed), "load": ("trigger", load)})
+    film = xr.Dataset({"rocker_speed": ("trigger", speed), "joint_load": ("trigger", load)})
     nothing = np.zeros(3)
     results = [
         make_result(
@@ -145,7 +145,7 @@ def test_exponents_are_those_of_minimum_and_mean(power_law, calibration):
 def test_exponents_follow_the_logged_speed_where_there_is_one(power_law, calibration):
     """A logged speed with the power m of the computed one: film ~ v^0.62 = (v^m)^(0.62/m)."""
     film, results = power_law
-    load = film["load"].values
+    load = film["joint_load"].values
     logged = load * (np.abs(film.rocker_speed.values) / load) ** 1.25
     known = film.assign(sliding_speed=("trigger", logged, {"source": "log"}))
     found = xr.Dataset(describe_exponents(known, results, calibration))
@@ -188,7 +188,7 @@ def test_a_mean_that_follows_the_place_of_the_minimum_has_no_exponent(calibratio
     nothing = {"mean_gradient": np.zeros(3), "minimum_gradient": np.zeros(3)}
     results = [make_result(mean=one, mean_random_std=0.005, **nothing) for one in films]
     place = 225 * np.stack([np.cos(side), np.sin(side)], axis=1)
-    columns = {"rocker_speed": speed, "load": np.full(12, 222.0)}
+    columns = {"rocker_speed": speed, "joint_load": np.full(12, 222.0)}
     film = xr.Dataset({name: ("trigger", one) for name, one in columns.items()})
     film["pin_displacement"] = ("trigger", "axis"), place, {"load_line": line}
 

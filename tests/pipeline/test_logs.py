@@ -43,7 +43,7 @@ def test_the_crank_angle_is_that_of_the_rig(tmp_path, changes, tolerance):
     assert apart(located.crank_angle, truth.crank_angle).max() < tolerance
     np.testing.assert_array_equal(located.stroke, np.sign(truth.rocker_speed))
     np.testing.assert_allclose(located.rocker_speed, truth.rocker_speed, atol=0.03)
-    np.testing.assert_allclose(run.log["load"], truth["load"], rtol=1e-4)
+    np.testing.assert_allclose(run.log["joint_load"], truth["joint_load"], rtol=1e-4)
 
 
 def test_pulses_that_do_not_repeat_are_averaged_by_bins_of_one_stroke(small_rig, tmp_path):

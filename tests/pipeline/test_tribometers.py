@@ -23,7 +23,7 @@ GAPS = {
     'stroke = "??': ("?? mm", "10 mm"),
     'frequency = "??': ("?? Hz", "5 Hz"),
 }
-TURNING = {"encoder_angle", "time", "crank_angle", "sliding_speed", "load", "temperature"}
+TURNING = {"encoder_angle", "time", "crank_angle", "sliding_speed", "joint_load", "temperature"}
 EXPECTED = {"rotation": TURNING, "sinusoidal": TURNING | {"position", "stroke"}, "static": set()}
 """What the film has beside maps and statistics."""
 

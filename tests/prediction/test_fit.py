@@ -173,7 +173,7 @@ def test_a_guided_pin_is_led_in_also_where_the_recording_is_shorter_than_a_turn(
         "time": moments,
         "crank_angle": np.degrees(SPEED * moments),
         "cycle": np.zeros(50, int),
-        "load": np.full(50, 222.4),
+        "joint_load": np.full(50, 222.4),
     }
     frames = xr.Dataset({name: ("frame", values) for name, values in columns.items()})
     moved = follow_motion(frames, RIG, crank_speed=SPEED, viscosity=STATED.viscosity)

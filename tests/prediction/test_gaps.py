@@ -34,7 +34,7 @@ def fill(pin, missing, position=None):
         "time": time,
         "crank_angle": np.degrees(crank_at(time, pin.rig)) % 360,
         "cycle": np.zeros(time.size, int),
-        "load": np.full(time.size, pin.rig.load),
+        "joint_load": np.full(time.size, pin.rig.load),
     }
     frames = xr.Dataset({name: ("frame", values) for name, values in frames.items()})
     place = pin.position if position is None else position

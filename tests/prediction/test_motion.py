@@ -15,7 +15,7 @@ def frames(crank, *, cycle=None, **columns):
     """Frames at these crank angles [degree], under a dead load."""
     crank = np.asarray(crank, float)
     cycle = np.zeros(crank.size, int) if cycle is None else np.asarray(cycle)
-    columns = {"load": np.full(crank.size, 222.4)} | columns
+    columns = {"joint_load": np.full(crank.size, 222.4)} | columns
     return xr.Dataset(
         {"crank_angle": ("frame", crank % 360), "cycle": ("frame", cycle)}
         | {name: ("frame", np.asarray(values, float)) for name, values in columns.items()}

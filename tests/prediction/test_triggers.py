@@ -34,7 +34,7 @@ def motion(count=25, cycles=1, viscosity=0.12):
         {
             "crank_angle": ("frame", turned % 360),
             "cycle": ("frame", cycle),
-            "load": ("frame", np.full(turned.size, LOAD)),
+            "joint_load": ("frame", np.full(turned.size, LOAD)),
         }
     )
     return follow_motion(frames, RIG, crank_speed=SPEED, viscosity=viscosity), turned

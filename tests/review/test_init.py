@@ -161,7 +161,7 @@ def test_a_measurement_in_one_folder_becomes_the_same_film(lab, film, tmp_path, 
     command("process", folder)
     with erlif.open_film(folder / "film.nc") as own, erlif.open_film(film) as expected:
         np.testing.assert_array_equal(own.thickness, expected.thickness)  # times are rounded
-        np.testing.assert_allclose(own["load"], expected["load"], rtol=1e-8)
+        np.testing.assert_allclose(own["joint_load"], expected["joint_load"], rtol=1e-8)
 
 
 @pytest.mark.slow

@@ -226,7 +226,7 @@ def trigger_columns() -> dict[str, tuple[np.ndarray, str]]:
         "crank_angle": (CRANK, "degree"),
         "rocker_speed": (speed, "rad s-1"),
         "sliding_speed": (np.abs(speed) * 0.03336, "m s-1"),
-        "load": (np.full(TRIGGERS, LOAD), "N"),
+        "joint_load": (np.full(TRIGGERS, LOAD), "N"),
         "stroke": (np.where(speed > 0, 1, -1), "1"),
         "frames_used": (np.ones(TRIGGERS, int), "1"),
         "film_mean": (true_film().mean(axis=(1, 2)), "um"),

@@ -115,7 +115,7 @@ def _numbers(triggers: int, shape: tuple[int, int], name: str) -> xr.Dataset:
         "encoder_angle": 30 - 30 * np.cos(np.radians(crank)),
         "rocker_speed": 4 * sine,
         "sliding_speed": 0.13 * np.abs(sine),
-        "load": 220 + 20 * np.cos(np.radians(2 * crank)),
+        "joint_load": 220 + 20 * np.cos(np.radians(2 * crank)),
         "stroke": np.where(sine < 0, -1.0, 1.0),
         "film_min": minimum,
         "film_mean": minimum + 2.6,

@@ -56,7 +56,7 @@ def slider_film() -> xr.Dataset:
 def static_film() -> xr.Dataset:
     """A film at rest, without a log."""
     tables = ("encoder", "joint", "oil")
-    return film_of(None, without=(*LINKAGE, *THEORY, *TREND, "load"), leave_out=tables)
+    return film_of(None, without=(*LINKAGE, *THEORY, *TREND, "joint_load"), leave_out=tables)
 
 
 def _as_text(table: Mapping[str, Any]) -> dict[str, Any]:

@@ -17,9 +17,9 @@ GRID = xr.Dataset(
         "x": ("x", np.arange(30) / 10, {"units": "mm"}),
     }
 )
-FILM = GRID.assign(load=("trigger", [220.0, 230.0, 240.0, 250.0], {"units": "N"})).assign_attrs(
-    title="µm"
-)
+FILM = GRID.assign(
+    joint_load=("trigger", [220.0, 230.0, 240.0, 250.0], {"units": "N"})
+).assign_attrs(title="µm")
 GROUPS = {"frames": xr.Dataset({"file_camera1": ("frame", np.array(["a.tif", "ä.tif"]))})}
 
 

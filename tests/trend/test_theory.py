@@ -20,7 +20,7 @@ def joint(solid=ACRYLIC, **changes):
 
 
 def at(speed, load, **more):
-    variables = {"sliding_speed": speed, "load": load, **more}
+    variables = {"sliding_speed": speed, "joint_load": load, **more}
     return xr.Dataset(
         {name: ("trigger", np.atleast_1d(value)) for name, value in variables.items()}
     )

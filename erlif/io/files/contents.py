@@ -161,7 +161,7 @@ def check_trigger(film: xr.Dataset, trigger: int) -> None:
 
     Examples
     --------
-    >>> film = xr.Dataset({"load": ("trigger", [220.0, 230.0])})
+    >>> film = xr.Dataset({"joint_load": ("trigger", [220.0, 230.0])})
     >>> check_trigger(film, 1)
     >>> check_trigger(film, 2)
     Traceback (most recent call last):

@@ -41,9 +41,9 @@ def open_netcdf(path: Path, *, group: str | None = None) -> xr.Dataset:
     >>> from tempfile import TemporaryDirectory
     >>> with TemporaryDirectory() as folder:
     ...     path = Path(folder, "load.nc")
-    ...     xr.Dataset({"load": ("trigger", [220.0])}).to_netcdf(path, engine="h5netcdf")
+    ...     xr.Dataset({"joint_load": ("trigger", [220.0])}).to_netcdf(path, engine="h5netcdf")
     ...     with open_netcdf(path) as dataset:
-    ...         float(dataset["load"][0])
+    ...         float(dataset["joint_load"][0])
     220.0
     """
     from erlif.io.files.kept import open_kept
@@ -102,9 +102,9 @@ def write_netcdf(
     >>> from tempfile import TemporaryDirectory
     >>> with TemporaryDirectory() as folder:
     ...     path = Path(folder, "load.nc")
-    ...     write_netcdf(xr.Dataset({"load": ("trigger", [220.0])}), path)
+    ...     write_netcdf(xr.Dataset({"joint_load": ("trigger", [220.0])}), path)
     ...     with open_netcdf(path) as dataset:
-    ...         float(dataset["load"][0])
+    ...         float(dataset["joint_load"][0])
     220.0
     """
     import h5netcdf

@@ -31,7 +31,7 @@ _RELATIVE, _KELVIN = 0.2, 3.0
 _FACTOR, _SHARE = 30.0, 0.5
 
 # Columns that are searched, with the least distance of each.
-_SEARCHED = {"temperature": _KELVIN, "load": None}
+_SEARCHED = {"temperature": _KELVIN, "joint_load": None}
 
 
 def note_columns(evidence: Evidence) -> Iterator[Note]:
@@ -55,9 +55,9 @@ def note_columns(evidence: Evidence) -> Iterator[Note]:
         unit = str(log[name].attrs.get("units", "")).replace("degree_Celsius", "degC")
         odd = find_single(values, least=least)
         if odd.size:
-            counted = name == "load" or (oil is not None and oil.vogel is not None)
-            yield _note_single(name, values, odd, unit, counted=counted)
-        elif name == "load":
+            counted = name == "joint_load" or (oil is not None and oil.vogel is not None)
+            yield _note_single(name.removeprefix("joint_"), values, odd, unit, counted=counted)
+        elif name == "joint_load":
             lost = find_lost(values)
             if lost.size:
                 usual = float(np.median(np.delete(values, lost)))

@@ -234,8 +234,8 @@ def note_conditions(log: EncoderLog, settings: RunSettings) -> Iterator[Note]:
         else:
             yield remark("conditions", f"temperature {low:.1f} to {high:.1f} degC")
 
-    if "load" in log:
-        values = np.asarray(log["load"].values, float)
+    if "joint_load" in log:
+        values = np.asarray(log["joint_load"].values, float)
         low, high, joint = values.min(), values.max(), settings.joint
         stated = None if joint is None else joint.load
         factor = 1.0 if stated is None else float(np.median(values)) / stated

@@ -59,7 +59,7 @@ def _note_by_film(evidence: Evidence, numbers: AnyArray, *, known: bool) -> Iter
         speed = evidence.logged("sliding_speed")
     if speed is None:
         return
-    load = evidence.logged("load")
+    load = evidence.logged("joint_load")
     drive = np.abs(speed[:_MOST]) / (1.0 if load is None else load[:_MOST] / np.median(load))
     found = None if known else compare_film(drive, levels)
     if found is not None:

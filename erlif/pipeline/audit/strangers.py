@@ -75,7 +75,7 @@ def note_strangers(evidence: Evidence) -> Iterator[Note]:
 
 def _changes_itself(evidence: Evidence, row: int) -> bool:
     """Whether load or crank change between a frame and the next one, as a step of a program."""
-    load, time = evidence.logged("load"), evidence.logged("time")
+    load, time = evidence.logged("joint_load"), evidence.logged("time")
     if load is not None and row + 1 < load.size:
         factor = load[row + 1] / load[row]
         if not 1 / _STEADY < factor < _STEADY:

@@ -192,7 +192,7 @@ def _compare_models(
     progress: Progress = silent,
 ) -> ModelComparison:
     """The models of what may carry a film; a spring takes positions."""
-    if "load" not in frames:
+    if "joint_load" not in frames:
         raise ConfigError(
             'Expected the load for a fit of the film: add load = "50 lbf" to [joint] in run.toml, '
             "or load_N to the log, and process the run again."

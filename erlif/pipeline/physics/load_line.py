@@ -71,7 +71,7 @@ def find_load_line(plane: ObjectPlane, film: xr.Dataset, frames: xr.Dataset) -> 
         std = options.load_line_std
         return LoadLine(view.load_line, None if std is None else _MILLI * float(std), "given")
     middle = LoadLine(view.load_line, None, "middle")
-    if not swings(plane.settings) or not {"load", "crank_angle"} <= set(frames):
+    if not swings(plane.settings) or not {"joint_load", "crank_angle"} <= set(frames):
         return middle
 
     # the film is complete without a line, whatever is wrong with log or positions

@@ -63,7 +63,7 @@ _OF_FILM = (
     "stroke",
     "time",
     "rocker_speed",
-    "load",
+    "joint_load",
 )
 
 
@@ -194,7 +194,7 @@ def read_film(path: Path) -> PredictionInputs:
             }
         )
         # the film has the means of its triggers; with one cycle they are those of the frames
-        for name in ("crank_angle", "load", "temperature"):
+        for name in ("crank_angle", "joint_load", "temperature"):
             if name in film:
                 frames[name] = ("frame", film[name].values[trigger])
         if "time" in group and np.isfinite(group["time"].values).all():
@@ -210,7 +210,7 @@ def _read_run(run_dir: Path, allow_outside: bool) -> PredictionInputs:
     swinging_joint(run.settings)
     cycle = locate_run(run)
     frames = frames_of_run(run, cycle)
-    if "load" not in frames:
+    if "joint_load" not in frames:
         raise missing_load()
     logged = hash_files_beside_frames(run)
     hashes = {path.name: digest for path, digest in logged.items() if path.suffix != ".tif"}

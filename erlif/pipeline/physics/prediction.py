@@ -138,11 +138,11 @@ def frames_of_run(run: Run, cycle: xr.Dataset) -> xr.Dataset:
     """
     names = [name for name in ("trigger", "cycle", "crank_angle") if name in cycle]
     frames = cycle[names].reset_coords(drop=True)
-    for name in ("time", "temperature", "load"):
+    for name in ("time", "temperature", "joint_load"):
         if name in run.log:
             frames[name] = ("frame", run.log[name].values)
-    if "load" not in frames and run.settings.load is not None:
-        frames["load"] = xr.full_like(cycle.trigger, run.settings.load, float)
+    if "joint_load" not in frames and run.settings.load is not None:
+        frames["joint_load"] = xr.full_like(cycle.trigger, run.settings.load, float)
     used = np.zeros(cycle.sizes["frame"], bool)
     used[list(run.pairs.usable)] = True
     return frames.assign(used=("frame", used))
@@ -288,7 +288,7 @@ def try_prediction(plane: ObjectPlane, film: xr.Dataset, frames: xr.Dataset) -> 
     Prediction
         Without variables where the joint does not swing, or the prediction failed.
     """
-    if not swings(plane.settings) or "load" not in frames or "crank_angle" not in frames:
+    if not swings(plane.settings) or "joint_load" not in frames or "crank_angle" not in frames:
         return NO_PREDICTION
     try:
         return predict_run(plane, film, frames)

@@ -194,7 +194,7 @@ def _follow_pin(film: xr.Dataset, settings: RunSettings, known: Mask) -> _Positi
         {
             "crank_angle": ("frame", film.crank_angle.values),
             "cycle": ("frame", np.zeros(known.size, np.int64)),
-            "load": ("frame", np.ones(known.size)),  # moves nothing here
+            "joint_load": ("frame", np.ones(known.size)),  # moves nothing here
         }
     )
     if "time" in film:
@@ -235,7 +235,11 @@ def _lay_path(at: _Positions) -> PinMotion:
 
 def _fill_motion(film: xr.Dataset, settings: RunSettings, at: _Positions) -> PinMotion | None:
     """The motion of a guided pin through the gaps of its triggers; None without a known load."""
-    load = film["load"].values if "load" in film else np.full(film.sizes["trigger"], settings.load)
+    load = (
+        film["joint_load"].values
+        if "joint_load" in film
+        else np.full(film.sizes["trigger"], settings.load)
+    )
     if not np.isfinite(load[at.order].astype(float)).all():
         return None
 
@@ -243,7 +247,7 @@ def _fill_motion(film: xr.Dataset, settings: RunSettings, at: _Positions) -> Pin
     once = np.append(at.order, at.order[0])
     time = np.append(at.time, at.time[0] + at.period)
     columns = {name: film[name].values for name in ("crank_angle", "temperature") if name in film}
-    columns |= {"cycle": np.zeros(load.size, np.int64), "load": load.astype(float)}
+    columns |= {"cycle": np.zeros(load.size, np.int64), "joint_load": load.astype(float)}
     frames = xr.Dataset({name: ("frame", values[once]) for name, values in columns.items()})
     moved = build_motion(settings, frames.assign(time=("frame", time)))
     options = settings.prediction
@@ -317,13 +321,17 @@ def _pressure_by_trigger(
     rate = -motion.rate[:, 0] * _MICRO
     rate_std = np.sqrt((motion.random_cov + motion.shared_cov)[:, 4, 4]) * _MICRO
     columns["film_rate"], columns["film_rate_std"] = spread(rate), spread(rate_std)
-    load = film["load"].values if "load" in film else np.full(total, settings.load or np.nan)
+    load = (
+        film["joint_load"].values
+        if "joint_load" in film
+        else np.full(total, settings.load or np.nan)
+    )
     radius = float(conformal_radius(view.pin_radius, bushing_radius=view.bushing_radius))
     thinnest = spread(view.clearance - np.hypot(*motion.position[:, :2].T) * _MICRO) / _MICRO
     reach = np.sqrt(2 * radius * np.maximum(thinnest, 0.0))
     length = joint_and_oil(settings)[0].length
     columns["peak_of_load"] = _KILO * load / (length * 0.5 * np.pi * reach)
-    columns["load"] = load
+    columns["joint_load"] = load
 
     x, y = grid
     places = {"x": x, "y": y, "place": x if view.sliding_along_x else y}
@@ -498,7 +506,7 @@ def state_balance(pressure: xr.Dataset) -> str:
     """The load that the pressure makes beside the logged one, in words; as `state_limits`."""
     measured = pressure.pressure_measured.values > 0
     load, std = (pressure[name].values for name in ("load_from_pressure", "load_from_pressure_std"))
-    logged = pressure["load"].values
+    logged = pressure["joint_load"].values
     measured &= np.isfinite(logged) & np.isfinite(load) & np.isfinite(std)
     if not measured.any():
         return "No load to compare with."

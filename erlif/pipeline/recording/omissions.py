@@ -63,10 +63,10 @@ def _lacking(
         cure = "Add it where the angle is to be known."
         yield "column angle_deg", ("encoder_angle", "crank_angle"), cure
 
-    if "load" not in triggers and moving:
+    if "joint_load" not in triggers and moving:
         tables = "[mechanism]" if _carries_load(settings) else "[joint]"
         cure = f'Add the column to the log, or load = "20 N" to {tables}.'
-        yield "column load_N", ("load", *_EXPONENTS), cure
+        yield "column load_N", ("joint_load", *_EXPONENTS), cure
 
     if settings.joint is None:
         speed = ("sliding_speed",) if settings.linkage is not None else ()

@@ -197,7 +197,7 @@ def _conditions(
     return {
         "speed": np.abs(film[name].values) if name else None,
         "speed_name": name,
-        "load": film["load"].values if "load" in film else None,
+        "load": film["joint_load"].values if "joint_load" in film else None,
         "viscosity": viscosity,
         "theory": None if theory is None else theory.values,
         "patch_ratio": patch,

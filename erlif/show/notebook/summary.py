@@ -23,7 +23,7 @@ from erlif.io.files import (
 _PICTURES = 4  # maps that are shown
 _SIDE = 160  # px, width of a picture
 _QUANTITIES = {
-    "load": ("load", "N", 1),
+    "load": ("joint_load", "N", 1),
     "crank angle": ("crank_angle", "°", 1),
     "encoder angle": ("encoder_angle", "°", 1),
     "sliding speed": ("sliding_speed", "m/s", 3),

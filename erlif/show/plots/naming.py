@@ -48,7 +48,7 @@ def _shorten(name: str) -> str:
 
 def _describe_load(film: xr.Dataset, given: float | None) -> str:
     """The load of the triggers, or the one of [joint]. [N]"""
-    load = film["load"].values if "load" in film else np.array([])
+    load = film["joint_load"].values if "joint_load" in film else np.array([])
     known = load[np.isfinite(load)]
     if known.size == 0:
         return "" if given is None else f"{given:.3g} N"

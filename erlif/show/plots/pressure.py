@@ -128,11 +128,11 @@ def load_balance(found: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
     load, std = found.load_from_pressure.values, found.load_from_pressure_std.values
     artists = draw_strokes(ax, found, angle, load, std, elinewidth=pt(0.7))
     stretches = in_order(found, angle)
-    logged = broken(stretches, found["load"].values)
+    logged = broken(stretches, found["joint_load"].values)
     artists += ax.plot(broken(stretches, angle), logged, color=MUTED, label="logged", zorder=1)
     ax.set(xlabel=label, ylabel="load of the pressure [N]")
     # zero is shown, and so is every point with its bar; the legend lies above all of them
-    drawn = np.concatenate([load - std, load + std, found["load"].values, [0.0]])
+    drawn = np.concatenate([load - std, load + std, found["joint_load"].values, [0.0]])
     low, high = np.nanmin(drawn), np.nanmax(drawn)
     ax.set_ylim(low - _MARGIN * (high - low) * (low < 0), high + _MARGIN * (high - low))
     ax.legend(ncols=len(artists), title="bars: one standard deviation", **_ABOVE)

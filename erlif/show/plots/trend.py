@@ -47,7 +47,7 @@ def _speed_name(film: xr.Dataset) -> str:
 
 def speed_over_load(film: xr.Dataset) -> Array:
     """Speed over load of each trigger, without sign. [rad s-1 N-1, else m s-1 N-1]"""
-    return np.asarray(np.abs(film[_speed_name(film)].values) / film["load"].values)
+    return np.asarray(np.abs(film[_speed_name(film)].values) / film["joint_load"].values)
 
 
 @styled

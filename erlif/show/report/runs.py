@@ -115,7 +115,7 @@ def _describe_run(film: xr.Dataset) -> tuple[list[str], dict[str, Any]]:
     settings, fastest = files.settings_of(film), files.fastest_trigger(film)
     oil = "" if settings.oil is None else settings.oil.name or ""
     unknown = np.array([np.nan])
-    load = film["load"].values if "load" in film else unknown
+    load = film["joint_load"].values if "joint_load" in film else unknown
     speed = 1e3 * np.abs(film.sliding_speed.values) if "sliding_speed" in film else unknown
     values: dict[str, Any] = {"run": settings.name, "oil": oil}
     for name, each in (("load [N]", load), ("speed [mm/s]", speed)):

@@ -323,7 +323,7 @@ def _describe_theory(film: xr.Dataset) -> str:
         return ""
     # hydrodynamic theory is closest to its assumptions where the speed is highest
     top = int(np.argmax(film.sliding_speed.values))
-    speed, load = float(film.sliding_speed[top]), float(film["load"][top])
+    speed, load = float(film.sliding_speed[top]), float(film["joint_load"][top])
     formula = float(film.film_hamrock_dowson[top])
     return (
         f"{float(theory[top]):.3g} um, {theory.attrs['regime']} ({speed:.3f} m/s, "

@@ -82,8 +82,8 @@ def results_table(film: xr.Dataset, shares: Array) -> Table:
         rows.append(("Film parameter Λ", with_span(film.film_parameter.values)))
     if "rocker_speed" not in film and "sliding_speed" in film:
         rows.append(("Sliding speed", f"{with_span(1e3 * film.sliding_speed.values)} mm/s"))
-    if "load" in film:
-        rows.append(("Load", f"{with_span(film['load'].values)} N"))
+    if "joint_load" in film:
+        rows.append(("Load", f"{with_span(film['joint_load'].values)} N"))
 
     return Table(rows, caption="Results (± is one standard deviation, random and shared)")
 

@@ -18,7 +18,7 @@ def test_a_table_of_triggers_gives_every_number_back(film, tmp_path):
     write_trigger_table(film, tmp_path / "film.csv")
     rows = read(tmp_path / "film.csv")
     assert len(rows) == 6
-    for name, unit in (("film_min", "um"), ("rocker_speed", "rad s-1"), ("load", "N")):
+    for name, unit in (("film_min", "um"), ("rocker_speed", "rad s-1"), ("joint_load", "N")):
         found = [float(row[f"{name} [{unit}]"]) for row in rows]
         assert found == film[name].values.tolist()  # to the last bit
     assert [row["trigger"] for row in rows] == ["0", "1", "2", "3", "4", "5"]

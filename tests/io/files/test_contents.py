@@ -75,8 +75,8 @@ def test_shares_of_flags_are_those_of_the_maps(opened):
 
 @pytest.mark.parametrize("given", ["90 deg", 1.0, None, [0, 1]])
 def test_a_trigger_that_is_no_number_is_refused_with_the_way_from_an_angle(given):
-    film = xr.Dataset({"load": ("trigger", [220.0, 230.0])})
+    film = xr.Dataset({"joint_load": ("trigger", [220.0, 230.0])})
     check_trigger(film, np.int64(1))
-    check_trigger(film, film["load"].argmin("trigger"))
+    check_trigger(film, film["joint_load"].argmin("trigger"))
     with pytest.raises(ErlifError, match=r"from 0 to 1; got .*choose_trigger\(film, crank_angle="):
         check_trigger(film, given)

@@ -52,7 +52,7 @@ def test_film_without_a_table_lacks_what_needs_it(small_rig, missing):
         assert name not in found, name
         # a note names what any motion gives, and a standard deviation with its quantity
         assert name in named or name == "rocker_speed" or name.endswith("_std"), name
-    assert {"load", "temperature", "encoder_angle"} <= found
+    assert {"joint_load", "temperature", "encoder_angle"} <= found
 
 
 def test_names_of_the_film_are_reserved_in_the_log(opened):

@@ -50,12 +50,12 @@ def test_a_film_as_it_was_written_is_accepted(path):
 
 def test_a_header_larger_than_the_memory_is_refused_before_it_is_read(path):
     if path.is_dir():
-        describe(path, "load", shape=[10**9])
+        describe(path, "joint_load", shape=[10**9])
     else:
         with h5py.File(path, "r+") as file:
-            del file["load"]
-            file.create_dataset("load", (10**9,), "f8", chunks=(1024,))
-    with pytest.raises(ValueError, match=r"claims 8\.0 GB of load"):
+            del file["joint_load"]
+            file.create_dataset("joint_load", (10**9,), "f8", chunks=(1024,))
+    with pytest.raises(ValueError, match=r"claims 8\.0 GB of joint_load"):
         check(path)
 
 
@@ -76,18 +76,20 @@ def test_values_in_another_file_are_refused(tmp_path, kind):
     path = store(tmp_path / "film.nc")
     shutil.copy(path, tmp_path / "other.nc")
     with h5py.File(path, "r+") as file:
-        count = file["load"].shape
-        del file["load"]
+        count = file["joint_load"].shape
+        del file["joint_load"]
         if kind == "external":
-            file["load"] = h5py.ExternalLink("other.nc", "/load")
+            file["joint_load"] = h5py.ExternalLink("other.nc", "/joint_load")
         elif kind == "soft":
-            file["load"] = h5py.SoftLink("/time")
+            file["joint_load"] = h5py.SoftLink("/time")
         elif kind == "virtual":
             layout = h5py.VirtualLayout(count, "f8")
-            layout[:] = h5py.VirtualSource(tmp_path / "other.nc", "load", count)
-            file.create_virtual_dataset("load", layout)
+            layout[:] = h5py.VirtualSource(tmp_path / "other.nc", "joint_load", count)
+            file.create_virtual_dataset("joint_load", layout)
         else:
-            file.create_dataset("load", count, "f8", external=[("/dev/zero", 0, 8 * count[0])])
+            file.create_dataset(
+                "joint_load", count, "f8", external=[("/dev/zero", 0, 8 * count[0])]
+            )
     with pytest.raises(ValueError, match=r"load is a link|load are in another file"):
         check_netcdf(path)
 
@@ -106,7 +108,7 @@ def test_values_in_another_file_are_refused(tmp_path, kind):
 )
 def test_a_description_that_erlif_does_not_write_is_refused(tmp_path, changes, words):
     path = store(tmp_path / "film.zarr")
-    describe(path, "load", **changes)
+    describe(path, "joint_load", **changes)
     with pytest.raises(ValueError, match=words):
         check_zarr(path)
 

@@ -87,11 +87,17 @@ def test_original_is_left_as_it_was():
 
 def test_groups_are_added_to_a_file(tmp_path):
     path = tmp_path / "two.nc"
-    write_netcdf(fix_text(xr.Dataset({"load": ("trigger", [220.0])}, attrs={"title": "a"})), path)
+    write_netcdf(
+        fix_text(xr.Dataset({"joint_load": ("trigger", [220.0])}, attrs={"title": "a"})), path
+    )
     write_netcdf(xr.Dataset({"speed": ("trigger", [0.5])}), path, mode="a")
     write_netcdf(fix_text(xr.Dataset({"file": ("frame", ["ä"])})), path, mode="a", group="frames")
     with open_netcdf(path) as root, open_netcdf(path, group="frames") as frames:
-        assert (float(root["load"][0]), float(root["speed"][0]), root.title) == (220.0, 0.5, "a")
+        assert (float(root["joint_load"][0]), float(root["speed"][0]), root.title) == (
+            220.0,
+            0.5,
+            "a",
+        )
         assert frames.file.values.tolist() == ["ä"]
 
 
@@ -99,7 +105,7 @@ def test_groups_are_added_to_a_file(tmp_path):
 def test_a_file_of_another_program_is_opened_without_a_warning(tmp_path):
     path = tmp_path / "film.nc"
     with h5py.File(path, "w") as file:
-        file["load"] = [220.0, 221.0]  # its dimension has no name
-        file["load"].attrs["_FillValue"] = "none"
+        file["joint_load"] = [220.0, 221.0]  # its dimension has no name
+        file["joint_load"].attrs["_FillValue"] = "none"
     with open_netcdf(path) as dataset:
-        assert dataset["load"].values.tolist() == [220.0, 221.0]
+        assert dataset["joint_load"].values.tolist() == [220.0, 221.0]

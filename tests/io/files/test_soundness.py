@@ -56,7 +56,7 @@ DAMAGES = [
     (without("rocker_speed"), "it has a linkage and no variable rocker_speed"),
     (lambda film: film.assign(load=("x", film.x.values)), "load has the dims"),
     (lambda film: film.isel(trigger=slice(0, 0)), "trigger has no values"),
-    (change("load", lambda v: v.astype(str)), "load has values of the type"),
+    (change("joint_load", lambda v: v.astype(str)), "joint_load has values of the type"),
     (change("film_min_std", set_first(-0.1)), r"film_min_std has the value -0\.1"),
     (change("y", lambda v: v**2), "its positions y have unequal distances"),
     (attribute("notes", 1.5), r"its attribute notes is 1\.5, not text"),

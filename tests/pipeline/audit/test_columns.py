@@ -53,7 +53,7 @@ def notes(table, vogel=None):
 def test_load_and_temperature_are_searched():
     load, temperature = LOADS["noisy"].copy(), np.full(50, 25.0)
     load[7], temperature[33] = 9000.0, 33.0
-    found = notes(log(load=load, temperature=temperature, number=ROWS))
+    found = notes(log(joint_load=load, temperature=temperature, number=ROWS))
     assert [note.subject for note in found] == ["temperature", "load"]
     assert all(note.level == "warning" for note in found)
     assert found[1].text.startswith("row 7 of the log: 9000, where all others are 2")
@@ -62,7 +62,8 @@ def test_load_and_temperature_are_searched():
 def test_a_column_of_unknown_meaning_may_have_single_values():
     """A sync pulse, and a level that counts something."""
     assert (
-        notes(log(load=LOADS["noisy"], sync=1 * (ROWS == 7), torque=3 + 90.0 * (ROWS == 7))) == []
+        notes(log(joint_load=LOADS["noisy"], sync=1 * (ROWS == 7), torque=3 + 90.0 * (ROWS == 7)))
+        == []
     )
 
 
@@ -70,7 +71,7 @@ def test_a_column_of_unknown_meaning_may_have_single_values():
 def test_a_temperature_counts_where_the_viscosity_follows_it(vogel):
     (note,) = notes(log(temperature=25.0 + 8 * (ROWS == 33)), vogel)
     assert ("theory count them" in note.text) == (vogel is not None)
-    (note,) = notes(log(load=220.0 + 9000 * (ROWS == 33)), vogel)
+    (note,) = notes(log(joint_load=220.0 + 9000 * (ROWS == 33)), vogel)
     assert "theory count them" in note.text
 
 

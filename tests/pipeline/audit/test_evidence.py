@@ -15,11 +15,13 @@ def frame(number, ratio, energy):
 
 
 def test_columns_and_light_are_those_of_the_frames_that_were_measured():
-    log = xr.Dataset({"load": ("frame", [1.0, 2, 3, 4]), "laser_mJ": ("frame", [8.0, 8, 16, 8])})
+    log = xr.Dataset(
+        {"joint_load": ("frame", [1.0, 2, 3, 4]), "laser_mJ": ("frame", [8.0, 8, 16, 8])}
+    )
     located = xr.Dataset({"rocker_speed": ("frame", [0.1, 0.2, 0.3, 0.4])})
     frames = [frame(0, [1, 2, 3], 50.0), frame(2, [2, 3, 7], 100.0), frame(3, [5, 5, 5], np.nan)]
     found = Evidence(SimpleNamespace(log=log), located, frames)
-    npt.assert_array_equal(found.logged("load"), [1, 3, 4])
+    npt.assert_array_equal(found.logged("joint_load"), [1, 3, 4])
     npt.assert_array_equal(found.logged("rocker_speed"), [0.1, 0.3, 0.4])
     assert found.logged("torque") is None
     npt.assert_allclose(found.light, [50 / 75, 100 / 75, np.nan])

@@ -84,8 +84,8 @@ def test_triggers_of_the_rocker_are_uneven_on_the_crank():
         ("temperature", [25.0, 25.2], None),
         ("temperature", [298.0, 298.2], "no oil of a rig has that"),
         ("temperature", [25.0, 60.0], "it changes by 35.0 K from frame 0 to 1"),
-        ("load", [220.0, 225.0], None),
-        ("load", [50.0, 51.0], "0.23 times the load in [joint]"),
+        ("joint_load", [220.0, 225.0], None),
+        ("joint_load", [50.0, 51.0], "0.23 times the load in [joint]"),
     ],
 )
 def test_conditions_are_compared_with_what_a_rig_has(column, values, words):
@@ -120,7 +120,7 @@ def test_a_camera_slower_than_the_crank_shows_its_speed_by_the_rest_of_a_turn():
     ("newtons", "unit"), [(9.80665, "kgf"), (4.44822, "lbf"), (1000.0, "kN"), (1e-3, "mN")]
 )
 def test_the_unit_that_fits_is_named(newtons, unit):
-    log = xr.Dataset({"load": ("frame", np.linspace(215, 230, 20) / newtons)})
+    log = xr.Dataset({"joint_load": ("frame", np.linspace(215, 230, 20) / newtons)})
     (note,) = note_conditions(log, settings())
     assert f'units = {{ load = "{unit}" }}' in note.text
 

@@ -64,7 +64,7 @@ def test_a_step_of_the_load_is_no_stranger():
     found[40:] += np.log1p(0.2 * PLACES)
     assert len(list(note_strangers(evidence(found)))) == 1
     load = np.where(np.arange(50) < 40, 200.0, 400.0)
-    assert list(note_strangers(evidence(found, load=load))) == []
+    assert list(note_strangers(evidence(found, joint_load=load))) == []
 
 
 def test_a_load_that_rises_and_falls_again_makes_no_strangers():
@@ -75,11 +75,17 @@ def test_a_load_that_rises_and_falls_again_makes_no_strangers():
     assert "pairs 25 to 39 " in note.text
     load = np.full(50, 200.0)
     load[25:40] = 400.0
-    assert list(note_strangers(evidence(found, load=load))) == []
+    assert list(note_strangers(evidence(found, joint_load=load))) == []
 
     # a step of the load on one side alone explains one jump of the two
     assert (
-        len(list(note_strangers(evidence(found, load=np.where(np.arange(50) < 40, 200.0, 400.0)))))
+        len(
+            list(
+                note_strangers(
+                    evidence(found, joint_load=np.where(np.arange(50) < 40, 200.0, 400.0))
+                )
+            )
+        )
         == 1
     )
 

@@ -42,7 +42,7 @@ def frames():
         "trigger": np.arange(FRAMES),
         "cycle": np.arange(FRAMES) // 50,
         "crank_angle": np.degrees(CRANK[STEPS]) % 360,
-        "load": np.full(FRAMES, 222.4),
+        "joint_load": np.full(FRAMES, 222.4),
         "time": MOTION.time[STEPS],
         "used": np.ones(FRAMES, bool),
     }
@@ -154,7 +154,7 @@ def test_a_given_line_and_joints_without_a_swing_keep_their_positions():
     wide, _ = placed(seen, load_line="8.97 mm", load_line_std="0.2 mm")
     assert (wide.pin_position_cov.values[:, 1, 1] > film.pin_position_cov.values[:, 1, 1]).all()
 
-    line = find_load_line(plane(), xr.Dataset(seen), frames().drop_vars("load"))
+    line = find_load_line(plane(), xr.Dataset(seen), frames().drop_vars("joint_load"))
     assert line == LoadLine(pytest.approx(MIDDLE), None, "middle")
     lost = swinging(np.full(FRAMES, np.nan))
     assert find_load_line(plane(), xr.Dataset(lost), frames()).source == "middle"

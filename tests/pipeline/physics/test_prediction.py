@@ -47,7 +47,7 @@ def settings(*, without=(), mechanism=None, oil=None, axis="sliding", **options)
 
 def frames(**columns):
     number = CRANK.size
-    columns = {"load": np.full(number, LOAD)} | columns
+    columns = {"joint_load": np.full(number, LOAD)} | columns
     found = {name: ("frame", values) for name, values in columns.items()}
     return xr.Dataset(
         {
@@ -196,7 +196,7 @@ def rig_films():
             "cycle": np.zeros(number, int),
             "crank_angle": triggers.crank_angle,
             "time": frame_times(triggers, rig),
-            "load": triggers.load,
+            "joint_load": triggers.load,
             "used": np.ones(number, bool),
         }
         noise = np.random.default_rng(3).normal(0, KNOWN_TO, number)

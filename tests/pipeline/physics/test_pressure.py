@@ -57,7 +57,7 @@ def make_film(count=10, noise=1.0, seed=0, **changes):
             "crank_angle": ("trigger", np.degrees(crank) % 360),
             "encoder_angle": ("trigger", np.zeros(count)),
             "stroke": ("trigger", np.sign(speed)),
-            "load": ("trigger", np.full(count, rig.load)),
+            "joint_load": ("trigger", np.full(count, rig.load)),
         },
         {"trigger": np.arange(count), "x": example.x, "y": example.y},
         example.attrs,
@@ -140,7 +140,7 @@ def state(load, error, mount="", correlation=1.0):
             "load_from_pressure": ("trigger", np.array(load, float)),
             "load_from_pressure_std": ("trigger", np.array(error, float)),
             "load_cov": (("trigger", "trigger_other"), correlated(error, correlation)),
-            "load": ("trigger", np.full(count, 200.0)),
+            "joint_load": ("trigger", np.full(count, 200.0)),
         },
         attrs={
             "settings": settings,
@@ -288,7 +288,7 @@ def test_a_gap_at_a_dead_point_is_crossed_by_the_motion_of_a_guided_pin(monkeypa
     assert np.mean(pull < 1) > 0.6
     assert np.mean(pull < 1.96) > 0.9
     # which takes a load, and a gap of 15 % of a turn at most
-    for other in (gap.drop_vars("load"), gap.isel(trigger=slice(0, 36))):
+    for other in (gap.drop_vars("joint_load"), gap.isel(trigger=slice(0, 36))):
         refused = pressure_from_film(other)
         assert not refused.pressure_measured.values.any()
         assert "no trigger was recorded over 5 % or more of a turn" in refused.attrs["statement"]

@@ -10,7 +10,7 @@ from erlif.core.notes import Level
 from erlif.io.settings import RunSettings
 from erlif.pipeline.recording.omissions import note_omissions
 
-MOTION = ("encoder_angle", "stroke", "crank_angle", "rocker_speed", "load", "sliding_speed")
+MOTION = ("encoder_angle", "stroke", "crank_angle", "rocker_speed", "joint_load", "sliding_speed")
 DISC = {"kind": "rotation", "radius": "20 mm", "speed": "60 rpm"}
 
 

@@ -65,7 +65,7 @@ def test_what_is_no_pair_of_runs_is_refused(film, tmp_path):
 
 def test_films_without_a_motion_are_compared_trigger_by_trigger():
     film = example_film()
-    gone = ["crank_angle", "encoder_angle", "rocker_speed", "sliding_speed", "stroke", "load"]
+    gone = ["crank_angle", "encoder_angle", "rocker_speed", "sliding_speed", "stroke", "joint_load"]
     text = film.attrs["settings"]
     start, end = text.index("[mechanism]"), text.index("[oil]")
     still = film.drop_vars([name for name in film.variables if name in gone])

@@ -32,7 +32,7 @@ def test_names_from_files_stay_text(film):
 
 
 def test_a_film_without_values_or_theory_is_shown(film):
-    bare = film.drop_vars(["film_theory", "film_predicted_min", "load", "crank_angle"])
+    bare = film.drop_vars(["film_theory", "film_predicted_min", "joint_load", "crank_angle"])
     bare["thickness"] = bare.thickness * np.nan
     assert "<img" not in describe_in_html(bare)
     assert "minimum film" in describe_in_text(bare.isel(trigger=0))

@@ -26,7 +26,7 @@ def test_a_run_named_after_its_folder_and_the_style_of_a_journal_have_no_title(f
 
 
 def test_what_is_absent_is_left_out(film):
-    assert run_line(film.drop_vars("load")) == run_line(film)  # that of [joint]
+    assert run_line(film.drop_vars("joint_load")) == run_line(film)  # that of [joint]
     assert run_line(film.assign_attrs(settings="x").drop_attrs()) == ""
     figure = Figure()
     name_film(figure, film.drop_attrs())

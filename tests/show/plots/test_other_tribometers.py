@@ -53,7 +53,7 @@ def test_film_without_theory_has_one_panel_against_sliding_speed():
     figure = plots.speed_figure(slider_film())
     label = "sliding speed over load, v/F [10⁻³ m s⁻¹ N⁻¹]"
     assert labels(figure) == [(label, "film thickness [µm]")]
-    x = np.abs(slider_film().sliding_speed / slider_film()["load"])
+    x = np.abs(slider_film().sliding_speed / slider_film()["joint_load"])
     npt.assert_allclose(plots.trend.speed_over_load(slider_film()), x)
 
 

@@ -160,7 +160,7 @@ def test_file_of_the_page_has_the_numbers_of_the_film(page, film):
     assert [int(row["trigger"]) for row in rows] == list(range(scene.TRIGGERS))
     found = [float(row["crank_angle [degree]"]) for row in rows]
     npt.assert_allclose(found, scene.CRANK, rtol=1e-9)
-    for variable in ("film_min", "film_min_std", "film_mean", "load", "rocker_speed"):
+    for variable in ("film_min", "film_min_std", "film_mean", "joint_load", "rocker_speed"):
         unit = film[variable].attrs["units"]
         found = [float(row[f"{variable} [{unit}]"]) for row in rows]
         npt.assert_allclose(found, film[variable].values, rtol=5e-9)

@@ -41,7 +41,7 @@ def test_images_are_those_behind_the_map(film, small_rig):
 
 
 def test_what_a_film_lacks_is_refused(reader, example_path, tmp_path):
-    for layer, trigger in (("thickness", 6), ("thickness", -1), ("load", 0)):
+    for layer, trigger in (("thickness", 6), ("thickness", -1), ("joint_load", 0)):
         with pytest.raises(ErlifError, match="Choose one of them"):
             reader.read(layer, trigger)
     assert not reader.has_images

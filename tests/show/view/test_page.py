@@ -269,7 +269,7 @@ def test_a_drawn_region_has_statistics_and_is_written_on_request(page, run_toml)
 
 def test_a_click_on_the_cycle_selects_the_trigger(page):
     speed = 4 * np.sin(2 * np.pi * np.arange(TRIGGERS) / TRIGGERS)
-    for axis, share in (("crank_angle", 0.25), ("rocker_speed", 0.8), ("load", 0.5)):
+    for axis, share in (("crank_angle", 0.25), ("rocker_speed", 0.8), ("joint_load", 0.5)):
         page.select_option("#axis", axis)
         page.locator("#cycle .u-over").scroll_into_view_if_needed()
         box = page.locator("#cycle .u-over").bounding_box()

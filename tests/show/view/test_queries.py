@@ -144,7 +144,7 @@ def test_a_region_is_shown_before_it_is_written(film, tmp_path):
 def test_the_numbers_are_those_of_the_film():
     film = example_film()
     cycle = json.loads(json.dumps(describe_cycle(film), allow_nan=False))
-    for name in ("film_mean", "film_min_std", "load", "film_predicted_min"):
+    for name in ("film_mean", "film_min_std", "joint_load", "film_predicted_min"):
         np.testing.assert_allclose(cycle["columns"][name], film[name].values, rtol=1e-5)
     assert cycle["stroke"] == film.stroke.values.astype(int).tolist()
 

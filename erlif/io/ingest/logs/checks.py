@@ -62,9 +62,9 @@ def check_values(log: xr.Dataset, columns: Mapping[str, LogColumn], table: LogTa
         check_temperature(log["temperature"].values, columns["temperature"].name, table)
 
     # theory divides by the load
-    for quantity in ("load", "pulse_energy"):
-        if quantity in log and log[quantity].values.min() <= 0:
-            n = int(np.argmin(log[quantity].values))
+    for quantity, name in (("load", "joint_load"), ("pulse_energy", "pulse_energy")):
+        if name in log and log[name].values.min() <= 0:
+            n = int(np.argmin(log[name].values))
             cure = (
                 "load cell, or leave the column out and give the load in [joint] of run.toml."
                 if quantity == "load"
@@ -72,8 +72,8 @@ def check_values(log: xr.Dataset, columns: Mapping[str, LogColumn], table: LogTa
             )
             raise table.use.error(
                 f"Expected a positive {quantity.replace('_', ' ')} in row {table.rows[n]}, column "
-                f"{columns[quantity].name} of {table.file}; got {log[quantity].values[n]:g} "
-                f"{log[quantity].units}. Correct the zero of the {cure}"
+                f"{columns[quantity].name} of {table.file}; got {log[name].values[n]:g} "
+                f"{log[name].units}. Correct the zero of the {cure}"
             )
 
 

@@ -389,7 +389,7 @@ def convert_columns(
     log = xr.Dataset()
     for quantity, column in columns.items():
         values, unit = convert_column(column, quantity, table, choice)
-        name = {"frame": "number"}.get(quantity, quantity)
+        name = {"frame": "number", "load": "joint_load"}.get(quantity, quantity)
         if quantity == "speed":
             name = "sliding_speed" if unit == "m s-1" else "rotation_speed"
         if name == "number":
