@@ -1,5 +1,5 @@
 % A film in MATLAB or GNU Octave:  erlif export film.nc --to mat
-film = load('film.mat');               % with a name: one variable of it is called load
+film = load('film.mat');               % into a variable, with all that the file holds
 
 if ~exist('trigger', 'var')
   trigger = 13;                        % counts from 0, indices from 1

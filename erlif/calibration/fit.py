@@ -132,7 +132,7 @@ def fit_calibration(
     ...     "log_ratio": image,
     ...     "log_ratio_var": noise,
     ...     "log_ratio_var_fixed": noise,
-    ...     "flags": np.zeros(image.shape, np.uint8),
+    ...     "flags": np.zeros(image.shape, np.uint16),
     ... }
     >>> ratios = RatioImages(
     ...     xr.Dataset({name: (("y", "x"), values) for name, values in columns.items()})

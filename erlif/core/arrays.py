@@ -17,7 +17,7 @@ Image = npt.NDArray[np.float32]
 Counts = npt.NDArray[np.uint16]
 
 # Bits of `erlif.core.flags.Flag`.
-FlagImage = npt.NDArray[np.uint8]
+FlagImage = npt.NDArray[np.uint16]
 
 # True for the elements that are meant.
 Mask = npt.NDArray[np.bool_]

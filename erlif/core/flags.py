@@ -47,15 +47,15 @@ def count_flags(flags: FlagImage) -> list[int]:
 
     Examples
     --------
-    >>> count_flags(np.array([[0, 0, 1], [3, 2, 2]], np.uint8))[:3]
+    >>> count_flags(np.array([[0, 0, 1], [3, 2, 2]], np.uint16))[:3]
     [2, 2, 3]
     """
-    # most pixels are valid: eight of them at once are passed over
-    flat = np.ascontiguousarray(flags).reshape(-1)
-    whole = flat.size // 8 * 8
-    eights = flat[:whole].view(np.uint64)
-    some = np.concatenate([eights[eights != 0].view(np.uint8), flat[whole:]])
-    flagged = [int(np.count_nonzero(some & np.uint8(flag))) for flag in Flag]
+    # most pixels are valid: four of them at once are passed over
+    flat = np.ascontiguousarray(flags, np.uint16).reshape(-1)
+    whole = flat.size // 4 * 4
+    fours = flat[:whole].view(np.uint64)
+    some = np.concatenate([fours[fours != 0].view(np.uint16), flat[whole:]])
+    flagged = [int(np.count_nonzero(some & np.uint16(flag))) for flag in Flag]
     return [flags.size - int(np.count_nonzero(some)), *flagged]
 
 
@@ -63,7 +63,7 @@ def count_flags(flags: FlagImage) -> list[int]:
 FLAG_ATTRS: dict[str, object] = {
     "long_name": "reasons why this pixel is not valid",
     "units": "1",
-    "flag_masks": np.array([flag.value for flag in Flag], np.uint8),
+    "flag_masks": np.array([flag.value for flag in Flag], np.uint16),
     "flag_meanings": " ".join(str(flag.name).lower() for flag in Flag),
 }
 

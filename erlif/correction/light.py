@@ -21,10 +21,10 @@ from erlif.core.flags import Flag
 from erlif.core.products import References
 
 _SATURATED, _DIM, _BAD_PIXEL = (
-    np.uint8(flag) for flag in (Flag.SATURATED, Flag.DIM, Flag.BAD_PIXEL)
+    np.uint16(flag) for flag in (Flag.SATURATED, Flag.DIM, Flag.BAD_PIXEL)
 )
-_UNUSABLE = np.uint8(_SATURATED | _BAD_PIXEL)
-_ZERO, _ONE, _NONE = np.float32(0), np.float32(1), np.uint8(0)
+_UNUSABLE = np.uint16(_SATURATED | _BAD_PIXEL)
+_ZERO, _ONE, _NONE = np.float32(0), np.float32(1), np.uint16(0)
 _at = np.uint64  # an index that cannot count from the end, as in `erlif.registration.interpolation`
 
 # Width of the blocks whose light is averaged. [px]
@@ -103,7 +103,7 @@ class PairLight:
             np.empty((2, *shape), np.float32),
             np.empty(noise, np.float32),
             np.empty(noise, np.float32),
-            np.empty((2, *shape), np.uint8),
+            np.empty((2, *shape), np.uint16),
             binned[:size].reshape(half),
             binned[size : 2 * size].reshape(half),
             np.empty(blocks, np.float32),
@@ -358,7 +358,7 @@ def _subtract_background(light, flags, background, least, energy):  # type: igno
 
     The bit of dim pixels is made anew; page is the mean of the dry joint.
     """
-    keep = np.uint8(0xFF) ^ _DIM
+    keep = np.uint16(0xFFFF) ^ _DIM
     for i in range(light.shape[0]):
         for j in range(light.shape[1]):
             value = light[i, j] - energy * background[i, j]

@@ -390,7 +390,7 @@ def assemble_film(
 def count_flagged_pixels(results: Sequence[TriggerResult]) -> xr.Dataset:
     """Valid pixels of each map and those of each flag, so that nobody has to read the maps."""
     pixels = np.array([result.pixels for result in results], np.int64).reshape(-1, 1 + len(Flag))
-    flag = np.array([flag.value for flag in Flag], np.uint8)
+    flag = np.array([flag.value for flag in Flag], np.uint16)
     return xr.Dataset(
         {
             "valid_pixels": FILM["valid_pixels"].fill(pixels[:, 0]),

@@ -37,7 +37,7 @@ class RatioSum:
     A frame with a quarter of the variance has four times the weight:
 
     >>> image = np.ones((16, 16), np.float32)
-    >>> flags = np.zeros(image.shape, np.uint8)
+    >>> flags = np.zeros(image.shape, np.uint16)
     >>> total, none = RatioSum(image.shape), 0 * image
     >>> for value, variance in ((0.5, 4e-4), (1.0, 1e-4)):
     ...     weight = total.add(
@@ -56,7 +56,7 @@ class RatioSum:
         """Sum of the weights, (y, x). [1]"""
         # of the ratio, of the variance that is new in every frame, of both others
         self._sums = tuple(np.zeros(shape) for _ in range(4))
-        self._flags = np.zeros(shape, np.uint8)
+        self._flags = np.zeros(shape, np.uint16)
         self._correlation = 0.0
 
     def add(self, pair: PairRatio) -> Image:
@@ -89,7 +89,7 @@ class RatioSum:
             NaN with the flags of all frames where a pixel is valid in none.
         """
         log_ratio, variance, fixed, shared = np.empty((4, *self.shape), np.float32)
-        flags = np.empty(self.shape, np.uint8)
+        flags = np.empty(self.shape, np.uint16)
         images = log_ratio, variance, fixed, shared
         _fill_mean(self.weight, self._sums, self._flags, images, flags)
         unknown = np.broadcast_to(_NAN, self.shape)
@@ -129,7 +129,7 @@ def combine_frames(ratios: RatioImages) -> RatioImages:
     ...     "log_ratio_var": (dims, variance),
     ...     "log_ratio_var_fixed": (dims, np.zeros((2, 4, 4))),
     ...     "log_ratio_var_shared": (dims, np.zeros((2, 4, 4))),
-    ...     "flags": (dims, np.zeros((2, 4, 4), np.uint8)),
+    ...     "flags": (dims, np.zeros((2, 4, 4), np.uint16)),
     ... }))
     >>> mean = combine_frames(ratios)
     >>> round(float(mean.log_ratio[0, 0]), 6), round(float(mean.log_ratio_var[0, 0]), 6)

@@ -26,7 +26,7 @@ _REACH = 5
 
 _ZERO, _ONE, _INFINITE, _NAN = (np.float32(value) for value in (0, 1, np.inf, np.nan))
 
-_NO_FILM = np.uint8(Flag.NO_FILM)
+_NO_FILM = np.uint16(Flag.NO_FILM)
 
 # Relative margin of a comparison of sums in single precision.
 _ROUNDING = 1e-6
@@ -55,7 +55,7 @@ def find_bubbles(one: Image, two: Image, *, share: float) -> Mask:
     >>> np.flatnonzero(bubble[20]).tolist()
     [27, 28, 29, 30, 31, 32, 33]
     """
-    dark = np.zeros(one.shape, np.uint8)
+    dark = np.zeros(one.shape, np.uint16)
     flag_bubbles(one, two, dark, share=share)
     return np.asarray(dark != 0)
 
@@ -74,7 +74,7 @@ def flag_bubbles(one: Image, two: Image, flags: FlagImage, *, share: float) -> N
     --------
     >>> light = np.full((48, 64), 1000, np.float32)
     >>> light[20, 30] = 50
-    >>> flags = np.zeros(light.shape, np.uint8)
+    >>> flags = np.zeros(light.shape, np.uint16)
     >>> flag_bubbles(light, light, flags, share=0.25)
     >>> Flag(int(flags[20, 27])).name
     'NO_FILM'

@@ -73,7 +73,7 @@ def sample_cells(light: Image, log_ratio: Image, variance: Image, flags: FlagIma
     Examples
     --------
     >>> flat = np.full((80, 96), 1000, np.float32)
-    >>> cells = sample_cells(flat, 0 * flat, 0 * flat + 0.01, np.zeros(flat.shape, np.uint8))
+    >>> cells = sample_cells(flat, 0 * flat, 0 * flat + 0.01, np.zeros(flat.shape, np.uint16))
     >>> round(float(np.exp(cells.light[0]))), round(float(cells.variance[0] * 64), 4)
     (1000, 0.01)
     """

@@ -42,7 +42,7 @@ def measure_sharpness(light: Image, flags: FlagImage, noise: NoiseTables) -> flo
     >>> soft = (0.5 * sharp + 0.5 * np.roll(sharp, 1, axis=1)).astype(np.float32)
     >>> none, one = np.zeros((0, 0), np.float32), np.ones(sharp.shape, np.float32)
     >>> exact = NoiseTables(one, none, none, none, none, np.zeros(3, np.float32))
-    >>> flags = np.zeros(sharp.shape, np.uint8)
+    >>> flags = np.zeros(sharp.shape, np.uint16)
     >>> [round(measure_sharpness(image, flags, exact), 1) for image in (sharp, soft)]
     [1.0, 0.5]
     """

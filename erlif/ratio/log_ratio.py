@@ -19,7 +19,7 @@ from erlif.ratio.pair import PairRatio, gather_ratios
 from erlif.ratio.sharpness import BlurDifference
 
 _NAN, _ZERO, _HALF, _ONE, _TWO = (np.float32(value) for value in (np.nan, 0, 0.5, 1, 2))
-_DIM, _NONE = np.uint8(Flag.DIM), np.uint8(0)
+_DIM, _NONE = np.uint16(Flag.DIM), np.uint16(0)
 _at = np.uint64  # an index that cannot count from the end, as in `erlif.registration.interpolation`
 
 # logarithm of 1 + f, f from sqrt(1/2) - 1 to sqrt(2) - 1, after f - f^2/2 (Cephes library, logf);
@@ -86,7 +86,7 @@ def compute_ratio(
     ...     "signal": (dims, light),
     ...     "signal_var": (dims, 1e-4 * light**2),
     ...     "signal_var_fixed": (dims, np.zeros_like(light)),
-    ...     "flags": (dims, np.zeros(light.shape, np.uint8)),
+    ...     "flags": (dims, np.zeros(light.shape, np.uint16)),
     ...     "displacement_std": (("y", "x"), np.zeros((16, 16))),
     ... }))
     >>> ratios = compute_ratio(frames)
@@ -101,7 +101,7 @@ def compute_ratio(
         for name in ("signal", "signal_var", "signal_var_fixed")
     )
     map_var = np.square(frames.displacement_std.values, dtype=float).astype(np.float32)
-    no_flags = np.zeros(map_var.shape, np.uint8)  # those of the map are among those of camera 2
+    no_flags = np.zeros(map_var.shape, np.uint16)  # those of the map are among those of camera 2
     # without a difference of sharpness there is no ghost
     blur = BlurDifference() if blur is None else blur
     along = np.array([*blur.corrected, blur.corrected_excess], np.float32)
@@ -180,7 +180,7 @@ def empty_ratio(
     shared = np.empty(shape, np.float32)
     fixed = np.empty((shape[0] if with_fixed else 1, shape[1]), np.float32)
     light_one = np.zeros((0, 0), np.float32)
-    return PairRatio(log_ratio, variance, fixed, shared, np.empty(shape, np.uint8), light_one)
+    return PairRatio(log_ratio, variance, fixed, shared, np.empty(shape, np.uint16), light_one)
 
 
 @numba.njit(nogil=True, cache=True, error_model="numpy", fastmath={"contract"})

@@ -84,7 +84,7 @@ def sample_pulse(light: Image, log_ratio: Image, flags: FlagImage) -> PulseSampl
     Examples
     --------
     >>> flat = np.full((64, 80), 1000, np.float32)
-    >>> sample = sample_pulse(flat, 0 * flat, np.zeros(flat.shape, np.uint8))
+    >>> sample = sample_pulse(flat, 0 * flat, np.zeros(flat.shape, np.uint16))
     >>> sample.light.shape, round(float(np.exp(sample.light[0])))
     ((64,), 1000)
     """

@@ -111,7 +111,7 @@ class BlurMoments:
     ...     "signal": (dims, 1000 * np.exp([[speckle], [blurred]])),
     ...     "signal_var": (dims, np.zeros((2, 1, 64, 64))),
     ...     "signal_var_fixed": (dims, np.zeros((2, 1, 64, 64))),
-    ...     "flags": (dims, np.zeros((2, 1, 64, 64), np.uint8)),
+    ...     "flags": (dims, np.zeros((2, 1, 64, 64), np.uint16)),
     ... }))
     >>> moments = BlurMoments.empty()
     >>> moments.add(frames)

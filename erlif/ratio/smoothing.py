@@ -92,7 +92,7 @@ def smooth_ratio(ratios: RatioImages, *, resolution: float) -> RatioImages:
     ...     "log_ratio": image,
     ...     "log_ratio_var": (("y", "x"), np.full((32, 32), 1e-4, np.float32)),
     ...     "log_ratio_var_shared": image,
-    ...     "flags": (("y", "x"), np.zeros((32, 32), np.uint8)),
+    ...     "flags": (("y", "x"), np.zeros((32, 32), np.uint16)),
     ... }))
     >>> smooth = smooth_ratio(ratios, resolution=5)
     >>> s = 5 / math.sqrt(8 * math.log(2))

@@ -66,7 +66,7 @@ def align_frames(
     >>> light[1, 0, 2, 3] = 9.0
     >>> dims = ("camera", "frame", "y", "x")
     >>> noise = {name: (dims, light * 0) for name in ("signal_var", "signal_var_fixed")}
-    >>> flags = (dims, np.zeros(light.shape, np.uint8))
+    >>> flags = (dims, np.zeros(light.shape, np.uint16))
     >>> frames = xr.Dataset({"signal": (dims, light), **noise, "flags": flags})
     >>> aligned = align_frames(CorrectedFrames(frames), camera_map)
     >>> aligned.signal.values[1, 0, 2].round(3)
@@ -112,7 +112,7 @@ def align_bands(
     >>> dims = ("camera", "frame", "y", "x")
     >>> none = (dims, np.zeros((2, 1, 5, 6)))
     >>> light = np.broadcast_to(np.arange(5.0)[:, None], (2, 1, 5, 6))
-    >>> flags = (dims, np.zeros(light.shape, np.uint8))
+    >>> flags = (dims, np.zeros(light.shape, np.uint16))
     >>> frames = xr.Dataset({"signal": (dims, light), "signal_var": none,
     ...     "signal_var_fixed": none, "flags": flags})
     >>> (band,) = align_bands(CorrectedFrames(frames), camera_map, [slice(2, 4)])
@@ -134,7 +134,7 @@ def align_bands(
     for band in bands:
         shape = (2, count, band.stop - band.start, width)
         of_band: dict[str, AnyArray] = {name: np.empty(shape, np.float32) for name in _LIGHT}
-        of_band["flags"] = np.empty(shape, np.uint8)
+        of_band["flags"] = np.empty(shape, np.uint16)
         for name, out in of_band.items():
             out[0] = frames[name].values[0, :, band]  # camera 1 keeps its pixels
         aligned.append(of_band | {"interpolation": np.ones(count)})
@@ -144,7 +144,7 @@ def align_bands(
         light, variance, fixed, flags = (
             np.ascontiguousarray(orient(frames[name].values[1, n], turn)) for name in names
         )
-        spread = np.empty(flags.shape, np.uint8)
+        spread = np.empty(flags.shape, np.uint16)
         spread_flags(flags, spread)
         noise = np.asarray(variance, np.float32), np.asarray(fixed, np.float32), spread
         spline = spline_coefficients(light)
@@ -198,7 +198,7 @@ def spread_flags(flags, out):  # type: ignore[no-untyped-def]
         Filled.
     """
     height, width = flags.shape
-    near = np.empty(width + 3, np.uint8)
+    near = np.empty(width + 3, np.uint16)
     for i in range(height):
         above, below = max(i - 1, 0), min(i + 1, height - 1)
         last = min(i + 2, height - 1)

@@ -44,7 +44,7 @@ _NAN: Final = np.float32(np.nan)
 # an unsigned index cannot count from the end; without this case the loops run in vector registers
 _at = np.uint64
 _NEXT, _SAME = np.uint8(1), np.uint8(0)
-_OUTSIDE: Final = np.uint8(Flag.OUTSIDE_OVERLAP)
+_OUTSIDE: Final = np.uint16(Flag.OUTSIDE_OVERLAP)
 
 
 @njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST)
@@ -204,7 +204,7 @@ def mirror_rows(out: Image) -> None:
 # Stands for a variance that is not asked for.
 NOTHING: Final = np.zeros((0, 0), np.float32)
 # Stands for flags that are not asked for.
-NO_FLAGS: Final = np.zeros((0, 0), np.uint8)
+NO_FLAGS: Final = np.zeros((0, 0), np.uint16)
 # Mask for `sample_spline` if all pixels are valid.
 NOTHING_BAD: Final = np.zeros((0, 0), np.bool_)
 
@@ -411,12 +411,12 @@ def sample_rows(  # type: ignore[no-untyped-def]
         Two variances of camera 2, or arrays of size 0. They are interpolated bilinearly and
         multiplied by the factor of `interpolation_variance_factor`. With fewer rows than camera 2,
         they have those that are needed; row j is row j modulo their number.
-    flags : array, (y2, x2), uint8
+    flags : array, (y2, x2), uint16
         Flags of all pixels from which a point between this pixel and the next is interpolated, or
         an array of size 0.
     out_variance, out_fixed : array, (y, x), float32
         Receive the variances; NaN outside the image.
-    out_flags : array, (y, x), uint8
+    out_flags : array, (y, x), uint16
         Receives the flags; OUTSIDE_OVERLAP outside the image.
     first : int
         The row that is stored as row 0 of `out_variance`, `out_fixed` and `out_flags`.

@@ -25,7 +25,7 @@ _ENDLESS = 1e3  # um: film whose ratio does not change any more
 _REACH = 3.0  # of the thick end of the range: the maximum lies below it
 _GRID = 500  # films among which it is sought
 _BAND = 0.9  # of the thick end of the range, from which on a film belongs to the band
-_ABOVE = np.uint8(Flag.ABOVE_RANGE)
+_ABOVE = np.uint16(Flag.ABOVE_RANGE)
 
 
 def flag_beyond_maximum(log_ratio: Image, flags: FlagImage, calibration: Calibration) -> None:
@@ -35,7 +35,7 @@ def flag_beyond_maximum(log_ratio: Image, flags: FlagImage, calibration: Calibra
     ----------
     log_ratio : array, (y, x)
         Logarithm of the ratio. [1]
-    flags : array of uint8, (y, x)
+    flags : array of uint16, (y, x)
         Reasons why a pixel has no ratio; receives `Flag.ABOVE_RANGE`.
     calibration : Calibration
         Without a wall that reflects nothing is flagged.
@@ -56,7 +56,7 @@ def flag_beyond_maximum(log_ratio: Image, flags: FlagImage, calibration: Calibra
     ... )
     >>> film = np.tile(np.linspace(1, 25, 320), (32, 1))
     >>> ratio = calibration.predict_log(film).astype(np.float32)
-    >>> flags = np.zeros(film.shape, np.uint8)
+    >>> flags = np.zeros(film.shape, np.uint16)
     >>> flag_beyond_maximum(ratio, flags, calibration)
     >>> float(film[flags > 0].min().round())
     17.0

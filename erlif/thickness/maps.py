@@ -61,7 +61,7 @@ def measure_thickness(ratios: RatioImages, calibration: Calibration) -> Thicknes
     ...     "log_ratio": (("y", "x"), image),
     ...     "log_ratio_var": (("y", "x"), np.full_like(image, 1e-4)),
     ...     "log_ratio_var_shared": (("y", "x"), np.zeros_like(image)),
-    ...     "flags": (("y", "x"), np.zeros(image.shape, np.uint8)),
+    ...     "flags": (("y", "x"), np.zeros(image.shape, np.uint16)),
     ... }))
     >>> maps = measure_thickness(ratios, calibration)
     >>> round(float(maps.thickness[8, 8]), 3)
@@ -78,7 +78,7 @@ def measure_thickness(ratios: RatioImages, calibration: Calibration) -> Thicknes
     tables = FilmTables.of(calibration)
     shape = ratios.log_ratio.shape
     thickness, std, std_shared, near = (np.empty(shape, np.float32) for _ in range(4))
-    flags = np.empty(shape, np.uint8)
+    flags = np.empty(shape, np.uint16)
     log_ratio, variance, displaced = (
         np.ascontiguousarray(ratios[name].values, np.float32)
         for name in ("log_ratio", "log_ratio_var", "log_ratio_var_shared")
@@ -144,7 +144,7 @@ class LookUpRows(NamedTuple):
     def of(cls, width: int) -> LookUpRows:
         """Empty rows of an image of some width."""
         near, own = (np.empty(width, np.float32) for _ in range(2))
-        around, entry = np.empty(width, np.uint8), np.empty((2, width), np.uint32)
+        around, entry = np.empty(width, np.uint16), np.empty((2, width), np.uint32)
         part, film = np.empty((2, width), np.float32), np.empty(2 * width, np.float32)
         pairs = np.empty(2 * width, np.float64)
         return cls(around, near, entry, part, film, pairs, pairs.view(np.float32), own)

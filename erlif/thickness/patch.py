@@ -60,7 +60,7 @@ def sample_patch(
     Examples
     --------
     >>> even = np.full((16, 16), 0.5, np.float32)
-    >>> patch = sample_patch(1000 * even, even, 0.01 * even, np.zeros(even.shape, np.uint8))
+    >>> patch = sample_patch(1000 * even, even, 0.01 * even, np.zeros(even.shape, np.uint16))
     >>> round(float(np.exp(patch.light))), patch.log_ratio
     (500, 0.5)
     """

@@ -44,7 +44,7 @@ def measure_pulse_energy(
     >>> from erlif.models.fluorescence import band_signal
     >>> film, model = np.full((64, 64), 5.0, np.float32), Reabsorption(np.array([1, 0.02, 0.01]))
     >>> light = 300.0 * np.asarray(band_signal(film, attenuation=0.02), np.float32)
-    >>> flags = np.zeros((64, 64), np.uint8)
+    >>> flags = np.zeros((64, 64), np.uint16)
     >>> round(measure_pulse_energy(light, film, flags, model=model), 3)
     300.0
     """
@@ -100,7 +100,7 @@ def compare_light(
     >>> from erlif.models.fluorescence import band_signal
     >>> film, model = np.full((8, 8), 5.0, np.float32), Reabsorption(np.array([1, 0.02, 0.01]))
     >>> light = 300.0 * np.asarray(band_signal(film, attenuation=0.02), np.float32)
-    >>> round(compare_light(light, film, np.zeros((8, 8), np.uint8), model=model), 3)
+    >>> round(compare_light(light, film, np.zeros((8, 8), np.uint16), model=model), 3)
     300.0
     """
     # dark and bubbly pixels are flagged; a few pixels would have the noise of their own speckle

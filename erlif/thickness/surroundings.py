@@ -33,9 +33,9 @@ PAD = 8
 _KEPT = 18
 
 _BELOW, _ABOVE, _POOR = (
-    np.uint8(flag) for flag in (Flag.BELOW_RANGE, Flag.ABOVE_RANGE, Flag.POOR_REGISTRATION)
+    np.uint16(flag) for flag in (Flag.BELOW_RANGE, Flag.ABOVE_RANGE, Flag.POOR_REGISTRATION)
 )
-_CLEAR, _HALF, _ZERO, _NONE = np.float32(CLEAR), np.float32(0.5), np.float32(0), np.uint8(0)
+_CLEAR, _HALF, _ZERO, _NONE = np.float32(CLEAR), np.float32(0.5), np.float32(0), np.uint16(0)
 _at = np.uint64  # an index that cannot count from the end, as in `erlif.registration.interpolation`
 
 # Whole numbers per log ratio: the mean over 81 pixels is then rounded by 1e-7 at most.
@@ -95,7 +95,7 @@ class Surroundings(NamedTuple):
         size = _KEPT, width + 2 * PAD + 1
         per_variance = _PER_MEDIAN / variance if variance > 0 else 1.0
         return cls(
-            np.ones((_KEPT, width), np.uint8),
+            np.ones((_KEPT, width), np.uint16),
             np.zeros(size, np.int64),
             np.zeros(size, np.int32),
             np.empty((2, width), np.float32),
@@ -169,11 +169,11 @@ def decide(  # type: ignore[no-untyped-def]
         As in `FilmTables`.
     surroundings : tuple of array
         `Surroundings` as a plain tuple.
-    bits_around : array, (x,), uint8
+    bits_around : array, (x,), uint16
         Receives the flags of the row by its surroundings alone.
     near : array, (x,)
         Receives the log ratio at which the slope is taken.
-    flags : array, (y, x), uint8
+    flags : array, (y, x), uint16
         Receives the flags of the row, by its own ratio too.
     """
     state, ratios, noise, around, units = surroundings

@@ -100,7 +100,7 @@ def sum_blocks(ratios: RatioImages, region: Region, maps: ThicknessMaps | None =
     >>> ratios = RatioImages(xr.Dataset({
     ...     "log_ratio": (("y", "x"), np.full((20, 16), 0.5)),
     ...     "log_ratio_var": (("y", "x"), np.full((20, 16), 1e-4)),
-    ...     "flags": (("y", "x"), np.zeros((20, 16), np.uint8)),
+    ...     "flags": (("y", "x"), np.zeros((20, 16), np.uint16)),
     ... }))
     >>> sum_blocks(ratios, Region(slice(0, 20), slice(0, 16))).lit
     array([[64., 64.],

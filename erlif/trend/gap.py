@@ -126,7 +126,7 @@ def find_gap_minimum(
     ...     "log_ratio": (("y", "x"), zeros + np.float32(ratio)),
     ...     "log_ratio_var": (("y", "x"), zeros + np.float32(1e-6)),
     ...     "log_ratio_var_shared": (("y", "x"), zeros),
-    ...     "flags": (("y", "x"), np.zeros((64, 64), np.uint8)),
+    ...     "flags": (("y", "x"), np.zeros((64, 64), np.uint16)),
     ... }))
     >>> sums, curve = sum_blocks(ratios, whole), FilmCurve.of(calibration)
     >>> found = find_gap_minimum(sums, curve, region=whole, sliding_along_x=True)

@@ -190,7 +190,7 @@ def find_pin_position(
     >>> ratios = RatioImages(xr.Dataset({
     ...     "log_ratio": (("y", "x"), calibration.predict_log(film)),
     ...     "log_ratio_var": (("y", "x"), np.full((64, 64), 1e-8)),
-    ...     "flags": (("y", "x"), np.zeros((64, 64), np.uint8)),
+    ...     "flags": (("y", "x"), np.zeros((64, 64), np.uint16)),
     ... }))
     >>> whole = Region(slice(0, 64), slice(0, 64))
     >>> found = find_pin_position(ratios, calibration, region=whole, view=view)

@@ -161,7 +161,7 @@ def summarise_film(
     ...     "log_ratio": (("y", "x"), np.full((64, 64), calibration.predict_log(3.0))),
     ...     "log_ratio_var": (("y", "x"), np.full((64, 64), 1e-6)),
     ...     "log_ratio_var_shared": (("y", "x"), np.zeros((64, 64))),
-    ...     "flags": (("y", "x"), np.zeros((64, 64), np.uint8)),
+    ...     "flags": (("y", "x"), np.zeros((64, 64), np.uint16)),
     ... }))
     >>> found = summarise_film(
     ...     ratios,

@@ -24,21 +24,21 @@ def test_numbers_are_those_of_the_file_format():
 def test_attributes_pair_each_mask_with_its_meaning():
     """CF conventions 3.5: flag_masks of the variable's type, flag_meanings separated by blanks."""
     masks, meanings = FLAG_ATTRS["flag_masks"], str(FLAG_ATTRS["flag_meanings"]).split()
-    assert masks.dtype == np.uint8
+    assert masks.dtype == np.uint16
     assert dict(zip(masks.tolist(), meanings, strict=True)) == FORMAT
 
 
 def test_pixels_are_counted_by_flag():
-    flags = np.zeros((4, 5), np.uint8)
+    flags = np.zeros((4, 5), np.uint16)
     flags[0] = Flag.DIM
-    flags[0, :2] |= np.uint8(Flag.NO_FILM)
+    flags[0, :2] |= np.uint16(Flag.NO_FILM)
     assert count_flags(flags) == [15, 0, 5, 0, 0, 0, 0, 0, 2]
 
 
 def test_flags_are_counted_wherever_they_are_in_the_image():
     rng = np.random.default_rng(2)
     for size in (1, 7, 8, 61, 4096):
-        flags = np.where(rng.random(size) < 0.1, rng.integers(0, 256, size), 0).astype(np.uint8)
+        flags = np.where(rng.random(size) < 0.1, rng.integers(0, 256, size), 0).astype(np.uint16)
         flags[-1] = 129
         expected = [sum(not n & 1 << bit for n in flags.tolist()) for bit in range(8)]
         valid, *flagged = count_flags(flags.reshape(-1, 1))

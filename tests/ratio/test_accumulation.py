@@ -63,7 +63,7 @@ def test_noise_of_dark_and_flat_does_not_average_out():
 
 def test_a_pixel_is_valid_by_any_frame_and_keeps_all_flags_otherwise():
     values = np.stack([np.full((2, 2), 1.0), np.full((2, 2), 3.0)])
-    flags = np.zeros((2, 2, 2), np.uint8)
+    flags = np.zeros((2, 2, 2), np.uint16)
     flags[0, 0, 0] = Flag.NO_FILM
     flags[:, 1, 1] = Flag.DIM, Flag.SATURATED
     mean = combine(values, 1.0, flags=flags)

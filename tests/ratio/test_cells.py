@@ -53,7 +53,7 @@ def test_small_images_have_no_cells(shape):
 def test_centres_are_those_of_the_pixels_that_are_averaged(shape):
     """Images of the column and of the row as ratios."""
     light, variance = np.full(shape, 1000, np.float32), np.full(shape, 1e-4, np.float32)
-    flags = np.zeros(shape, np.uint8)
+    flags = np.zeros(shape, np.uint16)
     rows, columns = (np.asarray(part, np.float32) for part in np.indices(shape))
     for image, centre in zip((columns, rows), cell_centres(shape), strict=True):
         found = sample_cells(light, np.ascontiguousarray(image), variance, flags)

@@ -29,7 +29,7 @@ def measure(light, rng=None, flags=None):
     else:
         electrons = rng.poisson(GAIN * light)
         light = electrons / GAIN + np.sqrt(READ_VAR) * rng.standard_normal(SHAPE)
-    flags = np.zeros(SHAPE, np.uint8) if flags is None else flags
+    flags = np.zeros(SHAPE, np.uint16) if flags is None else flags
     return measure_sharpness(light.astype(np.float32), flags, tables)
 
 
@@ -59,7 +59,7 @@ def test_light_film_and_noise_do_not_enter():
 
 def test_flagged_pixels_are_left_out_and_few_pixels_show_nothing():
     rng = np.random.default_rng(3)
-    light, flags = 1000 * texture(rng, 1.0), np.zeros(SHAPE, np.uint8)
+    light, flags = 1000 * texture(rng, 1.0), np.zeros(SHAPE, np.uint16)
     plain = measure(light)
     light[100:120, 50:90], flags[100:120, 50:90] = 5.0, 1
     npt.assert_allclose(measure(light, flags=flags), plain, rtol=0.02)

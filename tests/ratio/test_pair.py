@@ -8,7 +8,7 @@ from erlif.ratio import PairRatio
 def test_dataset_and_arrays_say_the_same():
     rng = np.random.default_rng(3)
     images = [rng.random((4, 5)).astype(np.float32) for _ in range(4)]
-    flags = rng.integers(0, 255, (4, 5)).astype(np.uint8)
+    flags = rng.integers(0, 255, (4, 5)).astype(np.uint16)
     pair = PairRatio(*images, flags, images[0] + 1, 1.25, (0.5, -0.25), (4000, 3900), ("a", "b"))
     back = PairRatio.of(pair.to_images())
     for name in ("log_ratio", "variance", "variance_fixed", "variance_shared", "flags"):

@@ -70,7 +70,7 @@ def test_copies_of_a_frame_are_found(rng):
 
 def test_small_frames_and_frames_without_valid_pixels_are_not_judged():
     dark = np.zeros((64, 64), np.float32)
-    flagged = sample_pulse(dark, dark, np.full(dark.shape, 2, np.uint8))
+    flagged = sample_pulse(dark, dark, np.full(dark.shape, 2, np.uint16))
     small = sample_pulse(dark[:40], dark[:40], np.zeros((40, 64), np.uint8))
     assert np.isnan(flagged.light).all()
     assert np.isnan(small.light).all()

@@ -76,7 +76,7 @@ def test_weights_follow_the_variance():
 @pytest.mark.parametrize("resolution", [2, 5, 9.5])
 def test_a_plane_is_reproduced_at_borders_and_holes(resolution):
     plane = 0.2 + 0.004 * X - 0.006 * Y
-    flags = np.where((X - 100) ** 2 + (Y - 90) ** 2 < 15**2, Flag.NO_FILM, 0).astype(np.uint8)
+    flags = np.where((X - 100) ** 2 + (Y - 90) ** 2 < 15**2, Flag.NO_FILM, 0).astype(np.uint16)
     flags[:, 200] = Flag.BAD_PIXEL
     values = np.where(flags != 0, 1e3, plane)
     after = smooth_ratio(images_of(values, flags=flags), resolution=resolution)
@@ -89,7 +89,7 @@ def test_remaining_variance_is_the_sum_of_squared_weights():
     """The weights are the response to each single pixel, small enough to be no step."""
     rng = np.random.default_rng(3)
     variance = NOISE**2 * rng.uniform(0.5, 2.0, (25, 25))
-    flags = np.zeros((25, 25), np.uint8)
+    flags = np.zeros((25, 25), np.uint16)
     flags[10:14, 14:18] = Flag.NO_FILM
     base = smooth_ratio(images_of(np.zeros((25, 25)), variance, flags=flags), resolution=4)
     # one frame for each pixel
@@ -127,7 +127,7 @@ def test_error_bars_cover_beside_a_step(calibration):
 
 def test_holes_are_not_filled_and_do_not_affect_their_rim():
     bubble = (X - 100) ** 2 + (Y - 90) ** 2 < 12**2
-    flags = np.where(bubble, Flag.NO_FILM, 0).astype(np.uint8)
+    flags = np.where(bubble, Flag.NO_FILM, 0).astype(np.uint16)
     images = noisy(SMOOTH_FILM, 51, flags=flags)
     images.log_ratio.values[bubble] = 5.0
     filled_with_nan = images.copy(deep=True)

@@ -41,7 +41,7 @@ def test_variance_is_the_scatter_of_interpolated_noise(shift):
         name: (dims, np.broadcast_to(np.float32(image), (2, *shape)))
         for name, image in images.items()
     }
-    flags = (dims, np.zeros((2, *shape), np.uint8))
+    flags = (dims, np.zeros((2, *shape), np.uint16))
     frames = CorrectedFrames(xr.Dataset({**variables, "flags": flags}))
     aligned = align_frames(frames, map_with(*shift, shape[1:]))
     scatter = aligned.signal.values[1].var(axis=0)[inside]

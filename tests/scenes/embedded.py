@@ -26,11 +26,12 @@ def decode_map(text, *, shape, coding):
     constants = describe_coding(coding)
     data = np.frombuffer(zlib.decompress(base64.b64decode(text)), np.uint8)
     pixels, blocks = shape[0] * shape[1], block_shape(shape)
-    end = 3 * pixels + 2 * blocks[0] * blocks[1]
+    end = 4 * pixels + 2 * blocks[0] * blocks[1]
 
-    high, low, flags = data[: 3 * pixels].reshape(3, *shape).astype(float)
+    high, low, more, few = data[: 4 * pixels].reshape(4, *shape).astype(float)
+    flags = 256 * more + few
     thickness = np.where(flags == 0, (high * 256 + low) * coding.step, np.nan)
-    codes = data[3 * pixels : end].reshape(2, *blocks).astype(float)
+    codes = data[4 * pixels : end].reshape(2, *blocks).astype(float)
     std = constants["leastStd"] * 2 ** ((codes - 1) / constants["perOctave"])
     std = np.where(codes > 0, std, np.nan)
     if data.size == end:

@@ -292,7 +292,7 @@ def noisy_maps() -> dict[str, tuple]:
     # as in a measurement, the error bar is that of the noisy value
     std = NOISE * np.interp(thickness, grid, np.gradient(grid, np.log(true_ratio(grid))))
 
-    flags = np.zeros(truth.shape, np.uint8)
+    flags = np.zeros(truth.shape, np.uint16)
     flags[:, :, :3] = Flag.OUTSIDE_OVERLAP
     flags[1, 20:24, 30:34] = Flag.NO_FILM
     flags[2, 5, 40] = Flag.BAD_PIXEL | Flag.DIM

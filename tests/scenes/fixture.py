@@ -62,7 +62,7 @@ def image(rng, values, *, noise=0.004, shape=SHAPE):
                 "log_ratio_var": (dims, np.full(shape, noise**2, np.float32)),
                 "log_ratio_var_fixed": (dims, still),
                 "log_ratio_var_shared": (dims, still),
-                "flags": (dims, np.zeros(shape, np.uint8)),
+                "flags": (dims, np.zeros(shape, np.uint16)),
             }
         )
     )

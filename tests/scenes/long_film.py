@@ -88,7 +88,7 @@ def phase_map(
     coarse = rng.standard_normal((-(-rows // grain), -(-columns // grain)))
     scatter = np.kron(coarse, np.ones((grain, grain)))[:rows, :columns]
 
-    flags = np.zeros(shape, np.uint8)
+    flags = np.zeros(shape, np.uint16)
     flags[:, :2] = Flag.OUTSIDE_OVERLAP
     flags[rows // 8 : rows // 4, columns // 6 : columns // 4] = Flag.NO_FILM
     flags[-rows // 8 :, -columns // 8 :] = Flag.SATURATED

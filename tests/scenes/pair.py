@@ -93,7 +93,7 @@ def ratio_images(log_ratio, variance=1e-4, *, fixed=0.0, shared=0.0, flags=0):
         return dims, np.broadcast_to(values, np.shape(log_ratio)).astype(kind)
 
     variables = {f"log_ratio{name}": image(given) for name, given in values.items()}
-    return RatioImages(xr.Dataset({**variables, "flags": image(flags, np.uint8)}))
+    return RatioImages(xr.Dataset({**variables, "flags": image(flags, np.uint16)}))
 
 
 def aligned_frames(light, variance, displacement_std=0.0):
@@ -101,7 +101,7 @@ def aligned_frames(light, variance, displacement_std=0.0):
     dims = ("camera", "frame", "y", "x")
     images = {"signal": light, "signal_var": variance, "signal_var_fixed": 0 * light}
     variables = {name: (dims, image.astype(np.float32)) for name, image in images.items()}
-    flags = dims, np.zeros(light.shape, np.uint8)
+    flags = dims, np.zeros(light.shape, np.uint16)
     std = ("y", "x"), np.full(light.shape[-2:], displacement_std, np.float32)
     coords = {"camera": [1, 2]}
     return AlignedFrames(xr.Dataset({**variables, "flags": flags, "displacement_std": std}, coords))

@@ -27,7 +27,7 @@ def correct_frames(frames, references, *, least_signal=100.0):
     if "pulse_energy" in frames.coords:
         energies = frames.pulse_energy.values
     stages = {name: np.empty(counts.shape, np.float32) for name in LIGHT[:3]}
-    stages["flags"] = np.empty(counts.shape, np.uint8)
+    stages["flags"] = np.empty(counts.shape, np.uint16)
     for camera, n in np.ndindex(counts.shape[:2]):
         reference = references.isel(camera=camera)
         one = correct(counts[camera, n], reference, least_signal, float(energies[n]))
@@ -187,7 +187,7 @@ def find_range(log_ratio, variance, flags, calibration):
     margin = np.float32(CLEAR) * np.sqrt(mean_of_surroundings(variance, sound))
     first, last = calibration.predict_log(calibration.thickness_range).astype(np.float32)
     thinnest, thickest = calibration.predict_log(calibration.covered_range).astype(np.float32)
-    beyond = np.zeros(flags.shape, np.uint8)
+    beyond = np.zeros(flags.shape, np.uint16)
     with np.errstate(invalid="ignore"):
         beyond[(around < first) | (around - margin < thinnest)] = Flag.BELOW_RANGE
         beyond[(around > last) | (around + margin > thickest)] = Flag.ABOVE_RANGE
@@ -207,7 +207,7 @@ def measure_thickness(ratios, calibration):
     entry = (log_ratio - table.start) / table.step
     last = table.thickness.size - 1
     flags = np.where((flags == 0) & (entry < 0), Flag.BELOW_RANGE, flags)
-    flags = np.where((flags == 0) & (entry > last), Flag.ABOVE_RANGE, flags).astype(np.uint8)
+    flags = np.where((flags == 0) & (entry > last), Flag.ABOVE_RANGE, flags).astype(np.uint16)
 
     # the slope of a curve at a noisy ratio is correlated with its error
     half_way = 0.5 * (entry + (near - table.start) / table.step)

@@ -8,7 +8,7 @@ from erlif.io.files import MapVariable, NetcdfMaps, ZarrMaps, open_netcdf
 VARIABLES = (
     MapVariable("thickness", "float32", {"units": "um"}, std="thickness_std"),
     MapVariable("thickness_std", "float32", {"units": "um"}, bits=5),
-    MapVariable("flags", "uint8", {"flag_masks": np.array([1, 2], np.uint8)}),
+    MapVariable("flags", "uint16", {"flag_masks": np.array([1, 2], np.uint16)}),
 )
 GRID = xr.Dataset(
     coords={
@@ -39,7 +39,7 @@ def maps_of(trigger):
     return {
         "thickness": rng.normal(5, 0.3, (20, 30)).astype(np.float32),
         "thickness_std": np.full((20, 30), 0.3, np.float32),
-        "flags": rng.integers(0, 2, (20, 30)).astype(np.uint8),
+        "flags": rng.integers(0, 2, (20, 30)).astype(np.uint16),
     }
 
 

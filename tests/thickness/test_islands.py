@@ -33,7 +33,7 @@ def test_films_beyond_the_maximum_are_not_taken_for_thin_ones(tmp_path):
 def test_a_black_wall_has_no_maximum(film):
     calibration = example_calibration()
     image = np.tile(calibration.predict_log(film), (32, 1)).astype(np.float32)
-    flags = np.where(np.arange(320) < 20, np.uint8(Flag.DIM), np.uint8(0)) * np.ones(
+    flags = np.where(np.arange(320) < 20, np.uint16(Flag.DIM), np.uint16(0)) * np.ones(
         (32, 1), np.uint8
     )
     before = flags.copy()

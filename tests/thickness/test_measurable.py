@@ -56,7 +56,7 @@ def uniform(film, shape=(40, 40)):
 
 
 def test_flagged_pixels_do_not_affect_the_range_of_others(calibration):
-    image, flags = uniform(5.0), np.zeros((40, 40), np.uint8)
+    image, flags = uniform(5.0), np.zeros((40, 40), np.uint16)
     image[10:14], flags[10:14] = -3.0, Flag.NO_FILM
     maps = measure_thickness(ratio_images(image, flags=flags), calibration)
     npt.assert_array_equal(maps.flags, flags)

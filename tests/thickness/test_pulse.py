@@ -24,7 +24,7 @@ def light_of(film, energy):
 
 
 def energy_of(seen, film, flags=None):
-    flags = np.zeros(SHAPE, np.uint8) if flags is None else flags
+    flags = np.zeros(SHAPE, np.uint16) if flags is None else flags
     return measure_pulse_energy(seen, film, flags, model=MODEL)
 
 
@@ -44,7 +44,7 @@ def test_one_pixel_in_sixteen_of_a_large_image_is_enough():
 
 @pytest.mark.parametrize(("valid", "expected"), [(64, 500.0), (63, np.nan)])
 def test_at_least_64_pixels_are_needed(film, valid, expected):
-    flags = np.full(SHAPE, Flag.DIM, np.uint8)
+    flags = np.full(SHAPE, Flag.DIM, np.uint16)
     rows, columns = np.divmod(np.arange(valid), 16)
     flags[24 + 2 * rows, 32 + 2 * columns] = 0
     npt.assert_allclose(energy_of(light_of(film, 500.0), film, flags), expected, rtol=1e-3)

@@ -23,7 +23,7 @@ def test_flags_and_slopes_are_those_of_the_plain_means(shape, flagged):
     log_ratio = np.linspace(lowest - 0.1, highest + 0.1, shape[1]) * np.ones(shape)
     log_ratio = (log_ratio + 0.01 * rng.normal(size=shape)).astype(np.float32)
     variance = rng.uniform(1e-5, 1e-3, shape).astype(np.float32)
-    flags = np.where(rng.random(shape) < flagged, Flag.DIM, 0).astype(np.uint8)
+    flags = np.where(rng.random(shape) < flagged, Flag.DIM, 0).astype(np.uint16)
     near, beyond = find_range(log_ratio, variance, flags, calibration)
 
     images = log_ratio, variance, np.zeros(shape, np.float32), flags

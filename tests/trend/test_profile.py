@@ -53,7 +53,7 @@ def make_film(truth, *, noise=0.0, turned=False, covariance=EXACT):
             "thickness": (dims, thickness[None].astype(np.float32)),
             "thickness_std": (dims, std[None].astype(np.float32)),
             "thickness_std_shared": (dims, np.full((1, *truth.shape), 0.02, np.float32)),
-            "flags": (dims, np.zeros((1, *truth.shape), np.uint8)),
+            "flags": (dims, np.zeros((1, *truth.shape), np.uint16)),
         },
         {"x": Y, "y": X} if turned else {"x": X, "y": Y},
     )

@@ -150,7 +150,7 @@ def maps_of(film: xr.Dataset, trigger: int) -> Iterator[tuple[str, AnyArray]]:
     thickness float32 (24, 64)
     thickness_std float32 (24, 64)
     thickness_std_shared float32 (24, 64)
-    flags uint8 (24, 64)
+    flags uint16 (24, 64)
     """
     for name in MAPS:
         yield name, film[name].isel(trigger=trigger).values

@@ -34,8 +34,8 @@ LARGEST = 2**31 - 2**10
 _HEADER_TEXT = 116  # bytes, of a header of 128
 
 # MAT-File Format (The MathWorks), tables 1-1 and 1-3: kinds of data elements, classes of arrays
-_INT8, _UINT8, _INT32, _UINT32, _SINGLE, _MATRIX, _COMPRESSED = 1, 2, 5, 6, 7, 14, 15
-_CLASSES = {"float32": (7, _SINGLE, "single"), "uint8": (9, _UINT8, "uint8")}
+_INT8, _UINT16, _INT32, _UINT32, _SINGLE, _MATRIX, _COMPRESSED = 1, 4, 5, 6, 7, 14, 15
+_CLASSES = {"float32": (7, _SINGLE, "single"), "uint16": (11, _UINT16, "uint16")}
 
 _USER_BLOCK = 512  # bytes before the HDF5 part of version 7.3
 _LONGEST_NAME = 63

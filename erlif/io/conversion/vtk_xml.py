@@ -22,7 +22,7 @@ from erlif.io.conversion.contents import maps_of, trigger_columns
 from erlif.io.conversion.surface import find_surface
 from erlif.io.files import settings_of
 
-_TYPES = {"float32": "Float32", "float64": "Float64", "uint8": "UInt8"}
+_TYPES = {"float32": "Float32", "float64": "Float64", "uint16": "UInt16"}
 _HEAD = (
     '<?xml version="1.0"?>\n<!-- erlif {version} -->\n<VTKFile type="{kind}" version="1.0" '
     'byte_order="LittleEndian" header_type="UInt64" compressor="vtkZLibDataCompressor">\n'

@@ -56,7 +56,7 @@ class MapVariable:
     name : str
         Name in the file.
     dtype : str
-        Type in the file, "float32" or "uint8".
+        Type in the file, "float32" or "uint16".
     attrs : Mapping[str, Any]
         Attributes in the file, units among them.
     bits : int
@@ -125,9 +125,9 @@ def encode_netcdf(
 
     Examples
     --------
-    >>> variables = [MapVariable("flags", "uint8", {})]
-    >>> chunk = encode_netcdf({"flags": np.ones((100, 100), np.uint8)}, variables)["flags"]
-    >>> len(chunk) < 200, zlib.decompress(chunk) == bytes([1]) * 10_000
+    >>> variables = [MapVariable("flags", "uint16", {})]
+    >>> chunk = encode_netcdf({"flags": np.ones((100, 100), np.uint16)}, variables)["flags"]
+    >>> len(chunk) < 200, zlib.decompress(chunk)[9_999:10_001] == bytes([1, 0])
     (True, True)
     """
     chunks = {}
@@ -141,7 +141,7 @@ def encode_netcdf(
             planes = shuffled
             _round_and_shuffle(_flat(values), _flat(scale), np.float32(factor), planes)
         else:
-            planes = values
+            planes = np.stack([values & 0xFF, values >> 8]).astype(np.uint8)  # low bytes first
         chunks[variable.name] = deflate(planes)
     return chunks
 
@@ -158,8 +158,8 @@ def encode_zarr(maps: Mapping[str, AnyArray], variables: Sequence[MapVariable]) 
 
     Examples
     --------
-    >>> variables = [MapVariable("flags", "uint8", {})]
-    >>> chunk = encode_zarr({"flags": np.ones((100, 100), np.uint8)}, variables)["flags"]
+    >>> variables = [MapVariable("flags", "uint16", {})]
+    >>> chunk = encode_zarr({"flags": np.ones((100, 100), np.uint16)}, variables)["flags"]
     >>> len(chunk) < 500
     True
     """

@@ -57,10 +57,10 @@ class NetcdfMaps:
     --------
     >>> from tempfile import TemporaryDirectory
     >>> grid = xr.Dataset(coords={"trigger": [0, 1], "y": [0.0, 0.1], "x": [0.0, 0.1, 0.2]})
-    >>> variables = [MapVariable("flags", "uint8", {"units": "1"})]
+    >>> variables = [MapVariable("flags", "uint16", {"units": "1"})]
     >>> with TemporaryDirectory() as folder:
     ...     maps = NetcdfMaps(Path(folder), grid, variables)
-    ...     chunks = maps.encode({"flags": np.zeros((2, 3), np.uint8)})
+    ...     chunks = maps.encode({"flags": np.zeros((2, 3), np.uint16)})
     ...     maps.put(0, chunks, {"frames_used": 1})
     ...     maps.close()
     ...     again = NetcdfMaps(Path(folder), grid, variables)

@@ -29,7 +29,14 @@ _UNIFORM = 1e-6
 _MAP = FILM["thickness"].dims
 
 # Kinds of numpy types that stand for the type of the table: other programs widen numbers.
-_KINDS = {"float32": "f", "float64": "iuf", "int64": "iu", "int8": "iuf", "uint8": "iub"}
+_KINDS = {
+    "float32": "f",
+    "float64": "iuf",
+    "int64": "iu",
+    "int8": "iuf",
+    "uint8": "iub",
+    "uint16": "iu",
+}
 
 _TEXT_KINDS = "OUST"
 

@@ -46,11 +46,11 @@ class ZarrMaps:
     Examples
     --------
     >>> from tempfile import TemporaryDirectory
-    >>> variables = (MapVariable("flags", "uint8", {"units": "1"}),)
+    >>> variables = (MapVariable("flags", "uint16", {"units": "1"}),)
     >>> with TemporaryDirectory() as folder:
     ...     maps = ZarrMaps(Path(folder), variables, (2, 2, 3))
     ...     maps.create()
-    ...     chunks = maps.encode({"flags": np.zeros((2, 3), np.uint8)})
+    ...     chunks = maps.encode({"flags": np.zeros((2, 3), np.uint16)})
     ...     maps.put(1, chunks, {"frames_used": 1})
     ...     maps.has(0), maps.has(1), int(maps.numbers(1)["frames_used"])
     (False, True, 1)

@@ -66,7 +66,7 @@ def is_compiled() -> bool:
 
 def compile_kernels() -> None:
     """Call what follows the registration for a small image without texture, in its order."""
-    light, flags = np.full((2, 1, *_SHAPE), 1000, np.float32), np.zeros((2, 1, *_SHAPE), np.uint8)
+    light, flags = np.full((2, 1, *_SHAPE), 1000, np.float32), np.zeros((2, 1, *_SHAPE), np.uint16)
     dims = ("camera", "frame", "y", "x")
     none = np.zeros_like(light)
     aligned = {"signal": light, "signal_var": light, "signal_var_fixed": none, "flags": flags}

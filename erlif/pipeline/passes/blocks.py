@@ -15,7 +15,7 @@ from erlif.core.arrays import AnyArray, Array, Image
 from erlif.core.flags import Flag
 from erlif.trend import BLOCK, BlockSums, Region
 
-_BELOW, _ABOVE = (np.uint8(flag) for flag in (Flag.BELOW_RANGE, Flag.ABOVE_RANGE))
+_BELOW, _ABOVE = (np.uint16(flag) for flag in (Flag.BELOW_RANGE, Flag.ABOVE_RANGE))
 _ZERO = np.float32(0)
 _at = np.uint64  # an index that cannot count from the end, as in `erlif.registration.interpolation`
 
@@ -184,9 +184,9 @@ def add_to_blocks(images, i, offset, around, flags, block_rows):  # type: ignore
     i : int
     offset : np.float32
         Log ratio that is subtracted. [1]
-    around : array, (x,), uint8
+    around : array, (x,), uint16
         Flags of the row by the surroundings alone.
-    flags : array, (y, x), uint8
+    flags : array, (y, x), uint16
         Flags of the map.
     block_rows : tuple of array
         `BlockRows` as a plain tuple.

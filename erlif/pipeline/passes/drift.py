@@ -20,7 +20,7 @@ from erlif.registration.drift import Drift, DriftSearch
 from erlif.registration.normalise import binned
 from erlif.registration.pairs import normalise_both
 
-_UNUSABLE = np.uint8(Flag.SATURATED | Flag.BAD_PIXEL)
+_UNUSABLE = np.uint16(Flag.SATURATED | Flag.BAD_PIXEL)
 
 
 @dataclass(frozen=True)

@@ -66,7 +66,7 @@ def measure_film(pair: PairRatio, tables: FilmTables, region: Region) -> FilmMap
     >>> from erlif.show.plots import example_calibration
     >>> calibration = example_calibration()
     >>> even = np.full((64, 64), calibration.predict_log(3.0), np.float32)
-    >>> noise, flags = np.full_like(even, 1e-6), np.zeros(even.shape, np.uint8)
+    >>> noise, flags = np.full_like(even, 1e-6), np.zeros(even.shape, np.uint16)
     >>> pair = PairRatio(even, noise, 0 * noise, 0 * noise, flags, even)
     >>> whole = Region(slice(0, 64), slice(0, 64))
     >>> maps = measure_film(pair, FilmTables.of(calibration), whole)
@@ -75,7 +75,7 @@ def measure_film(pair: PairRatio, tables: FilmTables, region: Region) -> FilmMap
     """
     shape = pair.log_ratio.shape
     thickness, std, std_shared = pair.spare or tuple(np.empty((3, *shape), np.float32))
-    flags = np.empty(shape, np.uint8)
+    flags = np.empty(shape, np.uint16)
 
     offset, variance = find_medians(pair.log_ratio, pair.variance, pair.flags)
 
@@ -118,7 +118,7 @@ def measure_pulse(pair: PairRatio, tables: FilmTables, *, model: Reabsorption) -
     >>> from erlif.show.plots import example_calibration
     >>> calibration = example_calibration()
     >>> even = np.full((64, 64), calibration.predict_log(3.0), np.float32)
-    >>> noise, flags = np.full_like(even, 1e-6), np.zeros(even.shape, np.uint8)
+    >>> noise, flags = np.full_like(even, 1e-6), np.zeros(even.shape, np.uint16)
     >>> light = np.full_like(even, 500 * calibration.model.light(3.0).signal)
     >>> pair = PairRatio(even, noise, 0 * noise, 0 * noise, flags, light)
     >>> round(measure_pulse(pair, FilmTables.of(calibration), model=calibration.model))

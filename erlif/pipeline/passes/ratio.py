@@ -20,7 +20,7 @@ from erlif.ratio.log_ratio import correlate_noise, divide_rows
 # Rows of a band: the noise of camera 2 is kept for one band and the row before it.
 BAND = 64
 
-_POOR = np.uint8(Flag.POOR_REGISTRATION)
+_POOR = np.uint16(Flag.POOR_REGISTRATION)
 
 
 def measure_ratio(

@@ -106,7 +106,7 @@ def tabulate_map(camera_map: CameraMap) -> MapTables:
         np.ascontiguousarray(camera_map.displacement_x, np.float32),
         along_y,
         np.square(camera_map.displacement_std, dtype=float).astype(np.float32),
-        flags.astype(np.uint8),
+        flags.astype(np.uint16),
         camera_map.settings.orientation,
         np.stack(
             [
@@ -244,15 +244,15 @@ class PairWarp:
         -------
         PairWarp
         """
-        height, width = orient(np.empty(shape, np.uint8), orientation).shape
+        height, width = orient(np.empty(shape, np.uint16), orientation).shape
         part = (shape[0] if rows is None else rows, shape[1])
         return cls(
             np.empty(shape, np.float32),
             np.empty(part, np.float32),
             np.empty(part, np.float32),
-            np.empty(part, np.uint8),
+            np.empty(part, np.uint16),
             np.empty((height + 4, width + 4), np.float32),
-            np.empty((height, width), np.uint8),
+            np.empty((height, width), np.uint16),
         )
 
 

@@ -149,7 +149,7 @@ def usable_pixels(flags: FlagImage, blocks: Image) -> Mask:
         False for saturated and bad pixels and where the light is too steep.
     """
     rows, columns = flags.shape
-    usable = np.asarray((flags & np.uint8(Flag.SATURATED | Flag.BAD_PIXEL)) == 0)
+    usable = np.asarray((flags & np.uint16(Flag.SATURATED | Flag.BAD_PIXEL)) == 0)
     usable &= ~is_steep(blocks, (rows, columns))
     return usable
 

@@ -118,7 +118,7 @@ class SetupWatch(Follower):
             self._looked, self._cameras = frame, tuple(checks)
             self._images = tuple(image.astype(np.float32) for image in counts)
             self._saturated = tuple(
-                np.where(image >= full, np.uint8(Flag.SATURATED), np.uint8(0))
+                np.where(image >= full, np.uint16(Flag.SATURATED), np.uint16(0))
                 for image, full in zip(counts, pairs.full_scales, strict=True)
             )
             self._best = [

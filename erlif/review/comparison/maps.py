@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
+import numpy.typing as npt
 import xarray as xr
 
 from erlif.calibration import calibration_of
-from erlif.core.arrays import Array, FlagImage
+from erlif.core.arrays import Array
 from erlif.core.described import describe
 from erlif.core.errors import ErlifError
 from erlif.io.files import describe_trigger, settings_of
@@ -90,7 +91,7 @@ def difference_map(one: xr.Dataset, other: xr.Dataset, *, triggers: tuple[int, i
     )
 
 
-def _significant(significance: Array) -> FlagImage:
+def _significant(significance: Array) -> npt.NDArray[np.uint8]:
     """Where a difference is more than chance among that many cells."""
     signs = np.zeros(significance.shape, np.uint8)
     known = np.isfinite(significance)

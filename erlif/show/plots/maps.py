@@ -228,7 +228,7 @@ def thickness_map(
 def first_flag(flags: FlagImage) -> FlagImage:
     """Number the flag that is shown for each pixel: 0 valid, 1 the first of FLAG_COLOURS, ..."""
     # from the last to the first, so that the first remains
-    shown = np.zeros(flags.shape, np.uint8)
+    shown = np.zeros(flags.shape, np.uint16)
     for n, flag in reversed(list(enumerate(style.FLAG_COLOURS, 1))):
         shown[(flags & int(flag)) != 0] = n
     return shown

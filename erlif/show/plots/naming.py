@@ -74,7 +74,7 @@ def reason_empty(flags: FlagImage) -> str:
 
     Examples
     --------
-    >>> reason_empty(np.full((4, 5), Flag.DIM, np.uint8))
+    >>> reason_empty(np.full((4, 5), Flag.DIM, np.uint16))
     'no valid pixel: 100 % dim'
     """
     if flags.size == 0 or (flags == 0).any():

@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from erlif.core.arrays import Array, FlagImage, Image
+from erlif.core.arrays import Array, Image
 
 _BLOCK = 4  # pixels on a side that share one pair of standard deviations
 _LEAST_STD = 1e-4  # um, the standard deviation of code 1
@@ -79,7 +79,7 @@ def embed_map(
     one = film[["thickness", "thickness_std", "thickness_std_shared", "flags"]].isel(
         trigger=trigger, y=slice(None, None, coding.stride), x=slice(None, None, coding.stride)
     )
-    flags = one.flags.values.astype(np.uint8)
+    flags = one.flags.values.astype(np.uint16)
     valid = flags == 0
 
     counts = np.zeros(flags.shape, np.uint16)
@@ -87,7 +87,7 @@ def embed_map(
     counts[valid] = np.clip(whole, 0, _FULL_SCALE).astype(np.uint16)
 
     # bytes of one kind follow each other, because the high ones hardly change and deflate well
-    planes = [*_split_bytes(counts), flags]
+    planes = [*_split_bytes(counts), *_split_bytes(flags)]
     planes += [
         _encode_std(np.where(valid, one[name].values, np.nan))
         for name in ("thickness_std", "thickness_std_shared")
@@ -102,12 +102,12 @@ def embed_map(
     return base64.b64encode(packed).decode("ascii")
 
 
-def _split_bytes(counts: npt.NDArray[np.uint16]) -> list[FlagImage]:
+def _split_bytes(counts: npt.NDArray[np.uint16]) -> list[npt.NDArray[np.uint8]]:
     """High and low bytes."""
     return [(counts >> 8).astype(np.uint8), (counts & 255).astype(np.uint8)]
 
 
-def _encode_std(std: Array) -> FlagImage:
+def _encode_std(std: Array) -> npt.NDArray[np.uint8]:
     """Codes of the blocks, on a logarithmic scale."""
     # 0 stands for a block without valid pixels
     median = _block_median(std)

@@ -36,13 +36,13 @@
 
   const pixels = width * height;
   const blocks = blockColumns * Math.ceil(height / coding.block);
-  const prediction = 3 * pixels + 2 * blocks; // where its bytes begin
-  const flagsAt = (n) => shown[2 * pixels + n];
+  const prediction = 4 * pixels + 2 * blocks; // where its bytes begin
+  const flagsAt = (n) => shown[2 * pixels + n] * 256 + shown[3 * pixels + n];
   const thicknessAt = (n) => (flagsAt(n) ? NaN : (shown[n] * 256 + shown[pixels + n]) * coding.step);
 
   function stdAt(column, row, which) {
     const block = Math.floor(row / coding.block) * blockColumns + Math.floor(column / coding.block);
-    const code = shown[3 * pixels + which * blocks + block];
+    const code = shown[4 * pixels + which * blocks + block];
     return code ? coding.leastStd * 2 ** ((code - 1) / coding.perOctave) : NaN;
   }
 

@@ -36,7 +36,7 @@ def map_tiff(
     Examples
     --------
     >>> import tifffile
-    >>> flags = np.array([[0, 1], [0, 0]], np.uint8)
+    >>> flags = np.array([[0, 1], [0, 0]], np.uint16)
     >>> values = np.ones((2, 2), np.float32)
     >>> content = map_tiff(values, flags, pitch=(0.5, 0.5), title="film", unit="um")
     >>> tifffile.imread(io.BytesIO(content)).tolist()
@@ -77,7 +77,7 @@ def map_csv(values: Image, flags: FlagImage, *, x: Array, y: Array, name: str) -
     Examples
     --------
     >>> position = np.array([0.0, 0.5])
-    >>> flags = np.array([[0, 2]], np.uint8)
+    >>> flags = np.array([[0, 2]], np.uint16)
     >>> text = map_csv(
     ...     np.ones((1, 2), np.float32), flags, x=position, y=position[:1], name="thickness [um]"
     ... )

@@ -107,7 +107,7 @@ def reduce_map(values: Image, flags: FlagImage, *, step: int) -> tuple[Image, Fl
     ----------
     values : array of float32, (y, x)
         A map; NaN where it has no value.
-    flags : array of uint8, (y, x)
+    flags : array of uint16, (y, x)
         Bits of `erlif.core.flags.Flag`; pixels with a flag are left out.
     step : int
         Pixels on a side of a square. Squares at the right and lower edge may be cut.
@@ -121,9 +121,9 @@ def reduce_map(values: Image, flags: FlagImage, *, step: int) -> tuple[Image, Fl
     Examples
     --------
     >>> values = np.array([[1, 2, 5], [3, np.nan, 7]], np.float32)
-    >>> flags = np.array([[0, 0, 0], [0, 128, 2]], np.uint8)
+    >>> flags = np.array([[0, 0, 0], [0, 128, 2]], np.uint16)
     >>> reduce_map(values, flags, step=2)
-    (array([[ 2., nan]], dtype=float32), array([[0, 2]], dtype=uint8))
+    (array([[ 2., nan]], dtype=float32), array([[0, 2]], dtype=uint16))
     """
     if step == 1:
         return values, flags

@@ -162,7 +162,7 @@ def region_statistics(
     Examples
     --------
     >>> values = np.array([[1, 2], [3, 9]], np.float32)
-    >>> flags = np.array([[0, 0], [0, 1]], np.uint8)
+    >>> flags = np.array([[0, 0], [0, 1]], np.uint16)
     >>> found = region_statistics(values, flags, 0 * values + 0.3, 0 * values + 0.1)
     >>> found["count"], found["valid"], found["mean"], round(found["mean_std"], 4)
     (4, 3, 2.0, 0.1732)
@@ -198,7 +198,7 @@ def subtract_maps(
 
     Examples
     --------
-    >>> flags = np.zeros((1, 2), np.uint8)
+    >>> flags = np.zeros((1, 2), np.uint16)
     >>> thick = (np.full((1, 2), 5, np.float32), np.full((1, 2), 0.3, np.float32), flags)
     >>> thin = (np.full((1, 2), 4, np.float32), np.full((1, 2), 0.4, np.float32), flags | [0, 2])
     >>> difference, std, flags = subtract_maps(thin, thick)
@@ -206,7 +206,7 @@ def subtract_maps(
     ([[1.0, nan]], [[0.5, nan]], [[0, 2]])
     """
     # a difference is known where both maps are
-    flags = (one[2] | other[2]).astype(np.uint8)
+    flags = (one[2] | other[2]).astype(np.uint16)
     valid = flags == 0
     difference = np.where(valid, other[0] - one[0], np.nan).astype(np.float32)
     std = np.where(valid, np.hypot(one[1], other[1]), np.nan).astype(np.float32)

@@ -147,7 +147,7 @@ def pack_map(request: Request) -> bytes:
     -------
     bytes
         Length of a description (uint32), the description in JSON, the values (float32) and the
-        flags (uint8), all little endian.
+        flags (uint16), all little endian.
 
     Raises
     ------
@@ -249,7 +249,7 @@ def join_parts(about: Mapping[str, Any], values: Image, flags: FlagImage) -> byt
         Description, written as JSON.
     values : array of float32, (y, x)
         Values.
-    flags : array of uint8, (y, x)
+    flags : array of uint16, (y, x)
         Flags.
 
     Returns
@@ -259,13 +259,13 @@ def join_parts(about: Mapping[str, Any], values: Image, flags: FlagImage) -> byt
 
     Examples
     --------
-    >>> message = join_parts({}, np.ones((1, 2), np.float32), np.zeros((1, 2), np.uint8))
+    >>> message = join_parts({}, np.ones((1, 2), np.float32), np.zeros((1, 2), np.uint16))
     >>> len(message), message[:6]
     (18, b'\\x04\\x00\\x00\\x00{}')
     """
     text = json.dumps(about, separators=(",", ":")).encode()
     text += b" " * (-len(text) % 4)
-    parts = np.ascontiguousarray(values, "<f4"), np.ascontiguousarray(flags, np.uint8)
+    parts = np.ascontiguousarray(values, "<f4"), np.ascontiguousarray(flags, np.uint16)
     return b"".join([struct.pack("<I", len(text)), text, *(part.tobytes() for part in parts)])
 
 
@@ -291,7 +291,7 @@ def colour_limits(
     Examples
     --------
     >>> values = np.linspace(1, 2, 8, dtype=np.float32)[None]
-    >>> low, high = colour_limits(values, np.zeros((1, 8), np.uint8))
+    >>> low, high = colour_limits(values, np.zeros((1, 8), np.uint16))
     >>> round(low, 1), round(high, 1)
     (1.0, 2.0)
     """

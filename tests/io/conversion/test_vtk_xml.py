@@ -12,7 +12,7 @@ import pytest
 from erlif.core.progress import silent
 from erlif.io.conversion.vtk_xml import write_series
 
-TYPES = {"Float32": np.float32, "Float64": np.float64, "UInt8": np.uint8}
+TYPES = {"Float32": np.float32, "Float64": np.float64, "UInt16": np.uint16}
 
 
 @pytest.fixture(scope="module")

@@ -19,7 +19,7 @@ anything = drawn.arrays(np.float32, 30, elements=st.floats(width=32))
 VARIABLES = [
     MapVariable("thickness", "float32", {}, std="thickness_std"),
     MapVariable("thickness_std", "float32", {}, bits=5),
-    MapVariable("flags", "uint8", {}),
+    MapVariable("flags", "uint16", {}),
 ]
 
 
@@ -29,7 +29,7 @@ def maps():
     rng = np.random.default_rng(7)
     std = np.geomspace(0.01, 0.8, 60 * 70).astype(np.float32).reshape(60, 70)
     thickness = (np.linspace(2, 9, 70) + std * rng.normal(size=(60, 70))).astype(np.float32)
-    flags = np.zeros((60, 70), np.uint8)
+    flags = np.zeros((60, 70), np.uint16)
     flags[:9, :20] = 32
     for image in (thickness, std):
         image[flags != 0] = np.nan

@@ -66,7 +66,7 @@ def test_missing_maps_are_not_read_as_valid_pixels(path):
         with h5py.File(path, "r+") as file:
             shape, kept = file["flags"].shape, file["flags"][0]
             del file["flags"]
-            file.create_dataset("flags", shape, "u1", chunks=(1, *shape[1:]))[0] = kept
+            file.create_dataset("flags", shape, "u2", chunks=(1, *shape[1:]))[0] = kept
     with pytest.raises(ValueError, match=r"of flags (is|are) missing"):
         check(path)
 

@@ -36,7 +36,7 @@ def test_result_survives_a_file(tmp_path):
 
 def test_frame_result_takes_drift_peaks_and_hashes_from_its_ratio():
     image = np.ones((64, 64), np.float32)
-    flags, digests = np.zeros(image.shape, np.uint8), (f"{1:064x}", f"{2:064x}")
+    flags, digests = np.zeros(image.shape, np.uint16), (f"{1:064x}", f"{2:064x}")
     pair = PairRatio(*[image] * 4, flags, image, 1.0, (0.25, -0.5), (3100, 2100), digests)
     found = FrameResult.of(7, pair)
     assert (found.frame, found.drift, found.peaks) == (7, (0.25, -0.5), (3100, 2100))

@@ -32,7 +32,7 @@ def compute(frames):
     """Maps that hold the number of the first frame."""
     image = np.full((4, 6), float(frames[0]), np.float32)
     names = ("thickness", "thickness_std", "thickness_std_shared")
-    maps = dict.fromkeys(names, image) | {"flags": np.zeros((4, 6), np.uint8)}
+    maps = dict.fromkeys(names, image) | {"flags": np.zeros((4, 6), np.uint16)}
     return maps, make_result(*frames)
 
 

@@ -22,7 +22,7 @@ def add_all(images, region, offset=0.0, around=None, flags=None):
 
 def images_of(ratio=1.0, variance=2.0, displaced=3.0):
     values = (np.full(SHAPE, value, np.float32) for value in (ratio, variance, displaced))
-    return *values, np.zeros(SHAPE, np.uint8)
+    return *values, np.zeros(SHAPE, np.uint16)
 
 
 def test_sums_of_even_images_are_multiples_of_the_number_of_pixels():

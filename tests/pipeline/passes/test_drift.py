@@ -36,7 +36,7 @@ def to_light(counts):
 
 def estimate(camera_map, light):
     """The same from whole frames."""
-    sound = (light.flags & np.uint8(Flag.SATURATED | Flag.BAD_PIXEL)) == 0
+    sound = (light.flags & np.uint16(Flag.SATURATED | Flag.BAD_PIXEL)) == 0
     one, two = (
         (sound[n] & ~is_steep(light.blocks[n], sound[n].shape)).astype(np.float32) for n in range(2)
     )

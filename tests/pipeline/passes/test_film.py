@@ -38,7 +38,7 @@ def pair_of(shape=SHAPE, noise=0.0135, seed=1):
     noise = noise * (1 + 0.5 * y / shape[0])
     log_ratio += noise * rng.standard_normal(shape)
     variance = noise**2 * rng.uniform(0.8, 1.2, shape)
-    flags = np.where(rng.random(shape) < 0.01, Flag.BAD_PIXEL, 0).astype(np.uint8)
+    flags = np.where(rng.random(shape) < 0.01, Flag.BAD_PIXEL, 0).astype(np.uint16)
     flags[:, :3] = Flag.OUTSIDE_OVERLAP
     flags[shape[0] // 2 : shape[0] // 2 + 30, shape[1] // 3 : shape[1] // 3 + 30] = Flag.NO_FILM
     log_ratio[flags != 0] = np.nan

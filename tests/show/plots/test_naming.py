@@ -43,7 +43,7 @@ def test_long_name_is_shortened_and_a_dollar_sign_is_text(with_settings):
 
 
 def test_reason_gives_the_largest_shares():
-    flags = np.full((10, 10), int(Flag.DIM), np.uint8)
+    flags = np.full((10, 10), int(Flag.DIM), np.uint16)
     flags[:3] |= int(Flag.OUTSIDE_OVERLAP)
     assert reason_empty(flags) == "no valid pixel: 100 % dim, 30 % outside overlap"
     flags[0, 0] = 0

@@ -10,7 +10,7 @@ from erlif.show.view.exports import map_csv, map_tiff
 
 X, Y = 0.06 * np.arange(20), 1.0 + 0.06 * np.arange(10)
 VALUES = np.random.default_rng(5).normal(5, 1, (10, 20)).astype(np.float32)
-FLAGS = np.zeros((10, 20), np.uint8)
+FLAGS = np.zeros((10, 20), np.uint16)
 FLAGS[3, 4] = 128
 
 

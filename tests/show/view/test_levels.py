@@ -11,17 +11,17 @@ def test_a_plane_stays_a_plane():
     for step in (2, 3, 4, 7):
         rows, columns = 4 * step, 5 * step
         plane = np.add.outer(3.0 * np.arange(rows), np.arange(columns)).astype(np.float32)
-        values, flags = reduce_map(plane, np.zeros(plane.shape, np.uint8), step=step)
+        values, flags = reduce_map(plane, np.zeros(plane.shape, np.uint16), step=step)
         centre = np.arange(5) * step + (step - 1) / 2
         npt.assert_allclose(values, np.add.outer(3 * centre[:4], centre), rtol=1e-6)
         assert not flags.any()
     plane = np.arange(15, dtype=np.float32).reshape(3, 5)
-    values, _ = reduce_map(plane, np.zeros((3, 5), np.uint8), step=2)
+    values, _ = reduce_map(plane, np.zeros((3, 5), np.uint16), step=2)
     npt.assert_allclose(values, [[3, 5, 6.5], [10.5, 12.5, 14]])
 
 
 def test_flagged_pixels_do_not_enter_the_mean():
-    flags = np.array([[0, 0, 4], [0, 64, 2], [1, 1, 0]], np.uint8)
+    flags = np.array([[0, 0, 4], [0, 64, 2], [1, 1, 0]], np.uint16)
     values = np.where(flags == 0, 5, 1e6).astype(np.float32)
     mean, found = reduce_map(values, flags, step=3)
     assert np.isnan(mean).all()  # 4 of 9 pixels are valid

@@ -20,7 +20,7 @@ class Source:
     def __init__(self):
         self.version, self.ended, self.alarms = 3, False, {}
         self.thickness = np.linspace(1, 3, 64 * 96, dtype=np.float32).reshape(64, 96)
-        self.flags = np.zeros((64, 96), np.uint8)
+        self.flags = np.zeros((64, 96), np.uint16)
         self.flags[:8, :8] = Flag.SATURATED
         self.thickness[:8, :8] = np.nan
         self.rows = [
@@ -100,7 +100,7 @@ class Film(Source):
     def __init__(self):
         super().__init__()
         self.thickness = np.kron(self.thickness, np.ones((10, 10), np.float32))
-        self.flags = np.kron(self.flags, np.ones((10, 10), np.uint8))
+        self.flags = np.kron(self.flags, np.ones((10, 10), np.uint16))
         self.begun = time.monotonic()
 
     def wait_for_map(self, after, timeout):

@@ -64,7 +64,7 @@ def test_statistics_are_those_of_the_valid_pixels():
     rng = np.random.default_rng(3)
     values = rng.normal(5, 0.4, (40, 50)).astype(np.float32)
     std = rng.uniform(0.2, 0.6, values.shape).astype(np.float32)
-    flags = (rng.random(values.shape) < 0.2).astype(np.uint8) * 16
+    flags = (rng.random(values.shape) < 0.2).astype(np.uint16) * 16
     values[0, 0], flags[0, 0] = np.nan, 0
     good = (flags == 0) & np.isfinite(values)
     inside = values[good].astype(float)
@@ -89,7 +89,7 @@ def test_statistics_are_those_of_the_valid_pixels():
 
 def noisy(mean, std, seed):
     values = np.random.default_rng(seed).normal(mean, std, (80, 100)).astype(np.float32)
-    return values, np.full(values.shape, std, np.float32), np.zeros(values.shape, np.uint8)
+    return values, np.full(values.shape, std, np.float32), np.zeros(values.shape, np.uint16)
 
 
 def test_a_difference_is_valid_where_both_maps_are_and_scatters_as_its_standard_deviation():

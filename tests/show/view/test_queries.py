@@ -36,7 +36,7 @@ def unpack(message):
     about = json.loads(message[4 : 4 + length])
     count = about["shape"][0] * about["shape"][1]
     values = np.frombuffer(message, "<f4", count, 4 + length).reshape(about["shape"])
-    flags = np.frombuffer(message, np.uint8, count, 4 + length + 4 * count)
+    flags = np.frombuffer(message, np.uint16, count, 4 + length + 4 * count)
     return about, values, flags.reshape(about["shape"])
 
 

@@ -24,8 +24,8 @@ export class MapPanel {
       this.colours[name] = triples(text);
       this.palettes[name] = packed(this.colours[name]);
     }
-    this.flagColours = new Uint32Array(256);
-    for (let bits = 1; bits < 256; bits++) {
+    this.flagColours = new Uint32Array(2 * Math.max(...use.about.flags.map((flag) => flag.bit)));
+    for (let bits = 1; bits < this.flagColours.length; bits++) {
       const first = use.about.flags.find((flag) => bits & flag.bit);
       [this.flagColours[bits]] = first ? packed(triples(first.colour.slice(1))) : [0];
     }
@@ -79,7 +79,7 @@ export class MapPanel {
     const found = JSON.parse(new TextDecoder().decode(new Uint8Array(data, 4, length)));
     const count = found.shape[0] * found.shape[1];
     found.values = new Float32Array(data, 4 + length, count);
-    found.flags = new Uint8Array(data, 4 + length + 4 * count, count);
+    found.flags = new Uint16Array(data, 4 + length + 4 * count, count);
     this.shown = found;
     this.use.shown(found);
     this.draw();
