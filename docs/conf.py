@@ -203,6 +203,7 @@ ELSEWHERE = {
     "erlif.joint.endurance": (
         "LogColumns",
         "measure_friction",
+        "read_torque_log",
     )
 }
 """Names that a stage exports and another one describes."""

@@ -7,7 +7,8 @@
 
 The stages, in the order of the pipeline: `ingest`, `correction`, `registration`, `ratio`,
 `calibration`, `thickness`, `kinematics`, `trend`, `prediction`. Each holds plain functions.
-`models` is theory, `sizing` the design of joints, `rig` the virtual rig, `plots` the figures.
+`models` is theory, `rig` the virtual rig, `plots` the figures; `joint` designs joints and reads
+test logs.
 """
 
 from importlib import import_module

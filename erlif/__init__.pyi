@@ -24,14 +24,6 @@ from .io import readers as readers
 from .io import settings as settings
 from .io.conversion import export as export
 from .io.files import open_film as open_film
-from .joint import endurance as endurance
-from .joint import friction as friction
-from .joint import sizing as sizing
-from .joint.endurance import analyse_endurance as analyse_endurance
-from .joint.endurance import compare_designs as compare_designs
-from .joint.endurance import read_endurance_log as read_endurance_log
-from .joint.friction import analyse_friction as analyse_friction
-from .joint.sizing.design import design as design
 from .pipeline.batch import batch as batch
 from .pipeline.fixture import calibrate as calibrate
 from .pipeline.physics.predict import predict as predict

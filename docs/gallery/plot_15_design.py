@@ -2,8 +2,8 @@
 Design of a joint: pressure, limits and life
 ============================================
 
-``erlif.design`` walks through the guide of Strand (2005) with a joint whose dimensions are given.
-Two steps fail here: weld and prongs of the lock plate.
+``erlif.joint.design`` walks through the guide of Strand (2005) with a joint whose dimensions are
+given. Two steps fail here: weld and prongs of the lock plate.
 """
 
 from pathlib import Path
@@ -13,7 +13,7 @@ import matplotlib.pyplot as plt
 import erlif
 
 EXAMPLES = next(path for path in (Path("../examples"), Path("docs/examples")) if path.is_dir())
-designed = erlif.design(EXAMPLES / "bucket_link.toml")
+designed = erlif.joint.design(EXAMPLES / "bucket_link.toml")
 
 fig, panels = plt.subplots(2, 2, figsize=(8, 6), layout="constrained")
 erlif.joint.plots.design_pressure(designed, ax=panels[0, 0])

@@ -13,10 +13,10 @@ from sample import ENDURANCE
 
 import erlif
 
-columns = erlif.endurance.LogColumns(arm_force="Third cell [N]")
+columns = erlif.joint.endurance.LogColumns(arm_force="Third cell [N]")
 tests = {
-    path.stem: erlif.analyse_endurance(
-        erlif.read_endurance_log(path, columns), pin_radius=0.03336, arm=0.3
+    path.stem: erlif.joint.analyse_endurance(
+        erlif.joint.read_torque_log(path, columns), pin_radius=0.03336, arm=0.3
     )
     for path in sorted(ENDURANCE.glob("*.csv"))
 }
@@ -46,7 +46,7 @@ for place, group in enumerate(failures.values()):
         filled = "full" if failure.failed else "none"
         marker = {"fmt": "o", "color": "k", "fillstyle": filled}
         loads.errorbar(failure.load / 1e3, place + height, xerr=error, **marker)
-ratio = erlif.compare_designs(failures["uncut"], failures["undercut"])
+ratio = erlif.joint.compare_designs(failures["uncut"], failures["undercut"])
 loads.set(
     yticks=range(len(failures)),
     yticklabels=failures,

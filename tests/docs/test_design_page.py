@@ -28,7 +28,7 @@ def evaluate(text):
 
 @cache
 def designed(name):
-    return erlif.design(DOCS / "examples" / f"{name}.toml")
+    return erlif.joint.design(DOCS / "examples" / f"{name}.toml")
 
 
 @cache
@@ -63,7 +63,7 @@ def test_the_eyes_of_the_table_are_those_of_the_boom():
     settings = read_design_settings(DOCS / "examples" / "boom.toml")
     for ratio, *printed in rows:
         wanted = SizingOptions(series="none", eye_ratio=float(ratio))
-        joint = erlif.design(settings.model_copy(update={"sizing": wanted})).joint
+        joint = erlif.joint.design(settings.model_copy(update={"sizing": wanted})).joint
         sizes = (joint.pin_diameter, joint.bushing_width, joint.housing_diameter)
         assert [1e3 * size for size in sizes] == pytest.approx(list(map(float, printed)), abs=6e-3)
         # eq. 14 with the allowed stress of 167.5 MPa at that eye
@@ -94,4 +94,4 @@ def test_the_changes_that_the_page_proposes_are_enough(tmp_path):
     text = text.replace('height = "85 mm"', 'height = "100 mm"')
     path = tmp_path / "joint.toml"
     path.write_text(text.replace('throat = "9 mm"', 'throat = "11 mm"'), encoding="utf-8")
-    assert erlif.design(path).sound
+    assert erlif.joint.design(path).sound

@@ -87,9 +87,9 @@ def endurance(
             analyse_endurance,
             compare_designs,
             describe_designs,
-            read_endurance_log,
             write_test_table,
         )
+        from erlif.joint.friction import read_torque_log
         from erlif.joint.plots import name_overviews, write_designs_figure, write_endurance_figures
         from erlif.joint.settings import EnduranceSettings, read_endurance_settings
 
@@ -121,7 +121,7 @@ def endurance(
     results: list[EnduranceResult] = []
     reading_of: dict[str, list[str]] = {}
     for log in logs:
-        read = read_endurance_log(log, choice, **reading)
+        read = read_torque_log(log, choice, **reading)
         results.append(
             analyse_endurance(
                 read,

@@ -18,8 +18,7 @@ from erlif.joint.endurance.summary import (
     describe_tests,
     write_test_table,
 )
-from erlif.joint.friction import LogColumns, measure_friction
-from erlif.joint.friction import read_torque_log as read_endurance_log
+from erlif.joint.friction import LogColumns, measure_friction, read_torque_log
 
 __all__ = [
     "DesignComparison",
@@ -42,6 +41,6 @@ __all__ = [
     "find_stages",
     "join_stages",
     "measure_friction",
-    "read_endurance_log",
+    "read_torque_log",
     "write_test_table",
 ]

@@ -209,7 +209,7 @@ def analyse_endurance(
     Parameters
     ----------
     log : xarray.Dataset
-        From `erlif.read_endurance_log`.
+        From `erlif.joint.read_torque_log`.
     pin_radius, arm, torque_ratio, tare
         As for `erlif.joint.friction.measure_friction`.
     calibration : float

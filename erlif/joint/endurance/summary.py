@@ -52,7 +52,7 @@ def describe_test(result: EnduranceResult) -> list[str]:
     Parameters
     ----------
     result : EnduranceResult
-        From `erlif.analyse_endurance`.
+        From `erlif.joint.analyse_endurance`.
 
     Returns
     -------
@@ -153,7 +153,7 @@ def describe_designs(found: DesignComparison) -> list[str]:
     Parameters
     ----------
     found : DesignComparison
-        From `erlif.compare_designs`.
+        From `erlif.joint.compare_designs`.
 
     Returns
     -------

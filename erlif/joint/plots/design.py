@@ -36,7 +36,7 @@ def design_margins(design: BearingDesign, *, ax: Axes | None = None) -> list[Art
     Parameters
     ----------
     design : BearingDesign
-        Joint, dimensions and steps, as `erlif.design` returns them.
+        Joint, dimensions and steps, as `erlif.joint.design` returns them.
 
     Returns
     -------

@@ -42,7 +42,7 @@ def load_profile(result: EnduranceResult, *, ax: Axes | None = None) -> list[Art
     Parameters
     ----------
     result : EnduranceResult
-        From `erlif.analyse_endurance`.
+        From `erlif.joint.analyse_endurance`.
 
     Returns
     -------
@@ -403,7 +403,7 @@ def loads_of_designs(
     Parameters
     ----------
     compared : DesignComparison
-        From `erlif.compare_designs`.
+        From `erlif.joint.compare_designs`.
     first, second : sequence of FailureLoad
         Runs of both designs.
 

@@ -44,7 +44,7 @@ def summarise_design(design: BearingDesign, *, brief: bool = False) -> str:
     Parameters
     ----------
     design : BearingDesign
-        From `erlif.design`.
+        From `erlif.joint.design`.
     brief : bool
         Leave out the columns of source and state, so that the table has 80 columns; a step that
         does not hold has a negative margin, a doubtful one a question mark.

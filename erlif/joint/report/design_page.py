@@ -33,7 +33,7 @@ def write_design_page(
     Parameters
     ----------
     design : BearingDesign
-        From `erlif.design`.
+        From `erlif.joint.design`.
     out_path, overwrite
         As for `erlif.show.report.write_report`, as what is returned and raised.
 

@@ -20,7 +20,7 @@ def path(tmp_path):
 
 
 def test_the_example_is_sound_and_complete_and_sized_gives_itself_again(path):
-    first = erlif.design(path)
+    first = erlif.joint.design(path)
     assert first.sound
     assert not first.assessment.doubtful
     assert first.assessment.steps == example_design().assessment.steps
