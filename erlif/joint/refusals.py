@@ -1,4 +1,4 @@
-"""Refusals of sizing, friction and endurance, from one table of texts."""
+"""Refusals of the joint, from one table of texts."""
 
 from erlif.core.refusals import refusal_writer
 
