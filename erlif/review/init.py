@@ -188,11 +188,11 @@ def init(
 def _refuse_empty(survey: Survey) -> None:
     """Refuse a directory without frames; formats that are known and not read are named."""
     if survey.unread:
-        first = survey.unread[0]
+        first, count = survey.unread[0], count_of(len(survey.unread), "image")
+        reason = why_unread(first.suffix)
         raise FrameError(
-            f"Expected frames of two cameras in {survey.directory}; the "
-            f"{count_of(len(survey.unread), 'image')} in it cannot be read. {first.name}: "
-            f"{why_unread(first.suffix)}"
+            f"Expected frames of two cameras in {survey.directory}; the {count} in it cannot be "
+            f"read. {first.name}: {reason}"
         )
     raise FrameError(
         f"Expected frames of two cameras in {survey.directory}; there is no image file in it. Put "
