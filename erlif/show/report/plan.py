@@ -124,7 +124,7 @@ def _film_table(plan: xr.Dataset) -> str:
         needed = (f"{count:.0f}" if math.isfinite(count) else "never" for count in counts)
         ratio = f"{float(one.ratio):.4f}"
         lines.append((f"{film:.3g}", ratio, *signals, std, share, averaged, *needed))
-    return print_columns(lines, ">8 >7 >8 >8 >7 >8 >13 >6 >6")
+    return print_columns(lines, ">>>>>>>>>")
 
 
 def _limit_table(plan: xr.Dataset) -> str:
@@ -136,7 +136,7 @@ def _limit_table(plan: xr.Dataset) -> str:
     for k, film in enumerate(plan.limit_film.values.tolist()):
         stds = (f"{1e3 * float(plan[f'limit_film_std{kind}'][k]):.0f} nm" for kind in kinds)
         lines.append((f"film of {film:g} um", *stds))
-    return print_columns(lines, "<16 >8 >14" if len(kinds) > 1 else "<16 >8")
+    return print_columns(lines, "<>>")
 
 
 def _tolerance_table(plan: xr.Dataset) -> str:
@@ -151,7 +151,7 @@ def _tolerance_table(plan: xr.Dataset) -> str:
         film = _percent(float(row.tolerance_film), most="> 1000%")
         named = str(row.tolerance.item()), str(row.tolerance_size.item())
         lines.append((*named, std, thinnest, thickest, film))
-    return print_columns(lines, "<24 >6 >7 >9 >9 >7")
+    return print_columns(lines, "<>>>>>")
 
 
 def table_of_films(plan: xr.Dataset) -> str:

@@ -19,7 +19,6 @@ from erlif.show.report.prediction import describe_correlations, describe_differe
 from erlif.trend import LEAST_TRIGGERS
 
 _CALIBRATION_TITLE = 34  # columns of the titles of a calibration
-_TERM, _QUANTITY = 31, 8  # columns of a budget
 _TITLE = 10  # columns of the titles of a short summary
 _LINES, _COLUMNS = 10, 80  # of a short summary; files and the next command make it twelve
 _NOTABLE = 0.01  # share of the region beyond the range from which a mean is that of a part
@@ -469,11 +468,11 @@ def print_budget(budget: xr.Dataset) -> str:
     >>> print(print_budget(budget))
     Standard deviations in nm: example, trigger 2, 1 frame pair
     <BLANKLINE>
-    term                                mean
-    film thickness [um]                 5.00
+    term                 mean
+    film thickness [um]  5.00
     random
-      photons                             12
-    total                                 12
+      photons              12
+    total                  12
     """
     attrs, titles = budget.attrs, [str(title) for title in budget.quantity.values]
     count = count_of(int(attrs["frames"]), "frame pair")
@@ -490,11 +489,10 @@ def print_budget(budget: xr.Dataset) -> str:
         last = str(kind)
         title = str(term) if kind == "sum" else f"  {term}"
         rows.append((title, *map(_in_nanometres, row)))
-    table = print_columns(rows, f"<{_TERM} " + f">{_QUANTITY} " * len(titles))
     head = f"Standard deviations in nm: {attrs['run']}, trigger {attrs['trigger']}, {count}"
     pixels = [title for title in titles if title.startswith("pixel of ")]
     below = ["", "Columns with a film in um: a single pixel of this film."] if pixels else []
-    return "\n".join([head, "", *(line.rstrip() for line in table.splitlines()), *below])
+    return "\n".join([head, "", print_columns(rows, "<" + ">" * len(titles)), *below])
 
 
 def _in_nanometres(value: float) -> str:

@@ -85,7 +85,7 @@ def test_a_plan_beyond_its_range_is_reported():
 def test_frames_are_given_for_the_best_concentrations_too(planned):
     """The best concentrations need fewer frames over the whole range, film by film as computed."""
     text = summarise_plan(planned)
-    head, *rows = (line for line in text.splitlines() if re.match(r" +(film um|\d)", line))
+    head, *rows = (line for line in text.splitlines() if re.match(r" *(film um|\d)", line))
     assert head.split()[-2:] == ["needed", "best"]
     assert max(map(len, (head, *rows))) <= 80
     films = np.array([float(row.split()[0]) for row in rows])
