@@ -98,19 +98,15 @@ def verdict(design: BearingDesign) -> Verdict:
     assessment, weakest = design.assessment, design.assessment.weakest
     if weakest is None:
         return Verdict("No limit is known: give the strength of the materials.", [], [])
+    if exceeded := assessment.failed:
+        verb = "is" if len(exceeded) == 1 else "are"
+        head = f"{count_of(len(exceeded), 'limit')} {verb} exceeded; the worst"
+    elif design.unchecked:
+        unchecked = ", ".join(design.unchecked)
+        head = f"All limits that are checked hold; not checked: {unchecked}. The weakest"
+    else:
+        head = "All limits hold; the weakest"
     governing = f"{weakest.title} ({weakest.equation}) with a margin of {margin(weakest.margin)}"
-    failed = count_of(len(assessment.failed), "limit")
-    verb = "is" if len(assessment.failed) == 1 else "are"
-    head = f"{failed} {verb} exceeded; the worst is: {governing}."
-    if assessment.sound:
-        checked = (
-            f"that are checked hold; not checked: {', '.join(design.unchecked)}. The"
-            if design.unchecked
-            else "hold; the"
-        )
-        head = f"All limits {checked} weakest is: {governing}."
-    # what to change follows the governing limit, one line for each limit
-    exceeded = [] if assessment.sound else assessment.failed
     sentences = []
     if assessment.doubtful:
         named = "; ".join(
@@ -122,8 +118,9 @@ def verdict(design: BearingDesign) -> Verdict:
         sentences.append(f"Outside of what is recommended: {named}.")
     if design.own:
         sentences.append(f"Your own values, not of the table: {', '.join(design.own)}.")
+    # what to change follows the governing limit, one line for each limit
     alternatives = [f"{step.title}: {'; '.join(step.alternatives)}." for step in exceeded]
-    return Verdict(head, alternatives, sentences)
+    return Verdict(f"{head} is: {governing}.", alternatives, sentences)
 
 
 def name_materials(design: BearingDesign) -> dict[str, str]:
