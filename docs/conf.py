@@ -199,15 +199,6 @@ STAGES = (
 )
 """Stages whose exported names are documented, in the order of the pipeline."""
 
-ELSEWHERE = {
-    "erlif.joint.endurance": (
-        "LogColumns",
-        "measure_friction",
-        "read_torque_log",
-    )
-}
-"""Names that a stage exports and another one describes."""
-
 MODELS = (
     "models.contact",
     "models.film",
@@ -235,8 +226,7 @@ def exported(name: str) -> list[str]:
             for each, thing in vars(module).items()
             if not each.startswith("_") and getattr(thing, "__module__", None) == name
         )
-    own = [each for each in names if each not in ELSEWHERE.get(name, ())]
-    return [each for each in own if is_documented(getattr(module, each))]
+    return [each for each in names if is_documented(getattr(module, each))]
 
 
 def is_documented(thing: object) -> bool:
@@ -255,8 +245,6 @@ def write_api_pages(app: Sphinx) -> None:
             f".. autosummary::\n   :nosignatures:\n\n{names}\n\n"
             f".. automodule:: {full}\n   :members: {', '.join(exported(full))}\n"
         )
-        if full in ELSEWHERE:
-            text += f"   :exclude-members: {', '.join(ELSEWHERE[full])}\n"
         page = folder / f"{name}.rst"
         if not page.exists() or page.read_text(encoding="utf-8") != text:
             page.write_text(text, encoding="utf-8")

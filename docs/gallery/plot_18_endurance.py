@@ -13,7 +13,7 @@ from sample import ENDURANCE
 
 import erlif
 
-columns = erlif.joint.endurance.LogColumns(arm_force="Third cell [N]")
+columns = erlif.joint.friction.LogColumns(arm_force="Third cell [N]")
 tests = {
     path.stem: erlif.joint.analyse_endurance(
         erlif.joint.read_torque_log(path, columns), pin_radius=0.03336, arm=0.3

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from fnmatch import fnmatch
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import click
 
@@ -61,7 +61,6 @@ def endurance(
     settings: Path | None,
     columns: dict[str, tuple[str, ...]],
     units: dict[str, tuple[str, ...]],
-    least_rise: float | None,
     designs: dict[str, tuple[str, ...]],
     model: Literal["lognormal", "weibull"],
     skip_bad_rows: bool,
@@ -89,22 +88,22 @@ def endurance(
             describe_designs,
             write_test_table,
         )
-        from erlif.joint.friction import read_torque_log
+        from erlif.joint.friction import LogColumns, read_torque_log
         from erlif.joint.plots import name_overviews, write_designs_figure, write_endurance_figures
         from erlif.joint.settings import EnduranceSettings, read_endurance_settings
 
     # everything that can be refused is refused before anything is written
     given = read_endurance_settings(settings) if settings else EnduranceSettings()
     # an option that is not given leaves the value of the settings
-    used = {name: value for name, value in stated.items() if value is not None}
-    machine = given.machine.model_copy(update=used)
-    if machine.pin_radius is None:
+    of_options = {name: value for name, value in stated.items() if value is not None}
+    used: dict[str, Any] = {**dict(given.machine), **dict(given.galling), **of_options}
+    if used["pin_radius"] is None:
         raise click.UsageError('Expected the radius of the pin. Give it: --radius "33.36 mm"')
-    named = given.columns.model_dump(exclude_none=True)
-    choice = choose_columns(
-        {name: one if isinstance(one, tuple) else (one,) for name, one in named.items()} | columns,
-        {name: (one,) for name, one in given.units.model_dump(exclude_none=True).items()} | units,
+    named = LogColumns(
+        **given.columns.model_dump(exclude_none=True),
+        units=given.units.model_dump(exclude_none=True),
     )
+    choice = choose_columns(columns, units, named)
 
     # pictures and rows are named after the logs
     names = [log.stem for log in logs]
@@ -118,24 +117,12 @@ def endurance(
         refuse_existing(output / picture, overwrite=overwrite)
 
     reading = {"skip_bad_rows": skip_bad_rows, "compression_negative": compression_negative}
+    used["calibration"] = used.pop("load_error")
     results: list[EnduranceResult] = []
     reading_of: dict[str, list[str]] = {}
     for log in logs:
         read = read_torque_log(log, choice, **reading)
-        results.append(
-            analyse_endurance(
-                read,
-                pin_radius=machine.pin_radius,
-                arm=machine.arm,
-                torque_ratio=machine.torque_ratio,
-                tare=machine.tare,
-                calibration=machine.load_error,
-                idle_load=machine.idle_load,
-                significance=given.galling.significance,
-                least_rise=given.galling.least_rise if least_rise is None else least_rise,
-                name=log.stem,
-            )
-        )
+        results.append(analyse_endurance(read, name=log.stem, **used))
         reading_of[log.stem] = describe_reading(read)
     click.echo(wrap("\n".join(_describe(results, reading_of))) + "\n")
 
@@ -187,18 +174,17 @@ def _divide(logs: tuple[Path, ...], designs: Mapping[str, Sequence[str]]) -> dic
         members[name] = [
             log.stem
             for log in logs
-            if any(fnmatch(log.name, one) or fnmatch(log.stem, one) for one in patterns)
+            if any(fnmatch(text, one) for one in patterns for text in (log.name, log.stem))
         ]
         if len(members[name]) < _FEWEST_RUNS:
             raise click.UsageError(
                 f"Expected at least two logs of design {name}; {', '.join(patterns)} fits "
                 f"{len(members[name])} of them. Give more logs, or another pattern."
             )
-    twice = [
-        log for log in {one.stem for one in logs} if sum(log in m for m in members.values()) > 1
-    ]
+    of_any = [log for found in members.values() for log in found]
+    twice = next((log for log in of_any if of_any.count(log) > 1), "")
     if len(members) not in (0, 2) or twice:
-        what = f"{twice[0]} belongs to two" if twice else f"got {len(members)}"
+        what = f"{twice} belongs to two" if twice else f"got {len(members)}"
         raise click.UsageError(
             f"Expected two designs, each log in one; {what}. Give --group NAME=PATTERN "
             "twice, with patterns that no log shares."

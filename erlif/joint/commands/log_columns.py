@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from erlif.commands.options import Command, together
+
+if TYPE_CHECKING:
+    from erlif.joint.friction import LogColumns
 
 
 def column_pairs(
@@ -71,8 +75,12 @@ def describe_reading(log: Any) -> list[str]:
     return lines
 
 
-def choose_columns(columns: dict[str, tuple[str, ...]], units: dict[str, tuple[str, ...]]) -> Any:
-    """The columns as the reader takes them."""
+def choose_columns(
+    columns: dict[str, tuple[str, ...]],
+    units: dict[str, tuple[str, ...]],
+    named: LogColumns | None = None,
+) -> LogColumns:
+    """The columns as the reader takes them: those of the options, before those of settings."""
     from erlif.joint.friction import QUANTITIES, SEVERAL, LogColumns
 
     for option, given in (("--column", columns), ("--unit", units)):
@@ -88,4 +96,6 @@ def choose_columns(columns: dict[str, tuple[str, ...]], units: dict[str, tuple[s
                 f"expected one column for {name}; got {len(names)}", param_hint="--column"
             )
         chosen[name] = names if name in SEVERAL else names[0]
-    return LogColumns(**chosen, units={name: unit[0] for name, unit in units.items()})
+    named = named or LogColumns()
+    of_units = {**named.units, **{name: unit[0] for name, unit in units.items()}}
+    return replace(named, **chosen, units=of_units)

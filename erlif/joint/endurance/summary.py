@@ -16,6 +16,7 @@ from erlif.joint.endurance.analysis import EnduranceResult
 from erlif.joint.endurance.comparison import DesignComparison
 from erlif.joint.endurance.search import FEWEST
 from erlif.joint.friction.coefficient import doubt_friction
+from erlif.show.report.layout import print_columns
 
 _NO_CHANCE = 1e-12  # probabilities below it depend on tails that nobody has measured
 
@@ -111,12 +112,10 @@ def describe_tests(results: Sequence[EnduranceResult]) -> list[str]:
     >>> from erlif.joint.plots.example import example_test
     >>> for line in describe_tests([example_test()])[:2]:
     ...     print(line)
-    test          galling  onset (95 %)                 load at failure   survived
-    example       stage 6  4379.9 s (4377.7 to 4383.1)   123.8 ± 0.6 kN   106.6 kN
+    test     galling  onset (95 %)                 load at failure  survived
+    example  stage 6  4379.9 s (4377.7 to 4383.1)   123.8 ± 0.6 kN  106.6 kN
     """
-    width = max(12, *(len(one.name) for one in results))
-    row = f"{{:<{width}}}  {{:<7}}  {{:<27}}  {{:>15}}  {{:>9}}".format
-    lines = [row("test", "galling", "onset (95 %)", "load at failure", "survived")]
+    rows = [("test", "galling", "onset (95 %)", "load at failure", "survived")]
     warnings = []
     for one in results:
         failure, onset = one.failure, one.onset
@@ -129,11 +128,11 @@ def describe_tests(results: Sequence[EnduranceResult]) -> list[str]:
                 f"{load:.1f} ± {std:.1f} kN",
             ]
         survived = failure.survived if failure.failed else failure.load
-        lines.append(row(one.name, *cells, f"{survived / 1e3:.1f} kN"))
+        rows.append((one.name, *cells, f"{survived / 1e3:.1f} kN"))
         doubts = [note for note in one.notes if note.level is not Level.NOTE]
         warnings += [f"{note.level}: {one.name}: {note}" for note in doubts]
     stated = [_OF_STAGES] if any(one.failure.failed for one in results) else []
-    return lines + stated + warnings
+    return [*print_columns(rows, "<<<>>").splitlines(), *stated, *warnings]
 
 
 def _print_p(value: float) -> str:

@@ -42,11 +42,11 @@ SEVERAL = ("cells", "temperature", "vibration")
 # Names by which a column is found that is not chosen, without their unit and number.
 _KNOWN = name_patterns("torque")
 
-# Words by which a temperature is found where none has a known name; its unit must be known.
-_ANY_TEMPERATURE = r".*temp(eratur|erature)?\b.*"
-
-# Temperatures that are not those of the bearing.
-_ELSEWHERE = re.compile(r"umgebung|raum|luft|ambient|room|air|junction|ref")
+# Words by which a temperature of the bearing is found where none has a known name; its unit must be
+# known.
+_ANY_TEMPERATURE = (
+    r"(?!.*(umgebung|raum|luft|ambient|room|air|junction|ref)).*temp(eratur|erature)?\b.*"
+)
 
 _FEWEST = 60  # samples of a test: fewer hold no stage
 
@@ -151,15 +151,15 @@ def read_torque_log(
     """
     path, columns = Path(path), columns or LogColumns()
     table = with_clocks(_read_table(path, columns))
-    used = _find(table, columns, with_load=load is None)
-    members = _taken(used)
-    others = [column.name for column in table.columns if column not in members]
+    found = _find(table, columns, with_load=load is None)
+    used = [column for members in found.values() for column in members]
     places = {
-        quantity: [n for n, column in enumerate(table.columns) if column in one]
-        for quantity, one in used.items()
+        quantity: [n for n, column in enumerate(table.columns) if column in members]
+        for quantity, members in found.items()
     }
-    table, left_out = leave_out_bad_rows(table, members, skip=skip_bad_rows)
-    by_name = {name: [table.columns[n] for n in one] for name, one in places.items()}
+    others = [column.name for column in table.columns if column not in used]
+    table, left_out = leave_out_bad_rows(table, used, skip=skip_bad_rows)
+    by_name = {quantity: [table.columns[n] for n in place] for quantity, place in places.items()}
 
     log = xr.Dataset()
     for quantity, members in by_name.items():
@@ -207,18 +207,41 @@ def _find(table: LogTable, columns: LogColumns, *, with_load: bool) -> dict[str,
     of = {
         quantity: [choose_column(quantity, name, table) for name in columns.chosen(quantity)]
         for quantity in QUANTITIES
-        if columns.chosen(quantity)
     }
-    for quantity in _KNOWN:
-        # a force on the arm takes the place of a torque
-        if quantity not in of and not (quantity == "torque" and of.get("arm_force")):
-            of[quantity] = _of_known_name(quantity, table, columns, of)
-    if not of.get("temperature"):
-        of["temperature"] = _any_temperature(table, columns, of)
-    if not with_load:
-        of.pop("cells", None)
-    of = {quantity: of[quantity] for quantity in QUANTITIES if of.get(quantity)}
 
+    def free(quantity: str, pattern: str) -> list[LogColumn]:
+        """Columns of such a name, and of a unit of its kind, that belong to no quantity yet."""
+        return [
+            column
+            for column in table.columns
+            if not any(column in members for members in of.values())
+            and re.fullmatch(pattern, _base(column.name))
+            and _fits(column, quantity, columns)
+        ]
+
+    for quantity, pattern in _KNOWN.items():
+        # a force on the arm takes the place of a torque
+        if of[quantity] or (quantity == "torque" and of["arm_force"]):
+            continue
+        found = free(quantity, pattern)
+        if quantity == "time" and len(found) > 1:
+            # seconds beside the time of day
+            found = [column for column in found if column.unit != CLOCK] or found
+        if len(found) > 1 and not (_are_alike(found) and quantity in SEVERAL):
+            refuse_several(quantity, found, table)
+        of[quantity] = found
+    if not of["temperature"]:
+        # of one place of the bearing, whichever it is
+        similar = [
+            column
+            for column in free("temperature", _ANY_TEMPERATURE)
+            if find_unit(column, "temperature", columns.units)
+        ]
+        of["temperature"] = similar if _are_alike(similar) else []
+
+    if not with_load:
+        del of["cells"]
+    of = {quantity: members for quantity, members in of.items() if members}
     for quantity in ("time", "cells") if with_load else ("time",):
         if quantity not in of:
             missing_column(quantity, table)
@@ -227,59 +250,14 @@ def _find(table: LogTable, columns: LogColumns, *, with_load: bool) -> dict[str,
     return of
 
 
-def _of_known_name(
-    quantity: str, table: LogTable, columns: LogColumns, of: dict[str, list[LogColumn]]
-) -> list[LogColumn]:
-    """The free columns of a name that is known for a quantity; several only of numbered cells."""
-    known = [
-        column
-        for column in _matching(_KNOWN[quantity], table, of)
-        if _fits(column, quantity, columns)
-    ]
-    if quantity == "time" and len(known) > 1:
-        # seconds beside the time of day
-        known = [column for column in known if column.unit != CLOCK] or known
-
-    # only numbered columns belong together
-    alike = len({_base(column.name) for column in known}) == 1 and quantity in SEVERAL
-    if len(known) > 1 and not alike:
-        refuse_several(quantity, known, table)
-    return known
-
-
-def _any_temperature(
-    table: LogTable, columns: LogColumns, of: dict[str, list[LogColumn]]
-) -> list[LogColumn]:
-    """The free columns of a temperature of one place of the bearing, whichever it is."""
-    similar = [
-        column
-        for column in _matching(_ANY_TEMPERATURE, table, of)
-        if not _ELSEWHERE.search(_base(column.name))
-        and find_scale("temperature", find_unit(column, "temperature", columns.units))
-    ]
-    return similar if len({_base(column.name) for column in similar}) == 1 else []
-
-
-def _taken(by_name: dict[str, list[LogColumn]]) -> list[LogColumn]:
-    """The columns that belong to a quantity already."""
-    return [column for columns in by_name.values() for column in columns]
-
-
-def _matching(
-    pattern: str, table: LogTable, columns: dict[str, list[LogColumn]]
-) -> list[LogColumn]:
-    """Columns of such a name that belong to no quantity yet."""
-    taken = _taken(columns)
-    return [
-        column
-        for column in table.columns
-        if column not in taken and re.fullmatch(pattern, _base(column.name))
-    ]
-
-
 def _base(name: str) -> str:
     """A plain name without the number or letter behind it."""
     return re.sub(r"[ #.]*(\d+|\b[ab])$", "", plain_name(name)).strip()
+
+
+def _are_alike(found: Sequence[LogColumn]) -> bool:
+    """Whether columns have one name but for their numbers, so that they belong together."""
+    return len({_base(column.name) for column in found}) == 1
 
 
 def _fits(column: LogColumn, quantity: str, columns: LogColumns) -> bool:

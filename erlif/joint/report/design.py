@@ -62,32 +62,31 @@ def summarise_design(design: BearingDesign, *, brief: bool = False) -> str:
     Joint: boom of a loader
     """
     shown = [step for step in design.assessment.steps if not step.missing]
-    sizes = [(title, value, f" {source}") for title, value, source in dimensions(design)]
-    steps: list[tuple[str, ...]] = [
-        ("step", "source", "present", "allowed", f"{'margin':>10}  ", "state")
-    ]
-    apart: list[tuple[str, ...]] = []
+    steps = [("step", "source", "present", "allowed", "margin  ", "state")]
+    apart = []
     for step in shown:
         # a star marks a margin that is not that of the value beside it
         marks = ("*" if step.basis else "") + ("?" if "doubtful" in outcome(step) else "")
-        marked = f"{margin(step.margin):>10}{marks:2}"
+        marked = f"{margin(step.margin)}{marks:2}"
         source = step.equation.replace("section ", "")
         row = (step.title, source, present(step), within(step), marked, outcome(step))
         (apart if step.state == _NOT_VALID else steps).append(row)
-    widths = "<34 <15 >19 >15 <12 <0"
+    tables = [steps, apart]
     if brief:
-        widths = "<34 >18 >13 <12"
-        steps, apart = ([(row[0], *row[2:5]) for row in rows] for rows in (steps, apart))
+        tables = [[(row[0], *row[2:5]) for row in rows] for rows in tables]
+    steps_table, apart_table = (
+        print_columns(rows, "<>>>" if brief else "<<>>><") for rows in tables
+    )
     return render_text(
         "design.txt",
         "erlif.joint.report",
         design=design,
         verdict=verdict(design),
         dimension_title=dimension_title(design),
-        dimensions=print_columns(sizes, "<22 >11 <0"),
+        dimensions=print_columns(dimensions(design), "<><"),
         materials=[f"{part} {name}" for part, name in name_materials(design).items()],
-        steps=print_columns(steps, widths),
-        apart=print_columns(apart, widths),
+        steps=steps_table,
+        apart=apart_table,
         shown=shown,
         doubtful=any("doubtful" in outcome(step) for step in shown),
         assumed=assumed_values(design),
@@ -99,19 +98,15 @@ def verdict(design: BearingDesign) -> Verdict:
     assessment, weakest = design.assessment, design.assessment.weakest
     if weakest is None:
         return Verdict("No limit is known: give the strength of the materials.", [], [])
+    if exceeded := assessment.failed:
+        verb = "is" if len(exceeded) == 1 else "are"
+        head = f"{count_of(len(exceeded), 'limit')} {verb} exceeded; the worst"
+    elif design.unchecked:
+        unchecked = ", ".join(design.unchecked)
+        head = f"All limits that are checked hold; not checked: {unchecked}. The weakest"
+    else:
+        head = "All limits hold; the weakest"
     governing = f"{weakest.title} ({weakest.equation}) with a margin of {margin(weakest.margin)}"
-    failed = count_of(len(assessment.failed), "limit")
-    verb = "is" if len(assessment.failed) == 1 else "are"
-    head = f"{failed} {verb} exceeded; the worst is: {governing}."
-    if assessment.sound:
-        checked = (
-            f"that are checked hold; not checked: {', '.join(design.unchecked)}. The"
-            if design.unchecked
-            else "hold; the"
-        )
-        head = f"All limits {checked} weakest is: {governing}."
-    # what to change follows the governing limit, one line for each limit
-    exceeded = [] if assessment.sound else assessment.failed
     sentences = []
     if assessment.doubtful:
         named = "; ".join(
@@ -123,8 +118,9 @@ def verdict(design: BearingDesign) -> Verdict:
         sentences.append(f"Outside of what is recommended: {named}.")
     if design.own:
         sentences.append(f"Your own values, not of the table: {', '.join(design.own)}.")
+    # what to change follows the governing limit, one line for each limit
     alternatives = [f"{step.title}: {'; '.join(step.alternatives)}." for step in exceeded]
-    return Verdict(head, alternatives, sentences)
+    return Verdict(f"{head} is: {governing}.", alternatives, sentences)
 
 
 def name_materials(design: BearingDesign) -> dict[str, str]:
@@ -236,15 +232,14 @@ def list_materials(materials: Mapping[str, Material]) -> str:
     >>> list_materials(read_materials()).splitlines()[1].split()[0]
     '42CrMo4'
     """
-    head = ("yield MPa", "hardness HB", "E GPa", "degC", "p MPa", "pv W/mm2", " source")
+    head = ("yield MPa", "hardness HB", "E GPa", "degC", "p MPa", "pv W/mm2", "source")
     rows: list[tuple[str, ...]] = [("material", "use", *head)]
     for one in materials.values():
         strength = scaled(one.yield_stress, 1e6), hardness_range(one) or "-"
         limits = (one.temperature, 1), (one.pressure, 1e6), (one.pv, 1e6)
         numbers = (scaled(value, unit) for value, unit in ((one.youngs_modulus, 1e9), *limits))
-        rows.append((one.name, one.use, *strength, *numbers, f" {one.source}"))
-    width = max(26, *(len(name) for name in materials))
-    return print_columns(rows, f"<{width} <10 >9 >12 >6 >5 >6 >8 <0")
+        rows.append((one.name, one.use, *strength, *numbers, one.source))
+    return print_columns(rows, "<<>>>>>><")
 
 
 def hardness_range(material: Material) -> str:

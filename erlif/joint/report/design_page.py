@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -156,7 +156,7 @@ def _step_table(design: BearingDesign) -> Markup:
     file = _steps_csv(design.assessment.steps)
     return _render(
         "steps",
-        bases=[(step.title, step.basis) for step in design.assessment.steps if step.basis],
+        steps=design.assessment.steps,
         link=layout.download_link(file, name=layout.file_name(design.name, "steps.csv")),
         rows=layout.Table(rows, head, numbers=(1, 3, 4)),
     )
@@ -177,23 +177,16 @@ def _state(step: Step) -> str:
 
 def _steps_csv(steps: Sequence[Step]) -> str:
     """The steps for other programs; a limit that is none is empty."""
-
-    def texts(**fields: str) -> dict[str, list[object]]:
-        return {title: [getattr(step, name) for step in steps] for title, name in fields.items()}
-
-    def numbers(values: Iterable[float]) -> list[object]:
-        return [value if math.isfinite(value) else None for value in values]
-
-    columns: dict[str, list[object]] = {
-        **texts(step="key", title="title", source="equation"),
-        **texts(kind="kind", quantity="quantity", unit="unit"),
-        "present": numbers(step.present for step in steps),
-        "least": numbers(step.allowed[0] for step in steps),
-        "most": numbers(step.allowed[1] for step in steps),
-        "margin": numbers(step.margin for step in steps),
-        "valid": [str(step.valid).lower() for step in steps],
-        **texts(state="state", validity="validity", missing="missing"),
-    }
+    columns: dict[str, list[object]] = {title: [] for title in words.TABLES["columns"]["steps"]}
+    for step in steps:
+        numbers = (step.present, *step.allowed, step.margin)
+        row = (
+            *(step.key, step.title, step.equation, step.kind, step.quantity, step.unit),
+            *(number if math.isfinite(number) else None for number in numbers),
+            *(str(step.valid).lower(), step.state, step.validity, step.missing),
+        )
+        for column, cell in zip(columns.values(), row, strict=True):
+            column.append(cell)
     return table_csv(columns, digits=9)
 
 
@@ -214,14 +207,10 @@ def _reasons(design: BearingDesign) -> Markup:
             rows.append(("Further results", _signs(listed)))
         if step.alternatives:
             rows.append(("Alternatives", _signs("; ".join(step.alternatives))))
-        limited = not math.isnan(step.margin)
-        ending = (
-            f"{words.margin(step.margin)}, {words.outcome(step)}"
-            if limited
-            else words.outcome(step)
-        )
-        title = Markup("{} ({}): {}").format(step.title, step.equation, _signs(ending))
-        steps.append((title, step.key, not step.holds, step.reason, layout.Table(rows)))
+        limit = "" if math.isnan(step.margin) else f"{words.margin(step.margin)}, "
+        ending = _signs(limit + words.outcome(step))
+        title = Markup("{} ({}): {}").format(step.title, step.equation, ending)
+        steps.append((step, title, layout.Table(rows)))
     return _render("reasons", steps=steps)
 
 
@@ -238,8 +227,7 @@ def _sensitivity(design: BearingDesign) -> Markup:
     rows = [(one.name, f"+{one.by}", _signs(f"{100 * one.change:+.2g} points")) for one in shown]
     return _render(
         "sensitivity",
-        title=weakest.title,
-        equation=weakest.equation,
+        weakest=weakest,
         margin=_signs(words.margin(weakest.margin)),
         rows=layout.Table(rows, ("Number", "Change", "Margin, per cent"), numbers=(1, 2)),
     )

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 
 from erlif.core.tables import read_table
 from erlif.joint.models.linkage import LinkageDesign, Synthesis, link_sensitivity
@@ -40,20 +39,14 @@ def summarise_linkages(found: Synthesis) -> str:
     designs = found.designs or (() if found.nearest is None else (found.nearest,))
     heads = (_COLUMNS[name] for name in ("linkages", "units_of_linkages"))
     rows = [*heads, *(_cells(design) for design in designs)]
-    tables = [_table([row[:_MOTION] for row in rows]), _table([row[_MOTION:] for row in rows])]
     blocks = [
         [found.statement],
-        *([table] for table in tables),
+        [print_columns([row[:_MOTION] for row in rows], ">>>>>>>>")],
+        [print_columns([row[_MOTION:] for row in rows], ">>>")],
         _broken(found.designs),
         _tolerances(designs[0]),
     ]
     return "\n\n".join("\n".join(block) for block in blocks if block)
-
-
-def _table(rows: Sequence[Sequence[str]]) -> str:
-    """Columns as wide as their widest cell, with two spaces between them."""
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    return print_columns(rows, " ".join(f">{width + (n > 0)}" for n, width in enumerate(widths)))
 
 
 def _cells(design: LinkageDesign) -> tuple[str, ...]:

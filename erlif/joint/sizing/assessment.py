@@ -5,19 +5,50 @@ from __future__ import annotations
 import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 from erlif.core.errors import UnitWarning
-from erlif.core.tables import read_table
 from erlif.joint.sizing import fit, heat, lock, pin, pressure
 from erlif.joint.sizing.joint import Joint, warn_of_units
 from erlif.joint.sizing.state import JointState
 from erlif.joint.sizing.steps import Result, Step, make_step
 
-_PARTS = (pin, pressure, fit, lock, heat)
-
-# The equation of each step; None where a joint has no such step.
+# The equation of each step, in the order of the guide; None where a joint has no such step.
 EQUATIONS: dict[str, Callable[[JointState], Result | None]] = {
-    key: equation for part in _PARTS for key, equation in part.EQUATIONS.items()
+    "pin_shear": pin.shear,
+    "pin_bending": pin.bending,
+    "seizure": pressure.seizure,
+    "pressure_projected": pressure.projected,
+    "pressure_cosine": pressure.cosine,
+    "pressure_hertz": pressure.hertz,
+    "pressure_peak": pressure.peak,
+    "bushing_edge": pressure.bushing_edge,
+    "width_ratio": pressure.width_ratio,
+    "seat_edge": pin.seat_edge,
+    "housing_eye": fit.eye,
+    "housing_ratio": fit.eye_ratio,
+    "lock_screw": lock.screw,
+    "weld": lock.weld,
+    "weld_room": lock.weld_room,
+    "prong": lock.prong,
+    "lock_end": lock.end,
+    "plate": lock.plate,
+    "slenderness": pin.slenderness,
+    "lateral_force": pin.slope,
+    "press_fit": fit.press_fit,
+    "press_bushing": partial(fit.pressed, part="bushing"),
+    "press_housing": partial(fit.pressed, part="housing"),
+    "relative_play": fit.relative_play,
+    "speed": heat.speed,
+    "pressure_limit": pressure.material_limit,
+    "pv": heat.pv,
+    "friction": heat.friction,
+    "friction_moment": heat.moment,
+    "temperature": heat.temperature,
+    "warm_play": fit.warm_play,
+    "roughness": heat.roughness,
+    "wear": heat.wear,
+    "hardness_difference": pressure.hardness_difference,
 }
 
 
@@ -151,8 +182,8 @@ def assess_joint(joint: Joint) -> Assessment:
     with warnings.catch_warnings():
         # unusual joints are reported by their margins
         warnings.simplefilter("ignore", UnitWarning)
-        for key in read_table("erlif.joint.sizing", "steps.toml"):
-            result = EQUATIONS[key](state)
+        for key, equation in EQUATIONS.items():
+            result = equation(state)
             if result is not None:
                 steps.append(make_step(key, result))
     return Assessment(joint, tuple(steps))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from functools import partial
 
 from erlif.joint.models.bearing import RECOMMENDED_HOUSING, RECOMMENDED_PLAY, least_eyebar_diameter
 from erlif.joint.sizing.heat import missing_motion, name_missing
@@ -15,7 +14,8 @@ from erlif.joint.sizing.steps import Result
 PUSH_OUT_FRICTION = 0.1
 
 
-def _eye(state: JointState) -> Result:
+def eye(state: JointState) -> Result:
+    """Eq. 14."""
     joint, bore, outer = state.joint, state.size.fit, state.size.housing
     strength, width = known(joint.housing.yield_stress), state.size.width
     allowed, fits = strength / joint.safety, outer > bore
@@ -39,13 +39,15 @@ def _eye(state: JointState) -> Result:
     )
 
 
-def _ratio(state: JointState) -> Result:
+def eye_ratio(state: JointState) -> Result:
+    """Section 2.1.6."""
     bore, (low, high) = state.size.fit, RECOMMENDED_HOUSING
     values = {"from_outer": low * bore * 1e3, "to_outer": high * bore * 1e3}
     return Result(state.size.housing / bore, least=low, most=high, values=values)
 
 
-def _press_fit(state: JointState) -> Result:
+def press_fit(state: JointState) -> Result:
+    """Eqs. 24 and 25."""
     size, pressure = state.size, state.fit_pressure
     push_out = PUSH_OUT_FRICTION * pressure * math.pi * size.fit * size.width
 
@@ -88,7 +90,7 @@ def _pressed_housing(size: Dimensions, pressure: float) -> tuple[float, float]:
 _STRESSES = {"bushing": _pressed_bushing, "housing": _pressed_housing}
 
 
-def _pressed(state: JointState, part: str) -> Result | None:
+def pressed(state: JointState, part: str) -> Result | None:
     """A stress of the press fit, which is in proportion to the interference."""
     joint, pressure = state.joint, state.fit_pressure
     if joint.interference <= 0:
@@ -114,12 +116,13 @@ def _doubt_about_fit(state: JointState) -> str:
     """Why the play that the press fit takes may be another one; empty where there is no reason."""
     if math.isnan(state.displacement):
         return "; without what the press fit takes, which is not known"
-    stresses = (_pressed(state, part) for part in _STRESSES)
+    stresses = (pressed(state, part) for part in _STRESSES)
     yields = any(stress is not None and stress.share < 0 for stress in stresses)
     return "; elastic, though the press fit yields" if yields else ""
 
 
-def _relative_play(state: JointState) -> Result:
+def relative_play(state: JointState) -> Result:
+    """Eq. 23."""
     pin, (low, high) = state.size.pin, RECOMMENDED_PLAY
     wanted = low * 1e-3 * pin - state.gain
     doubt = _doubt_about_fit(state)
@@ -146,7 +149,8 @@ _GROWTH = (
 )
 
 
-def _warm_play(state: JointState) -> Result:
+def warm_play(state: JointState) -> Result:
+    """Eq. 30."""
     joint, loss, play, size = state.joint, state.growth_loss, state.play, state.size
     at_rest = not state.speed > 0
     doubts = _doubt_about_fit(state)
@@ -175,14 +179,3 @@ def _warm_play(state: JointState) -> Result:
         ),
         values={"doubts": doubts, "least": (size.play - warm) * 1e6, "loss": loss * 1e6},
     )
-
-
-EQUATIONS = {
-    "housing_eye": _eye,
-    "housing_ratio": _ratio,
-    "press_fit": _press_fit,
-    "press_bushing": partial(_pressed, part="bushing"),
-    "press_housing": partial(_pressed, part="housing"),
-    "relative_play": _relative_play,
-    "warm_play": _warm_play,
-}

@@ -34,22 +34,24 @@ def name_missing(values: Mapping[str, float | None]) -> str:
     return ", ".join(place for place, value in values.items() if value is None)
 
 
-def _speed(state: JointState) -> Result:
+def speed(state: JointState) -> Result:
+    """Eq. 26."""
     limit = known(state.joint.bushing.speed, math.inf) * 1e3
-    missing = name_missing(missing_motion(state.joint))
-    return Result(state.speed * 1e3, most=limit, missing=missing)
+    return Result(state.speed * 1e3, most=limit)
 
 
-def _pv(state: JointState) -> Result:
+def pv(state: JointState) -> Result:
+    """Section 2.1.13."""
     joint, size = state.joint, state.size
     pv = pressure_velocity(
         joint.moving_force, diameter=size.pin, width=size.width, speed=state.speed
     )
     limit = known(joint.bushing.pv, math.inf) / 1e6
-    return Result(pv / 1e6, most=limit, missing=name_missing(missing_motion(joint)))
+    return Result(pv / 1e6, most=limit)
 
 
-def _friction(state: JointState) -> Result:
+def friction(state: JointState) -> Result:
+    """Eq. 27."""
     (low, high), friction = FRICTION, state.joint.friction
     force = friction * state.joint.force
     moment = force * state.size.pin / 2
@@ -60,11 +62,13 @@ def _friction(state: JointState) -> Result:
     )
 
 
-def _moment(state: JointState) -> Result:
+def moment(state: JointState) -> Result:
+    """Eq. 27."""
     return Result(state.joint.friction * state.joint.force * state.size.pin / 2)
 
 
-def _temperature(state: JointState) -> Result:
+def temperature(state: JointState) -> Result:
+    """Eqs. 28 and 29."""
     joint, rise, limit = state.joint, state.rise, state.temperature_limit
     outside, doubt = joint.outside_temperature, ""
     if not state.heat_is_shared:
@@ -96,13 +100,15 @@ def _temperature(state: JointState) -> Result:
     )
 
 
-def _roughness(state: JointState) -> Result:
+def roughness(state: JointState) -> Result:
+    """Section 2.1.16."""
     joint = state.joint
     known = [ra for ra in (joint.pin_roughness, joint.bushing_roughness) if ra is not None]
     return Result(max(known) * 1e6, most=LARGEST_ROUGHNESS * 1e6) if known else Result()
 
 
-def _wear(state: JointState) -> Result:
+def wear(state: JointState) -> Result:
+    """Eqs. 31 and 32."""
     joint, size, most = state.joint, state.size, known(state.joint.largest_wear, math.inf)
 
     # depth and volume of one cosine, of which eq. 31 has the volume for a flat contact only
@@ -132,14 +138,3 @@ def _wear(state: JointState) -> Result:
             "reached": reached / 3600,
         },
     )
-
-
-EQUATIONS = {
-    "speed": _speed,
-    "pv": _pv,
-    "friction": _friction,
-    "friction_moment": _moment,
-    "temperature": _temperature,
-    "roughness": _roughness,
-    "wear": _wear,
-}

@@ -63,18 +63,16 @@ def size_lock(joint: Joint, lock: Lock, *, series: Series = "none") -> Lock:
     74.2 mm
     """
     lock = _choose_weld(joint, lock, series)
-    open_sizes = {
-        "height": lock.height is None,
-        "end_width": lock.end_width is None and lock.kind == "closed",
-        "screw_diameter": lock.screw_diameter is None and lock.screw_yield is not None,
-    }
-
-    # a part without load has the size of the plate
     least = _least_sizes(joint, lock)
+    if lock.kind == "open":
+        del least["end_width"]
+    if lock.screw_yield is None:
+        del least["screw_diameter"]
+    # a part without load, or of unknown strength, has the size of the plate
     chosen: dict[str, Any] = {
-        name: round_up(least.get(name, lock.thickness), series)
-        for name, is_open in open_sizes.items()
-        if is_open
+        name: round_up(size if size > 0 else lock.thickness, series)
+        for name, size in least.items()
+        if getattr(lock, name) is None
     }
     return replace(lock, **chosen)
 
@@ -92,20 +90,21 @@ def _force_on(joint: Joint, lock: Lock) -> float:
 
 
 def _least_sizes(joint: Joint, lock: Lock) -> dict[str, float]:
-    """Least sizes of prong, closed end and screw where load and strength are known. [m]"""
-    force, strength, least = _force_on(joint, lock), lock.plate.yield_stress, {}
-    if force > 0 and strength is not None:
-        of_plate = {"thickness": lock.thickness, "yield_stress": strength, "safety": joint.safety}
-        prong = least_closed_prong_height if lock.kind == "closed" else least_open_prong_height
-        least["height"] = float(prong(force, length=lock.length, **of_plate))
-        least["end_width"] = float(least_closed_end_width(force, **of_plate))
-
-    # the force shears a screw in one plane, and a pin in two
-    if force > 0 and lock.screw_yield is not None:
-        least["screw_diameter"] = float(
-            pin_diameter_in_shear(2 * force, yield_stress=lock.screw_yield, safety=joint.safety)
-        )
-    return least
+    """Least sizes of prong, closed end and screw: 0 without load, NaN without a strength. [m]"""
+    force, safety = _force_on(joint, lock), joint.safety
+    if not force > 0:
+        return {"height": 0.0, "end_width": 0.0, "screw_diameter": 0.0}
+    strength, of_screw = known(lock.plate.yield_stress), known(lock.screw_yield)
+    plate = {"thickness": lock.thickness, "yield_stress": strength, "safety": safety}
+    prong = least_closed_prong_height if lock.kind == "closed" else least_open_prong_height
+    return {
+        "height": float(prong(force, length=lock.length, **plate)),
+        "end_width": float(least_closed_end_width(force, **plate)),
+        # the force shears a screw in one plane, and a pin in two
+        "screw_diameter": float(
+            pin_diameter_in_shear(2 * force, yield_stress=of_screw, safety=safety)
+        ),
+    }
 
 
 def _choose_weld(joint: Joint, lock: Lock, series: Series) -> Lock:
@@ -144,10 +143,10 @@ def _least_throat(joint: Joint, inner: float, strength: float) -> float:
     return float(max(roots.real[np.abs(roots.imag) < 1e-9 * np.abs(roots)]))
 
 
-_OfLock = Callable[[JointState, Lock], Result | None]
+Equation = Callable[[JointState], Result | None]
 
 
-def _if_locked(equation: _OfLock) -> Callable[[JointState], Result | None]:
+def _of_lock(equation: Callable[[JointState, Lock], Result | None]) -> Equation:
     """An equation of a joint, which gives nothing where the joint has no lock."""
 
     def of_joint(state: JointState) -> Result | None:
@@ -157,21 +156,21 @@ def _if_locked(equation: _OfLock) -> Callable[[JointState], Result | None]:
     return of_joint
 
 
-def _screw(state: JointState, lock: Lock) -> Result:
-    joint, force = state.joint, _force_on(state.joint, lock)
-    texts: dict[str, Any] = {
-        "bushing": lock.friction_bushing,
-        "seat": lock.friction_seat,
-        "force": force / 1e3,
-    }
+@_of_lock
+def screw(state: JointState, lock: Lock) -> Result:
+    """Eq. 15."""
+    joint, force = state.joint, _force_on(state.joint, lock) / 1e3
+    texts = {"bushing": lock.friction_bushing, "seat": lock.friction_seat, "force": force}
     if lock.screw_diameter is None or lock.screw_yield is None:
-        return Result(force / 1e3, variant="unknown", values=texts)
-    least = _least_sizes(joint, lock).get("screw_diameter", 0.0)
+        return Result(force, variant="unknown", values=texts)
+    least = _least_sizes(joint, lock)["screw_diameter"]
     size, strength = lock.screw_diameter, lock.screw_yield
     return strength_limit(least, size, strength, joint.safety, power=2, **texts)
 
 
-def _weld(state: JointState, lock: Lock) -> Result:
+@_of_lock
+def weld(state: JointState, lock: Lock) -> Result:
+    """Eq. 16."""
     joint, strength = state.joint, lock.plate.yield_stress
     inner, throat = lock.weld_diameter, lock.throat
     title = f"{lock.weld or ''} weld".strip()
@@ -202,7 +201,9 @@ def _weld(state: JointState, lock: Lock) -> Result:
     )
 
 
-def _weld_room(state: JointState, lock: Lock) -> Result | None:
+@_of_lock
+def weld_room(state: JointState, lock: Lock) -> Result | None:
+    """Eq. 17."""
     if lock.weld == "external" or lock.plate.yield_stress is None:
         return None
     if lock.weld_diameter is None or lock.throat is None:
@@ -211,14 +212,16 @@ def _weld_room(state: JointState, lock: Lock) -> Result | None:
     return Result(lock.weld_diameter * 1e3, most=largest * 1e3, least=SMALLEST_WELD * 1e3)
 
 
-def _prong(state: JointState, lock: Lock) -> Result:
+@_of_lock
+def prong(state: JointState, lock: Lock) -> Result:
+    """Eqs. 18 to 20."""
     joint, closed, height = state.joint, lock.kind == "closed", known(lock.height)
     force = _force_on(joint, lock)
     moment, shear = (CLOSED_LOCK_MOMENT, CLOSED_LOCK_SHEAR) if closed else (1.0, 1.0)
     bending = 6 * moment * force * lock.length / (lock.thickness * height**2)
     sheared = shear * force / (lock.thickness * height)
     stress = math.sqrt(bending**2 + 3 * sheared**2)
-    least = _least_sizes(joint, lock).get("height", 0.0)
+    least = _least_sizes(joint, lock)["height"]
     return Result(
         stress / 1e6,
         most=known(lock.plate.yield_stress) / joint.safety / 1e6,
@@ -227,24 +230,18 @@ def _prong(state: JointState, lock: Lock) -> Result:
     )
 
 
-def _end(state: JointState, lock: Lock) -> Result | None:
+@_of_lock
+def end(state: JointState, lock: Lock) -> Result | None:
+    """Eq. 21, first."""
     if lock.kind == "open":
         return None
     strength, width = known(lock.plate.yield_stress), known(lock.end_width)
-    least = _least_sizes(state.joint, lock).get("end_width", 0.0)
+    least = _least_sizes(state.joint, lock)["end_width"]
     return strength_limit(least, width, strength, state.joint.safety)
 
 
-def _plate(_: JointState, lock: Lock) -> Result:
+@_of_lock
+def plate(_: JointState, lock: Lock) -> Result:
+    """Section 2.1.9."""
     low, high = PLATE
     return Result(lock.thickness * 1e3, least=low * 1e3, most=high * 1e3)
-
-
-EQUATIONS = {
-    "lock_screw": _if_locked(_screw),
-    "weld": _if_locked(_weld),
-    "weld_room": _if_locked(_weld_room),
-    "prong": _if_locked(_prong),
-    "lock_end": _if_locked(_end),
-    "plate": _if_locked(_plate),
-}

@@ -29,7 +29,8 @@ _ROUNDING = 1 + 1e-12  # a hole of just the largest ratio lies within the fit
 _SMALL_SLOPE = 0.1  # sine of the slope up to which a beam bends as the equation assumes
 
 
-def _shear(state: JointState) -> Result:
+def shear(state: JointState) -> Result:
+    """Eq. 1."""
     joint, strength = state.joint, known(state.joint.pin.yield_stress)
     least = pin_diameter_in_shear(joint.force, yield_stress=strength, safety=joint.safety)
     return strength_limit(least, state.size.pin, strength, joint.safety, power=2)
@@ -76,7 +77,7 @@ def _with_hole(unweakened: float, hole: float) -> float:
     return float(brentq(excess, unweakened, high, xtol=1e-16, rtol=1e-15))
 
 
-def _bending(state: JointState) -> Result:
+def bending(state: JointState) -> Result:
     """Eq. 2, or eq. 4 where a hole crosses the pin."""
     joint, size, strength = state.joint, state.size, known(state.joint.pin.yield_stress)
 
@@ -106,7 +107,8 @@ def _bending(state: JointState) -> Result:
     )
 
 
-def _seat(state: JointState) -> Result:
+def seat_edge(state: JointState) -> Result:
+    """Eqs. 12 and 13."""
     joint, size, hardness = state.joint, state.size, known(state.joint.seat.hardness)
     least = least_seat_width(joint.force, diameter=size.pin, hardness=hardness, safety=joint.safety)
     brinell = hardness / BRINELL
@@ -123,32 +125,25 @@ def _seat(state: JointState) -> Result:
     )
 
 
-def _slenderness(state: JointState) -> Result:
+def slenderness(state: JointState) -> Result:
+    """Section 2.1.10."""
     return Result(state.size.length / state.size.pin, most=RECOMMENDED_SLENDERNESS)
 
 
-def _lateral(state: JointState) -> Result:
+def slope(state: JointState) -> Result:
+    """Eqs. 21 and 22."""
     joint, size, modulus = state.joint, state.size, known(state.joint.pin.youngs_modulus)
 
     # sine of the slope of the two straight halves; beyond 1 the pin folds
-    slope = 8 * joint.force * size.length**2 / (3 * math.pi * modulus * size.pin**4)
+    sine = 8 * joint.force * size.length**2 / (3 * math.pi * modulus * size.pin**4)
     shift, force = size.length, modulus * math.pi / 4 * size.pin**2
-    if slope <= 1:
+    if sine <= 1:
         bent = {"length": size.length, "diameter": size.pin, "youngs_modulus": modulus}
         shift, force = lateral_shift(joint.force, **bent), lateral_force(joint.force, **bent)
     return Result(
-        slope,
+        sine,
         most=1.0,
-        margin=margin_below(slope, 1.0),
-        valid=slope <= _SMALL_SLOPE,
-        values={"small": _SMALL_SLOPE, "slope": slope, "shift": shift * 1e6, "force": force},
+        margin=margin_below(sine, 1.0),
+        valid=sine <= _SMALL_SLOPE,
+        values={"small": _SMALL_SLOPE, "slope": sine, "shift": shift * 1e6, "force": force},
     )
-
-
-EQUATIONS = {
-    "pin_shear": _shear,
-    "pin_bending": _bending,
-    "seat_edge": _seat,
-    "slenderness": _slenderness,
-    "lateral_force": _lateral,
-}

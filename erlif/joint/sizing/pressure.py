@@ -26,7 +26,8 @@ ALIKE = 3.0
 HARDER = 100.0
 
 
-def _seizure(state: JointState) -> Result:
+def seizure(state: JointState) -> Result:
+    """Eq. 5."""
     joint, size, speed = state.joint, state.size, state.speed
     softer = min(known(joint.bushing.yield_stress), known(joint.pin.yield_stress, math.inf))
     area = least_projected_area(joint.force, yield_stress=softer)
@@ -46,11 +47,13 @@ def _most(state: JointState) -> float:
     return known(state.joint.bushing.hardness, math.inf) / state.joint.safety / 1e6
 
 
-def _projected(state: JointState) -> Result:
+def projected(state: JointState) -> Result:
+    """Eq. 6."""
     return Result(state.projected / 1e6, most=_most(state), valid=False)
 
 
-def _cosine(state: JointState) -> Result:
+def cosine(state: JointState) -> Result:
+    """Eq. 7."""
     angle = math.nan if state.contact is None else state.contact.half_angle
     return Result(
         4 / math.pi * state.projected / 1e6,
@@ -60,7 +63,8 @@ def _cosine(state: JointState) -> Result:
     )
 
 
-def _hertz(state: JointState) -> Result:
+def hertz(state: JointState) -> Result:
+    """Eq. 8."""
     contact, joint = state.contact, state.joint
     if contact is None:
         return Result()
@@ -76,7 +80,8 @@ def _hertz(state: JointState) -> Result:
     )
 
 
-def _persson(state: JointState) -> Result:
+def peak(state: JointState) -> Result:
+    """Eq. 9."""
     contact, joint = state.contact, state.joint
     if contact is None:
         return Result()
@@ -96,7 +101,8 @@ def _persson(state: JointState) -> Result:
     )
 
 
-def _material_pressure(state: JointState) -> Result:
+def material_limit(state: JointState) -> Result:
+    """Section 2.1.13."""
     limit = state.joint.bushing.pressure
     if limit is None:
         return Result()
@@ -104,31 +110,21 @@ def _material_pressure(state: JointState) -> Result:
     return Result(state.projected / 1e6, most=limit / 1e6, values={"least": least * 1e3})
 
 
-def _edge(state: JointState) -> Result:
+def bushing_edge(state: JointState) -> Result:
+    """Eq. 10."""
     joint, d, hardness = state.joint, state.size.pin, known(state.joint.bushing.hardness)
     least = least_bushing_width(joint.force, diameter=d, hardness=hardness, safety=joint.safety)
     return strength_limit(least, state.size.width, hardness, joint.safety)
 
 
-def _width_ratio(state: JointState) -> Result:
+def width_ratio(state: JointState) -> Result:
+    """Eq. 11."""
     size, (low, high) = state.size, RECOMMENDED_WIDTH
     values = {"from_width": low * size.pin * 1e3, "to_width": high * size.pin * 1e3}
     return Result(size.width / size.pin, least=low, most=high, values=values)
 
 
-def _hardness_difference(state: JointState) -> Result:
+def hardness_difference(state: JointState) -> Result:
+    """Section 2.2.2."""
     pin, ring = known(state.joint.pin.hardness_low), known(state.joint.bushing.hardness_high)
     return Result(pin - ring, least=HARDER, values={"pin": ring + HARDER, "bushing": pin - HARDER})
-
-
-EQUATIONS = {
-    "seizure": _seizure,
-    "pressure_projected": _projected,
-    "pressure_cosine": _cosine,
-    "pressure_hertz": _hertz,
-    "pressure_peak": _persson,
-    "bushing_edge": _edge,
-    "width_ratio": _width_ratio,
-    "pressure_limit": _material_pressure,
-    "hardness_difference": _hardness_difference,
-}

@@ -25,6 +25,7 @@ from erlif.joint.models.bearing import (
     least_eyebar_diameter,
     least_seat_width,
 )
+from erlif.joint.sizing import pin, pressure
 from erlif.joint.sizing.assessment import EQUATIONS
 from erlif.joint.sizing.joint import DIMENSIONS, Joint, known, warn_of_units
 from erlif.joint.sizing.lock import size_lock
@@ -107,15 +108,15 @@ def _size(joint: Joint, series: Series) -> Joint:
         if joint.play is not None:
             break
         state = JointState(sized)
-        pin = state.size.pin
+        d = state.size.pin
         # play of a series is no smaller than the tolerances by which it is made
-        least = 0.0 if series == "none" else tolerance_grade_7(pin)
+        least = 0.0 if series == "none" else tolerance_grade_7(d)
         play = np.fmax(state.growth_loss, least)
-        if not play > relative * pin * (1 + 1e-9):
+        if not play > relative * d * (1 + 1e-9):
             play = max(state.least_play, least - state.gain)
             sized = replace(sized, play=_round_play(play, series))
             break
-        relative = float(play / pin)
+        relative = float(play / d)
     if sized.lock is not None:
         sized = replace(sized, lock=size_lock(sized, sized.lock, series=series))
     return sized
@@ -262,8 +263,7 @@ def _is_strong(joint: Joint, diameter: float, width: float) -> bool:
     if joint.hole_diameter > LARGEST_HOLE_RATIO * diameter:
         return False
     state = _trial(joint, diameter, width, wall=0.0, play=0.0)
-    results = (EQUATIONS[key](state) for key in ("pin_shear", "pin_bending"))
-    return not any(result.share < 0 for result in results if result is not None)
+    return not any(limit(state).share < 0 for limit in (pin.shear, pin.bending))
 
 
 def _trial(joint: Joint, diameter: float, width: float, *, wall: float, play: float) -> JointState:
@@ -310,8 +310,7 @@ def _least_width(joint: Joint, diameter: float, wall: float, relative: float) ->
             least = max(least, diameter / (1 + result.share) if result.share > -1 else math.inf)
 
     def margin_of_peak(log_width: float) -> float:
-        result = EQUATIONS["pressure_peak"](trial(math.exp(log_width)))
-        return math.nan if result is None else result.share
+        return pressure.peak(trial(math.exp(log_width))).share
 
     if not 0 < least < math.inf or not margin_of_peak(math.log(least)) < 0:
         return least

@@ -42,6 +42,7 @@ def describe_in_text(film: xr.Dataset) -> str:
     """
     if not _is_film(film):
         return _describe_foreign(film)
+    film = _of_triggers(film)
     lines = [f"film {_name(film)!r}: {_size(film)}"]
     lines += [f"  {name:<24}{value}" for name, value in _rows(film)]
     lines += [f"  {level.value}: {text}" for level, text in _findings(film) if level != Level.NOTE]
@@ -59,12 +60,18 @@ def describe_in_html(film: xr.Dataset) -> str:
     """
     if not _is_film(film):
         return card("no film", "", rows_table([("", _describe_foreign(film))]))
+    film = _of_triggers(film)
     shown = rows_table(_rows(film)), _maps(film), findings_list(_findings(film))
     return card(_name(film), _size(film), *shown)
 
 
 def _is_film(film: xr.Dataset) -> bool:
     return {"thickness", "film_min", "film_mean", "x", "y"} <= set(film.variables)
+
+
+def _of_triggers(film: xr.Dataset) -> xr.Dataset:
+    """A film, also where one of its triggers was taken."""
+    return film if "trigger" in film.dims else film.expand_dims("trigger")
 
 
 def _describe_foreign(dataset: xr.Dataset) -> str:
@@ -86,7 +93,7 @@ def _name(film: xr.Dataset) -> str:
 
 def _size(film: xr.Dataset) -> str:
     size = f"{film.sizes['x']} x {film.sizes['y']} pixels"
-    return f"{count_of(film.film_min.size, 'trigger')} of {size}"
+    return f"{count_of(film.sizes['trigger'], 'trigger')} of {size}"
 
 
 def _rows(film: xr.Dataset) -> list[tuple[str, str]]:
@@ -95,12 +102,7 @@ def _rows(film: xr.Dataset) -> list[tuple[str, str]]:
         ("minimum film thickness", _range(film, "film_min", "um", 2)),
         ("mean film thickness", _range(film, "film_mean", "um", 2)),
     ]
-    # of one trigger, taken from a film, the maps are at hand
-    pixels = film.sizes["y"] * film.sizes["x"]
-    whole = "trigger" in film.thickness.dims
-    valid = flag_shares(film)[:, 0].mean() if whole else float((film.flags == 0).sum()) / pixels
-    rows.append(("valid pixels", f"{valid:.1%}"))
-
+    rows.append(("valid pixels", f"{flag_shares(film)[:, 0].mean():.1%}"))
     shown = [(title, how) for title, how in _QUANTITIES.items() if how[0] in film]
     link = driven_link(film)
     rows += [(title.replace("crank", link), _range(film, *how)) for title, how in shown]
@@ -113,7 +115,7 @@ def _rows(film: xr.Dataset) -> list[tuple[str, str]]:
 
 
 def _range(film: xr.Dataset, name: str, unit: str, digits: int) -> str:
-    values = np.atleast_1d(np.asarray(film[name].values, float))
+    values = film[name].values
     known = values[np.isfinite(values)]
     if not known.size:
         return "not known"
@@ -128,16 +130,12 @@ def _findings(film: xr.Dataset) -> list[tuple[Level, str]]:
 
 def _maps(film: xr.Dataset) -> str:
     """Some maps over the cycle on one scale."""
-    if "trigger" in film.thickness.dims:
-        count = film.sizes["trigger"]
-        chosen = np.unique(np.linspace(0, count - 1, min(count, _PICTURES)).round().astype(int))
-        step = max(1, max(film.sizes["x"], film.sizes["y"]) // _SIDE)
-        thin = film.thickness[:, ::step, ::step]
-        images = [thin.isel(trigger=k).values for k in chosen]
-        captions = [describe_trigger(film, int(k)) for k in chosen]
-    else:
-        images, captions = [film.thickness.values], ["film thickness"]
-
+    count = film.sizes["trigger"]
+    chosen = np.unique(np.linspace(0, count - 1, min(count, _PICTURES)).round().astype(int))
+    step = max(1, max(film.sizes["x"], film.sizes["y"]) // _SIDE)
+    thin = film.thickness[:, ::step, ::step]
+    images = [thin.isel(trigger=k).values for k in chosen]
+    captions = [describe_trigger(film, int(k)) for k in chosen]
     if not any(np.isfinite(image).any() for image in images):
         return ""
     # one colour scale, or the maps could not be compared

@@ -83,29 +83,30 @@ def _templates(package: str) -> Environment:
     return environment
 
 
-def print_columns(rows: Iterable[Sequence[str]], widths: str) -> str:
-    """Lay out a table for the terminal.
+def print_columns(rows: Sequence[Sequence[str]], sides: str) -> str:
+    """Lay out a table for the terminal, its columns as wide as their widest cell.
 
     Parameters
     ----------
-    rows : iterable of sequence of str
+    rows : sequence of sequence of str
         Cells, the titles of the columns first.
-    widths : str
-        Alignment and width of each column as in a format, ``"<24 >6"``.
+    sides : str
+        Side of each column at which its cells begin or end, ``"<>"``.
 
     Returns
     -------
     str
-        Columns with a space between them.
+        Columns with two spaces between them.
 
     Examples
     --------
-    >>> print_columns([("film", "std"), ("2.5", "0.1")], "<6 >4")
-    'film    std\\n2.5     0.1'
+    >>> print_columns([("film", "std"), ("2.5", "0.15")], "<>")
+    'film   std\\n2.5   0.15'
     """
-    formats = widths.split()
-    lines = [[f"{cell:{width}}" for cell, width in zip(row, formats, strict=True)] for row in rows]
-    return "\n".join(" ".join(line) for line in lines)
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    forms = [f"{side}{width}" for side, width in zip(sides, widths, strict=False)]
+    lines = [[format(*pair) for pair in zip(row, forms, strict=True)] for row in rows]
+    return "\n".join("  ".join(line).rstrip() for line in lines)
 
 
 def print_units(text: str) -> Markup:

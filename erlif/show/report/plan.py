@@ -12,7 +12,7 @@ import xarray as xr
 from erlif.core.errors import OutputError
 from erlif.core.units import count_of
 from erlif.io.conversion import table_csv
-from erlif.io.files import replacing
+from erlif.io.files import refuse_existing, replacing_set
 from erlif.io.settings import PlanSettings, to_toml
 from erlif.show.report.layout import TABLES, print_columns, render_text
 
@@ -124,7 +124,7 @@ def _film_table(plan: xr.Dataset) -> str:
         needed = (f"{count:.0f}" if math.isfinite(count) else "never" for count in counts)
         ratio = f"{float(one.ratio):.4f}"
         lines.append((f"{film:.3g}", ratio, *signals, std, share, averaged, *needed))
-    return print_columns(lines, ">8 >7 >8 >8 >7 >8 >13 >6 >6")
+    return print_columns(lines, ">>>>>>>>>")
 
 
 def _limit_table(plan: xr.Dataset) -> str:
@@ -136,7 +136,7 @@ def _limit_table(plan: xr.Dataset) -> str:
     for k, film in enumerate(plan.limit_film.values.tolist()):
         stds = (f"{1e3 * float(plan[f'limit_film_std{kind}'][k]):.0f} nm" for kind in kinds)
         lines.append((f"film of {film:g} um", *stds))
-    return print_columns(lines, "<16 >8 >14" if len(kinds) > 1 else "<16 >8")
+    return print_columns(lines, "<>>")
 
 
 def _tolerance_table(plan: xr.Dataset) -> str:
@@ -151,7 +151,7 @@ def _tolerance_table(plan: xr.Dataset) -> str:
         film = _percent(float(row.tolerance_film), most="> 1000%")
         named = str(row.tolerance.item()), str(row.tolerance_size.item())
         lines.append((*named, std, thinnest, thickest, film))
-    return print_columns(lines, "<24 >6 >7 >9 >9 >7")
+    return print_columns(lines, "<>>>>>")
 
 
 def table_of_films(plan: xr.Dataset) -> str:
@@ -175,12 +175,12 @@ def _write_columns(plan: xr.Dataset, table: str, *, digits: int) -> str:
 
 
 def check_plan_output(output: Path, *, overwrite: bool, source: Path | None = None) -> None:
-    """Refuse a directory that exists, or that holds something else than the results of a plan.
+    """Refuse a directory that holds results of a plan, or files of their names.
 
     Parameters
     ----------
     output : Path
-        Directory to be written.
+        Directory to be written; other files in it stay.
     overwrite : bool
         Allow to replace an earlier plan.
     source : Path, optional
@@ -189,34 +189,19 @@ def check_plan_output(output: Path, *, overwrite: bool, source: Path | None = No
     Raises
     ------
     OutputError
-        If the directory may not be replaced.
+        If a file may not be replaced.
 
     Examples
     --------
     >>> check_plan_output(Path("no such directory"), overwrite=False)
     """
-    if output.name in ("", ".."):
-        raise OutputError(
-            f"Expected the name of a directory to be made; got {output}. Give its name with -o."
-        )
-    if not output.exists():
-        return
-    if source is not None and output.resolve() in (source.resolve(), source.resolve().parent):
-        raise OutputError(
-            f"Expected a directory other than that of {source.name}, which would be replaced with "
-            f"it; got {output}. Give another name with -o."
-        )
-    if not overwrite:
-        raise OutputError(
-            f"{output} exists already; use --overwrite to replace it, or give another name with -o."
-        )
-    names = {path.name for path in output.iterdir()} if output.is_dir() else {output.name}
-    if names - set(WRITTEN):
-        raise OutputError(
-            f"Expected {output} to be the directory of an earlier plan; it holds "
-            f"{min(names - set(WRITTEN))}, which --overwrite does not replace. Give another name "
-            "with -o."
-        )
+    for name in WRITTEN:
+        refuse_existing(output / name, overwrite=overwrite)
+        if source is not None and (output / name).resolve() == source.resolve():
+            raise OutputError(
+                f"Expected a directory other than that of {name}, which would be replaced; got "
+                f"{output}. Give another name with -o."
+            )
 
 
 def write_plan(
@@ -229,7 +214,7 @@ def write_plan(
     plan : xarray.Dataset
         From `erlif.plan`.
     output : Path
-        Directory; it takes its name when all files are complete.
+        Directory; the files take their names when all are complete.
     folder : Path, optional
         Directory from which the plan names its files of spectra; they are named from `output` in
         the plans that are written. Default: the working directory.
@@ -260,8 +245,7 @@ def write_plan(
         "plan.toml": _renamed(plan.attrs["settings"], folder, output),
         "optimum.toml": _renamed(plan.attrs["optimum_settings"], folder, output),
     }
-    with replacing(output) as scratch:
-        scratch.mkdir()
+    with replacing_set(output, WRITTEN) as scratch:
         for kind in ("png", "pdf"):
             save_figure(figure, scratch / f"plan.{kind}")
         for name, text in texts.items():

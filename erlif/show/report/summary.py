@@ -19,7 +19,6 @@ from erlif.show.report.prediction import describe_correlations, describe_differe
 from erlif.trend import LEAST_TRIGGERS
 
 _CALIBRATION_TITLE = 34  # columns of the titles of a calibration
-_TERM, _QUANTITY = 31, 8  # columns of a budget
 _TITLE = 10  # columns of the titles of a short summary
 _LINES, _COLUMNS = 10, 80  # of a short summary; files and the next command make it twelve
 _NOTABLE = 0.01  # share of the region beyond the range from which a mean is that of a part
@@ -130,14 +129,10 @@ def describe_briefly(film: xr.Dataset, shares: Array) -> dict[str, str]:
 
 def _shorten(film: xr.Dataset, shares: Array, rows: Mapping[str, str]) -> dict[str, str]:
     """The rows that a reader wants first, of all rows of a film."""
-    valid, *flagged = shares.mean(axis=0)
-    largest = sorted(zip(flagged, Flag, strict=True), reverse=True, key=lambda one: one[0])[:2]
-    lost = [
-        f"{str(flag.name).lower()} {describe_share(share, '%')}" for share, flag in largest if share
-    ]
+    lost = ", ".join(_list_flags(shares, largest=True)[:2])
     texts = {
         "film": _describe_films(film),
-        "valid": f"{valid:.1%} of the pixels" + (f"; {', '.join(lost)}" if lost else ""),
+        "valid": f"{rows['valid pixels']} of the pixels{lost and '; '}{lost}",
         "exponent": rows.get("power of speed over load", ""),
         "theory": rows.get("what carries the film", "") or _at_speed(film),
         "error": rows.get("largest error", ""),
@@ -156,21 +151,37 @@ def _first_sentence(text: str) -> str:
     return text.split("\n")[0].partition(". ")[0].rstrip(".")
 
 
-def _describe_films(film: xr.Dataset) -> str:
-    """Range of the minimum and of the mean over the cycle."""
-    if not np.isfinite([film.film_min.values, film.film_mean.values]).any():
-        return "none: no trigger has enough valid pixels in the region"
-    return f"min {_range(film, 'film_min')}, mean {_range(film, 'film_mean')} um"
+def _list_flags(shares: Array, *, largest: bool = False) -> list[str]:
+    """Flags that occur with their shares, in their order or the most frequent first."""
+    flags = [
+        (float(share), flag) for share, flag in zip(shares.mean(axis=0)[1:], Flag, strict=True)
+    ]
+    ordered = sorted(flags, key=lambda one: -one[0]) if largest else flags
+    return [
+        f"{str(flag.name).lower()} {describe_share(share, '%')}" for share, flag in ordered if share
+    ]
 
 
-def _range(film: xr.Dataset, variable: str) -> str:
-    """Least and largest value of a statistic over the cycle, each with its error."""
+def _ends(film: xr.Dataset, variable: str) -> list[tuple[int, float, float]]:
+    """Trigger, value and error of the least and the largest value over the cycle; none of NaN."""
     values, std = film[variable].values, film[f"{variable}_std"].values
     if not np.isfinite(values).any():
-        return "none"
-    ends = sorted({int(np.nanargmin(values)), int(np.nanargmax(values))}, key=values.item)
-    digits = 2 if values[ends[-1]] < 10 else 1  # four numbers fit a line
-    return " to ".join(f"{values[k]:.{digits}f} ± {std[k]:.{digits}f}" for k in ends)
+        return []
+    ends = dict.fromkeys((int(np.nanargmin(values)), int(np.nanargmax(values))))
+    return [(k, float(values[k]), float(std[k])) for k in ends]  # one of a single trigger
+
+
+def _describe_films(film: xr.Dataset) -> str:
+    """Range of the minimum and of the mean over the cycle."""
+    ranges = []
+    for name in ("film_min", "film_mean"):
+        ends = _ends(film, name)
+        digits = 2 if ends and ends[-1][1] < 10 else 1  # four numbers fit a line
+        texts = [f"{value:.{digits}f} ± {std:.{digits}f}" for _, value, std in ends]
+        ranges.append(" to ".join(texts) or "none")
+    if ranges == ["none", "none"]:
+        return "none: no trigger has enough valid pixels in the region"
+    return f"min {ranges[0]}, mean {ranges[1]} um"
 
 
 def _at_speed(film: xr.Dataset) -> str:
@@ -181,9 +192,6 @@ def _at_speed(film: xr.Dataset) -> str:
 
 def describe_film(film: xr.Dataset, shares: Array) -> dict[str, str]:
     """Describe a film row by row, for the terminal and for the report."""
-    valid, *flagged = shares.mean(axis=0)
-    shown = ((flag, float(share)) for flag, share in zip(Flag, flagged, strict=True) if share)
-    occurring = [f"{str(flag.name).lower()} {describe_share(share, '%')}" for flag, share in shown]
     notes = split_notes(str(film.attrs.get("notes", "")))
     warned, noted = (
         "\n".join(text for level, text in notes if (level is Level.NOTE) is plain)
@@ -196,8 +204,8 @@ def describe_film(film: xr.Dataset, shares: Array) -> dict[str, str]:
         "mean film thickness": _describe_statistic(film, "film_mean"),
         "largest error": str(film.attrs.get("largest_error", "")),
         "displacement of the pin": _describe_pin(film),
-        "valid pixels": f"{valid:.1%}",
-        "flagged pixels": ", ".join(occurring) or "none",
+        "valid pixels": f"{shares[:, 0].mean():.1%}",
+        "flagged pixels": ", ".join(_list_flags(shares)) or "none",
         "power of speed over load": _describe_trend(film),
         "theory at the top speed": _describe_theory(film),
         "measured less predicted": describe_difference(film),
@@ -228,10 +236,8 @@ def summarise_in_a_line(film: xr.Dataset) -> str:
     >>> summarise_in_a_line(example_film())
     'minimum film thickness 2.51 to 3.49 um, n = 0.600 ± 0.010, 6 triggers from 6 frame pairs'
     """
-    minimum = film.film_min.values
-    thickness = "no film"
-    if np.isfinite(minimum).any():
-        thickness = f"{np.nanmin(minimum):.2f} to {np.nanmax(minimum):.2f} um"
+    ends = _ends(film, "film_min")
+    thickness = f"{ends[0][1]:.2f} to {ends[-1][1]:.2f} um" if ends else "no film"
     trend = ""
     if "speed_exponent" in film:
         fitted = np.isfinite(float(film.speed_exponent))
@@ -271,16 +277,15 @@ def _describe_pin(film: xr.Dataset) -> str:
 
 def _describe_statistic(film: xr.Dataset, variable: str) -> str:
     """Range of a statistic over the cycle, with the triggers of its ends."""
-    values, std = film[variable].values, film[f"{variable}_std"].values
-    if not np.isfinite(values).any():
-        if variable == "film_min" and np.isfinite(film.film_mean.values).any():
-            return "none: no smooth gap describes the maps, or too few of their pixels are valid"
-        return "none: no trigger has enough valid pixels in the region of interest"
-    ends = [
-        f"{values[k]:.2f} ± {std[k]:.2f} um (trigger {k}{_describe_part(film, variable, k)})"
-        for k in (int(np.nanargmin(values)), int(np.nanargmax(values)))
-    ]
-    return " to ".join(dict.fromkeys(ends))  # one end of a single trigger
+    ends = _ends(film, variable)
+    if ends:
+        return " to ".join(
+            f"{value:.2f} ± {std:.2f} um (trigger {k}{_describe_part(film, variable, k)})"
+            for k, value, std in ends
+        )
+    if variable == "film_min" and np.isfinite(film.film_mean.values).any():
+        return "none: no smooth gap describes the maps, or too few of their pixels are valid"
+    return "none: no trigger has enough valid pixels in the region of interest"
 
 
 def _describe_part(film: xr.Dataset, variable: str, trigger: int) -> str:
@@ -417,29 +422,32 @@ def render_budget(budget: xr.Dataset) -> str:
     <BLANKLINE>
     | term | mean | kind |
     |---|---:|---|
-    | film thickness [um] | 5.00 | |
+    | film thickness [um] | 5.00 |  |
     | photons | 12 | random |
     | **total** | **12** |  |
     """
-    titles = [str(title) for title in budget.quantity.values]
-    count = count_of(int(budget.attrs["frames"]), "frame pair")
-    place = f"{budget.attrs['run']}, trigger {budget.attrs['trigger']}, {count}"
-    lines = [
-        f"Standard deviations in nm: {place}.",
-        "",
-        f"| term | {' | '.join(titles)} | kind |",
-        f"|---|{'---:|' * len(titles)}---|",
-        f"| film thickness [um] | {' | '.join(f'{v:.2f}' for v in budget['value'].values)} | |",
-    ]
-
-    # sums stand out among their terms
-    rows = zip(budget.term.values, budget["std"].values, budget.kind.values, strict=True)
-    for term, row, kind in rows:
-        cells = [_in_nanometres(value) for value in row]
+    head, (titles, *rows) = _rows_of_budget(budget)
+    lines = [f"{head}.\n", f"| {' | '.join(titles)} |", f"|---|{'---:|' * (len(titles) - 2)}---|"]
+    for term, *cells, kind in rows:
+        # sums stand out among their terms
         if kind == "sum":
             term, kind, cells = f"**{term}**", "", [f"**{cell}**" for cell in cells]
-        lines.append(f"| {term} | {' | '.join(cells)} | {kind} |")
+        lines.append(f"| {' | '.join([term, *cells, kind])} |")
     return "\n".join(lines) + "\n"
+
+
+def _rows_of_budget(budget: xr.Dataset) -> tuple[str, list[tuple[str, ...]]]:
+    """First line of a budget, and its titles, films and terms with their kind behind them."""
+    attrs = budget.attrs
+    count = count_of(int(attrs["frames"]), "frame pair")
+    films = (f"{value:.2f}" for value in budget["value"].values)
+    terms = zip(budget.term.values, budget["std"].values, budget.kind.values, strict=True)
+    rows: list[tuple[str, ...]] = [
+        ("term", *map(str, budget.quantity.values), "kind"),
+        ("film thickness [um]", *films, ""),
+        *((str(term), *map(_in_nanometres, row), str(kind)) for term, row, kind in terms),
+    ]
+    return f"Standard deviations in nm: {attrs['run']}, trigger {attrs['trigger']}, {count}", rows
 
 
 def print_budget(budget: xr.Dataset) -> str:
@@ -469,32 +477,23 @@ def print_budget(budget: xr.Dataset) -> str:
     >>> print(print_budget(budget))
     Standard deviations in nm: example, trigger 2, 1 frame pair
     <BLANKLINE>
-    term                                mean
-    film thickness [um]                 5.00
+    term                 mean
+    film thickness [um]  5.00
     random
-      photons                             12
-    total                                 12
+      photons              12
+    total                  12
     """
-    attrs, titles = budget.attrs, [str(title) for title in budget.quantity.values]
-    count = count_of(int(attrs["frames"]), "frame pair")
+    head, ((term, *titles, _), (film, *films, _), *terms) = _rows_of_budget(budget)
     short = [title.removeprefix("pixel of ").removesuffix(" film") for title in titles]
-    rows = [
-        ("term", *short),
-        ("film thickness [um]", *(f"{value:.2f}" for value in budget["value"].values)),
-    ]
-    last = ""
-    terms = zip(budget.term.values, budget["std"].values, budget.kind.values, strict=True)
-    for term, row, kind in terms:
+    rows, last = [(term, *short), (film, *films)], ""
+    for term, *cells, kind in terms:
         if kind not in (last, "sum"):
-            rows.append((str(kind), *[""] * len(titles)))
-        last = str(kind)
-        title = str(term) if kind == "sum" else f"  {term}"
-        rows.append((title, *map(_in_nanometres, row)))
-    table = print_columns(rows, f"<{_TERM} " + f">{_QUANTITY} " * len(titles))
-    head = f"Standard deviations in nm: {attrs['run']}, trigger {attrs['trigger']}, {count}"
+            rows.append((kind, *[""] * len(titles)))
+        last = kind
+        rows.append((term if kind == "sum" else f"  {term}", *cells))
     pixels = [title for title in titles if title.startswith("pixel of ")]
     below = ["", "Columns with a film in um: a single pixel of this film."] if pixels else []
-    return "\n".join([head, "", *(line.rstrip() for line in table.splitlines()), *below])
+    return "\n".join([head, "", print_columns(rows, "<" + ">" * len(titles)), *below])
 
 
 def _in_nanometres(value: float) -> str:

@@ -29,15 +29,6 @@ from erlif.show.report.summary import describe_film
 
 _UNKNOWN = "not known"
 
-# Parameters of a calibration and their units; the last two only where the wall reflects.
-_PARAMETERS = (
-    ("Ratio of a vanishing film, K", ""),
-    ("Attenuation of camera 1, p", "µm⁻¹"),
-    ("Attenuation of camera 2, q", "µm⁻¹"),
-    ("Attenuation of the laser, a", "µm⁻¹"),
-    ("Reflectance of the wall, R", ""),
-)
-
 
 def with_error(value: float, std: float, unit: str = "") -> str:
     """Write a value and its standard deviation, both to the second digit of the latter."""
@@ -132,9 +123,12 @@ def calibration_table(source: FigureSource) -> Table:
         ("Fixture", calibration.fixture + date),
         ("Ratio", f"{two:g} nm over {one:g} nm (camera 2 over camera 1)"),
         *(
-            (name, with_error(float(value), float(std), unit))
-            for (name, unit), value, std in zip(
-                _PARAMETERS, calibration.parameters, calibration.standard_deviations, strict=False
+            (print_units(title), with_error(float(value), float(std)))
+            for title, value, std in zip(
+                TABLES["summary"]["calibration"],
+                calibration.parameters,
+                calibration.standard_deviations,
+                strict=False,
             )
         ),
         ("Calibrated range", f"{low:.2f} to {high:.2f} µm"),

@@ -31,8 +31,6 @@ def test_a_log_gives_text_table_and_figure(log, tmp_path, command, refused):
     ("words", "message"),
     [
         (("--arm", "30 cm"), "--radius"),
-        (("--radius", "33.36 mm"), "--arm"),
-        ((*GIVEN, "--column", "cells=Zelle"), "Expected column 'Zelle'"),
         ((*GIVEN, "--column", "load=Cell 1"), "expected one of time, cells"),
         ((*GIVEN, "--column", "time=a,b"), "expected one column for time"),
         ((*GIVEN, "--unit", "cells"), "QUANTITY=NAME"),

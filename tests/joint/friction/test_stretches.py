@@ -28,8 +28,3 @@ def test_dwell_before_and_after_the_sliding_is_counted():
     first, *others = find_stretches(SENSE * np.where(rests, 0.4, 1.0))
     assert {one.dwell for one in others} == {(20, 0)}  # a second is cut off with the speeding up
     assert first.samples.start >= 20
-
-
-def test_a_torque_that_stands_still_has_no_stretches():
-    assert find_stretches(np.ones(100)) == []
-    assert find_stretches(np.full(100, np.nan)) == []

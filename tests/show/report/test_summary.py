@@ -163,7 +163,7 @@ def test_terms_are_rows_in_nanometres(budget):
         "",
         "| term | mean | pixel | kind |",
         "|---|---:|---:|---|",
-        "| film thickness [um] | 5.00 | 6.25 | |",
+        "| film thickness [um] | 5.00 | 6.25 |  |",
         "| photons | 3.0 | 30 | random |",
         "| calibration | 4.0 | - | shared |",
         "| **total** | **5.0** | **30** |  |",

@@ -35,7 +35,7 @@ def groups(film_path):
 
 def test_wall_that_reflects_stands_among_the_parameters():
     source = SimpleNamespace(calibration=walled(example_calibration()))
-    assert ("Reflectance of the wall, R", "0.300 ± 0.010") in calibration_table(source).rows
+    assert ("R, reflectance of the wall", "0.300 ± 0.010") in calibration_table(source).rows
     plain = calibration_table(SimpleNamespace(calibration=example_calibration()))
     assert "Reflectance" not in str(plain.rows)
 
