@@ -54,7 +54,7 @@ def without(name):
 DAMAGES = [
     (without("sliding_speed"), "film_theory and no variable sliding_speed"),
     (without("rocker_speed"), "it has a linkage and no variable rocker_speed"),
-    (lambda film: film.assign(load=("x", film.x.values)), "load has the dims"),
+    (lambda film: film.assign(joint_load=("x", film.x.values)), "joint_load has the dims"),
     (lambda film: film.isel(trigger=slice(0, 0)), "trigger has no values"),
     (change("joint_load", lambda v: v.astype(str)), "joint_load has values of the type"),
     (change("film_min_std", set_first(-0.1)), r"film_min_std has the value -0\.1"),

@@ -41,7 +41,9 @@ def test_the_direction_is_right_in_spite_of_the_noise_of_the_encoder():
 
 def test_other_numbers_are_interpolated_and_texts_taken_from_the_row_before():
     text = np.where(TIME < 0.5, "a", "b")
-    sampled = sample_log(continuous(TIME, load=100 + TIME, state=text), np.array([0.4996, 0.5]))
+    sampled = sample_log(
+        continuous(TIME, joint_load=100 + TIME, state=text), np.array([0.4996, 0.5])
+    )
     np.testing.assert_allclose(sampled["joint_load"], [100.4996, 100.5])
     assert sampled["state"].values.tolist() == ["a", "b"]
 
