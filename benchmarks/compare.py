@@ -29,7 +29,8 @@ NEW = ("run", "run frame", "run pages", "marks")
 def make(scratch: Path, number: int, factor: float) -> Path:
     """Photograph a run and measure it with the calibration of the first."""
     import erlif
-    from erlif.rig import RigSettings, run, setup, simulate
+    from erlif.rig import RigSettings, setup, simulate
+    from erlif.rig import directory as run
 
     out = scratch / f"rig_{number}"
     rig = RigSettings(

@@ -50,8 +50,8 @@ def photograph(out: Path, seed: int, light: float, texture: float, **settings) -
 def exactly_known(fixture: Path, seed: int) -> Path:
     """The same fixture, measured by a coordinate measuring machine without error."""
     from erlif.rig import RigSettings
+    from erlif.rig.directory import write_profile
     from erlif.rig.film import Wedge
-    from erlif.rig.run import write_profile
     from erlif.rig.setup import random_stream
 
     copy = shutil.copytree(fixture, fixture.with_name("fixture_exact"), dirs_exist_ok=True)

@@ -15,8 +15,8 @@ from importlib import import_module
 
 import lazy_loader
 
+from erlif.core.speed.imports import after_import
 from erlif.core.speed.kernel_cache import ensure_kernel_cache
-from erlif.core.speed.later import after_import
 
 ensure_kernel_cache()
 

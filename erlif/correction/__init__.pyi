@@ -1,5 +1,7 @@
 from .agreement import find_reference_faults as find_reference_faults
 from .camera import CameraMeasurement as CameraMeasurement
+from .camera import UnlitPixels as UnlitPixels
+from .camera import find_unlit as find_unlit
 from .camera import measure_camera as measure_camera
 from .darks import Background as Background
 from .darks import Darks as Darks
@@ -26,5 +28,3 @@ from .references import DeclaredNoise as DeclaredNoise
 from .references import make_references as make_references
 from .saturation import count_pixels as count_pixels
 from .saturation import find_pile_up as find_pile_up
-from .unlit import UnlitPixels as UnlitPixels
-from .unlit import find_unlit as find_unlit

@@ -1,4 +1,5 @@
 from .islands import flag_beyond_maximum as flag_beyond_maximum
+from .maps import FilmTables as FilmTables
 from .maps import measure_thickness as measure_thickness
 from .patch import NO_PATCH as NO_PATCH
 from .patch import PatchMean as PatchMean
@@ -7,4 +8,3 @@ from .pulse import compare_light as compare_light
 from .pulse import measure_pulse_energy as measure_pulse_energy
 from .pulse import middle_of as middle_of
 from .surroundings import CLEAR as CLEAR
-from .tables import FilmTables as FilmTables

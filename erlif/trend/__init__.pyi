@@ -4,6 +4,8 @@ from .bleaching import Trend as Trend
 from .bleaching import fit_trend as fit_trend
 from .blocks import BLOCK as BLOCK
 from .blocks import BlockSums as BlockSums
+from .blocks import Region as Region
+from .blocks import find_region as find_region
 from .blocks import sum_blocks as sum_blocks
 from .course import CourseChange as CourseChange
 from .course import find_ratio_change as find_ratio_change
@@ -38,8 +40,6 @@ from .profile import average_across_sliding as average_across_sliding
 from .profile import cut_through_minimum as cut_through_minimum
 from .profile import place_of_minimum as place_of_minimum
 from .profile import rigid_gap as rigid_gap
-from .region import Region as Region
-from .region import find_region as find_region
 from .rigidity import CLEARANCE_STD as CLEARANCE_STD
 from .rigidity import ErrorEstimate as ErrorEstimate
 from .rigidity import RatioEquations as RatioEquations

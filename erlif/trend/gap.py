@@ -16,9 +16,8 @@ import numpy as np
 
 from erlif.core.arrays import Array
 from erlif.trend.block_fit import BlockFit, BlockMeans, average_blocks, fit_blocks, sum_by_strips
-from erlif.trend.blocks import BlockSums
+from erlif.trend.blocks import BlockSums, Region
 from erlif.trend.curve import FilmCurve
-from erlif.trend.region import Region
 
 # Variance of a map by smooth departures from its gap, over that by noise and marks, from which the
 # gap does not describe the map. [1]

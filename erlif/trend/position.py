@@ -22,9 +22,8 @@ from erlif.core.products import RatioImages, require
 from erlif.core.statistics import symmetric_root
 from erlif.models.contact import conformal_radius
 from erlif.trend.block_fit import average_blocks, fit_blocks, sum_by_strips
-from erlif.trend.blocks import BlockSums, sum_blocks
+from erlif.trend.blocks import BlockSums, Region, sum_blocks
 from erlif.trend.curve import FilmCurve
-from erlif.trend.region import Region
 
 # Order of the numbers of a position: displacements [um], then tilts [um/mm].
 PARAMETERS = ("displacement_load", "displacement_side", "tilt_load", "tilt_side")

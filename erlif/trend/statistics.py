@@ -11,10 +11,9 @@ import numpy as np
 from erlif.calibration import Calibration
 from erlif.core.arrays import Array
 from erlif.core.products import RatioImages, ThicknessMaps, require
-from erlif.trend.blocks import BLOCK, BlockSums, sum_blocks
+from erlif.trend.blocks import BLOCK, BlockSums, Region, sum_blocks
 from erlif.trend.curve import FilmCurve
 from erlif.trend.gap import MISFIT, GapMinimum, GapShape, choose_contact, find_gap_minima
-from erlif.trend.region import Region
 
 _LEAST_PIXELS = 64  # measurable pixels of a mean, at least
 _BEYOND = 0.1  # of the thickest calibrated film, by which a mean may lie beyond the range

@@ -1,5 +1,6 @@
 """The command line as a whole: help, loading, exit status."""
 
+import logging
 import os
 import re
 import subprocess
@@ -11,7 +12,7 @@ from click.testing import CliRunner
 
 import erlif
 import erlif.pipeline
-from erlif.commands.main import main
+from erlif.commands.main import main, show_log
 from erlif.commands.options import QuantityOption
 
 COMMANDS = sorted(main.commands)
@@ -152,3 +153,31 @@ def test_linear_algebra_has_one_thread_unless_the_user_chooses(monkeypatch, give
         monkeypatch.setenv("OPENBLAS_NUM_THREADS", given)
     CliRunner().invoke(main, ["process", "--help"])
     assert os.environ["OPENBLAS_NUM_THREADS"] == used
+
+
+@pytest.fixture(autouse=True)
+def _quiet_afterwards():
+    yield
+    show_log(0)
+
+
+@pytest.mark.parametrize(
+    ("verbosity", "shown"),
+    [(0, {"w"}), (1, {"w", "i"}), (2, {"w", "i", "d"}), (5, {"w", "i", "d"})],
+)
+def test_each_v_shows_one_level_more(capsys, verbosity, shown):
+    show_log(verbosity)
+    logger = logging.getLogger("erlif.registration.estimate")
+    logger.warning("w")
+    logger.info("i")
+    logger.debug("d")
+    lines = capsys.readouterr().err.splitlines()
+    assert {line.rpartition(": ")[2] for line in lines} == shown
+    assert all((" s  registration.estimate: " in line) == (verbosity > 0) for line in lines)
+
+
+def test_a_line_is_written_once_however_often_the_log_is_set_up(capsys):
+    for _ in range(3):
+        show_log(1)
+    logging.getLogger("erlif.ratio").info("blur")
+    assert capsys.readouterr().err.count("blur") == 1

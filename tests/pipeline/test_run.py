@@ -8,8 +8,7 @@ import xarray as xr
 from click.testing import CliRunner
 
 import erlif
-from erlif.commands.log import show_log
-from erlif.commands.main import main
+from erlif.commands.main import main, show_log
 
 STAGES = ("darks and flats", "registration", "sharpness and noise", "film", "writing")
 

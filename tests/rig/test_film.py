@@ -9,6 +9,7 @@ import pytest
 from erlif.core.errors import ModelError
 from erlif.io.settings.tables import RotationSettings, SinusoidalSettings
 from erlif.rig import RigSettings
+from erlif.rig.directory import run_toml
 from erlif.rig.film import (
     Bubbles,
     Gap,
@@ -24,7 +25,6 @@ from erlif.rig.film import (
     rocker_range,
     rocker_speed,
 )
-from erlif.rig.run import run_toml
 
 # linkage: the four-bar of the thesis, recomputed with two independent packages
 

@@ -24,9 +24,8 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from erlif.core.errors import FrameError
 from erlif.io.readers.base import Format, FrameFile
-from erlif.io.readers.raw import FrameLayout, RawFrames, count_frames
+from erlif.io.readers.raw import FrameLayout, Packing, RawFrames, count_frames
 from erlif.io.readers.source import find_beside, read_text
-from erlif.io.readers.unpack import Packing
 
 # Pixel formats that are read.
 _FORMAT = re.compile(r"Mono(8|10|12|14|16)|Mono(10|12)(p|Packed|pmsb)")

@@ -20,9 +20,8 @@ import numpy as np
 from erlif.core.arrays import AnyArray, Array
 from erlif.core.errors import FrameError
 from erlif.io.readers.base import DEFLATED, Format, FrameFile, FrameKind, check_claim, read_header
-from erlif.io.readers.raw import FrameLayout, RawFrames
+from erlif.io.readers.raw import FrameLayout, Packing, RawFrames, unpack
 from erlif.io.readers.source import Source
-from erlif.io.readers.unpack import Packing, unpack
 
 _HEADER_SIZE = 256
 

@@ -23,9 +23,8 @@ import numpy as np
 from erlif.core.arrays import Array, Counts
 from erlif.core.errors import FrameError
 from erlif.io.readers.base import MOST_FRAMES, Format, FrameFile, read_header
-from erlif.io.readers.raw import FrameLayout, RawFrames, frame_interval
+from erlif.io.readers.raw import FrameLayout, Packing, RawFrames, frame_interval
 from erlif.io.readers.source import Source
-from erlif.io.readers.unpack import Packing
 
 # Values of the compression that are not read.
 _COMPRESSIONS = {1: "JPEG-compressed", 2: "from a colour sensor"}

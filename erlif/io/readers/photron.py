@@ -16,9 +16,8 @@ from pathlib import Path
 
 from erlif.core.errors import FrameError
 from erlif.io.readers.base import LAYOUTS, Format, FrameFile, colour_camera
-from erlif.io.readers.raw import FrameLayout, RawFrames, frame_interval
+from erlif.io.readers.raw import FrameLayout, Packing, RawFrames, frame_interval
 from erlif.io.readers.source import find_beside, read_text
-from erlif.io.readers.unpack import Packing
 
 # Endings of the headers, the newer form first.
 _HEADERS = (".cihx", ".cih")

@@ -22,9 +22,8 @@ from erlif.io.ingest.logs.columns import (
     refuse_several,
     require_scale,
 )
-from erlif.io.ingest.logs.table import LogColumn, LogTable, LogUse, name_patterns
+from erlif.io.ingest.logs.table import CLOCK, LogColumn, LogTable, LogUse, find_scale, name_patterns
 from erlif.io.ingest.logs.text import read_log_table
-from erlif.io.ingest.logs.units import CLOCK, find_scale
 
 # What a column can hold, and the kind of its unit; a vibration may have any.
 QUANTITIES = {

@@ -1,17 +1,25 @@
-"""Rigid shaft in a compliant liner, whose elements deflect one by one (Colbert et al., 2009)."""
+"""Rigid shaft in a compliant liner, whose elements deflect one by one (Colbert et al., 2009).
+
+Load and sliding of the arc of contact are integrals, which are inverted for the arc.
+
+In units of the bushing radius, with the fit r = Rs/Rb, the half angle A of the contact and the
+eccentricity e. The indentation is (Colbert et al. 2009, B1 to B10)
+
+    r - sqrt(1 - e^2 sin^2 t) + e cos t,
+
+which is 0 at t = A. With w = sin B = e sin A, its integral over the arc, weighed by cos t, is that
+of two circular segments: e (2A - sin 2A)/2 - (2B - sin 2B)/(2e). Both segments are evaluated
+without the cancellation of x - sin x. All arguments are arrays of one shape: half angles above 0
+and at most 90 degrees [rad], fits above 0 and below 1 [1].
+"""
 
 from dataclasses import dataclass
 
 import numpy as np
+from scipy import special
 
 from erlif.core.errors import ModelError
 from erlif.models.arguments import Values, formula, require_increasing
-from erlif.models.contact.arc import (
-    arc_of_load,
-    eccentricity_of_arc,
-    indentation_of_arc,
-    supported_by_arc,
-)
 from erlif.models.contact.roots import like
 
 
@@ -206,3 +214,135 @@ def winkler_contact(
         * like(grid, indentation_of_arc(half_angle, fit=ratio)),
         torque_ratio=like(grid, torque_ratio),
     )
+
+
+# Lower end of the search for the half angle. [rad]
+_SMALLEST_ANGLE = 1e-9
+
+# Where x - sin x is summed as a series; its terms fall by x^2/42 and faster.
+_SERIES_BELOW = 1.0
+
+# The tenth term is below 1e-19 of the first at 1 rad.
+_SERIES_TERMS = 9
+
+# Gauss's rule for the unweighed integral at w below 0.3, where it is exact to rounding.
+_FEW_NODES, _FEW_BELOW = 10, 0.3
+
+# Of Newton's method; it takes 5 to 7 from a narrow arc.
+_ITERATIONS = 60
+
+# Relative change of the angle after which the next one is below rounding.
+_TOLERANCE = 1e-8
+
+# Angles that are searched at once; their arrays stay in the cache.
+_BLOCK = 1 << 14
+
+
+def eccentricity_of_arc(half_angle: Values, *, fit: Values) -> Values:
+    """Eccentricity over bushing radius. Colbert et al. (2009), B10, without its cancellation."""
+    sine, cosine = np.sin(half_angle), np.cos(half_angle)
+    return (1 - fit) * (1 + fit) / (np.sqrt(1 - (fit * sine) ** 2) + fit * cosine)
+
+
+def indentation_of_arc(half_angle: Values, *, fit: Values) -> Values:
+    """Largest indentation over bushing radius, on the line of load."""
+    e = eccentricity_of_arc(half_angle, fit=fit)
+    w2 = (e * np.sin(half_angle)) ** 2
+    return 2 * e * np.sin(half_angle / 2) ** 2 - w2 / (1 + np.sqrt(1 - w2))
+
+
+def supported_by_arc(half_angle: Values, *, fit: Values) -> Values:
+    """Integral of indentation times cosine over the arc, times the fit: load over E' Rb^2 / t."""
+    e = eccentricity_of_arc(half_angle, fit=fit)
+    wide, narrow = _segments(half_angle, e * np.sin(half_angle))
+    return fit * (e * wide - narrow / e) / 2
+
+
+def rubbed_by_arc(half_angle: Values, *, fit: Values) -> Values:
+    """Integral of the indentation over the arc, times the fit.
+
+    Friction force over friction coefficient, in the unit of load.
+    """
+    e = eccentricity_of_arc(half_angle, fit=fit)
+    sine, cosine = np.sin(half_angle), np.cos(half_angle)
+    w = e * sine
+    share = np.empty(np.shape(w))
+
+    wide = w > _FEW_BELOW
+    A = half_angle[wide]
+    root = np.sqrt(1 - w[wide] ** 2)
+    share[wide] = e[wide] * (sine[wide] - A * cosine[wide])
+    share[wide] -= special.ellipeinc(A, e[wide] ** 2) - A * root
+
+    # the difference above cancels for a small w; the integrand is a short polynomial there
+    A, e, w2 = half_angle[~wide], e[~wide], w[~wide] ** 2
+    edge, half = w2 / (1 + np.sqrt(1 - w2)), np.sin(A / 2) ** 2
+    nodes, weights = np.polynomial.legendre.leggauss(_FEW_NODES)
+    total = np.zeros(A.shape)
+    for node, weight in zip((nodes + 1) / 2, weights / 2, strict=True):
+        part = np.sin(A * (node / 2)) ** 2
+        here = 4 * e**2 * part * (1 - part)
+        total += weight * (2 * e * (half - part) + here / (1 + np.sqrt(1 - here)) - edge)
+    share[~wide] = A * total
+    return 2 * fit * share
+
+
+def arc_of_load(supported: Values, *, fit: Values) -> tuple[Values, Values]:
+    """Half angle of a load, at most that of 90 degrees, and friction over it.
+
+    The load is in units of E' Rb^2 / t; the ratio is `rubbed_by_arc` over `supported_by_arc`.
+    """
+    angle, ratio = np.empty(np.shape(supported)), np.empty(np.shape(supported))
+    wanted, fits = supported.reshape(-1), fit.reshape(-1)
+    for start in range(0, wanted.size, _BLOCK):
+        block = slice(start, start + _BLOCK)
+        solution = _search(wanted[block], fits[block])
+        angle.reshape(-1)[block] = solution
+        ratio.reshape(-1)[block] = rubbed_by_arc(solution, fit=fits[block]) / wanted[block]
+    return angle, ratio
+
+
+def _search(supported: Values, fit: Values) -> Values:
+    """Newton's method on the cube root, which is almost linear while the arc is narrow."""
+    wanted, left = np.cbrt(supported), np.arange(supported.size)
+    found = np.clip(np.cbrt(1.5 * supported / (fit * (1 - fit))), _SMALLEST_ANGLE, 1.3)
+
+    for _ in range(_ITERATIONS):
+        before, fits = found[left], fit[left]
+        sine, cosine = np.sin(before), np.cos(before)
+        reach = np.sqrt(1 - (fits * sine) ** 2)
+        e = (1 - fits) * (1 + fits) / (reach + fits * cosine)
+        wide, narrow = _segments(before, e * sine)
+        value = fits * (e * wide - narrow / e) / 2
+
+        # the indentation is 0 at the ends, so the integral changes with the eccentricity alone
+        by_eccentricity = fits * (before + sine * cosine + narrow / (2 * e**2))
+        slope = by_eccentricity * fits * sine * e / reach
+        root = np.cbrt(value)
+        change = (wanted[left] - root) * 3 * root**2 / slope
+        new = np.clip(before + change, before / 2, np.pi / 2)
+        found[left] = new
+        left = left[np.abs(new - before) > _TOLERANCE * before]
+        if not left.size:
+            break
+    return found
+
+
+def _segments(angle: Values, w: Values) -> tuple[Values, Values]:
+    """x - sin x at twice the angle and at twice arcsin w: areas of circular segments, doubled."""
+    return _without_sine(2 * angle), _without_sine(2 * np.arcsin(w))
+
+
+def _without_sine(x: Values) -> Values:
+    """x - sin x without cancellation."""
+    x = np.asarray(x)
+    excess = np.asarray(x - np.sin(x))
+    narrow = x < _SERIES_BELOW
+    if not np.any(narrow):
+        return excess
+    square = x[narrow] ** 2
+    total = np.ones(square.shape)
+    for n in range(_SERIES_TERMS, 0, -1):
+        total = 1 - square * total / ((2 * n + 2) * (2 * n + 3))
+    excess[narrow] = x[narrow] * square / 6 * total
+    return excess

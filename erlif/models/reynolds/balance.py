@@ -19,8 +19,7 @@ import numpy as np
 
 from erlif.core.arrays import Array, Mask
 from erlif.core.errors import ModelError
-from erlif.models.reynolds.band import Stencil, solve_ring
-from erlif.models.reynolds.cells import Faces, Grid, Walls, link_only
+from erlif.models.reynolds.cells import Faces, Grid, Stencil, Walls, link_only, solve_ring
 from erlif.models.reynolds.flow import SMALLEST_FLUIDITY, Fluid
 
 # Relative size below zero from which a cell changes; rounding alone would change it for ever.

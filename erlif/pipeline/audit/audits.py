@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from typing import NamedTuple
 
-from erlif.core.notes import Level, Note, warn
+from erlif.core.notes import Level, Note, list_some, warn
 from erlif.pipeline.audit.columns import note_columns, without_single
 from erlif.pipeline.audit.crank import note_crank
 from erlif.pipeline.audit.evidence import Evidence
-from erlif.pipeline.audit.files import note_copied_cameras
 from erlif.pipeline.audit.log import note_angles, note_conditions, note_speed
 from erlif.pipeline.audit.order import note_order
 from erlif.pipeline.audit.strangers import note_strangers
+from erlif.pipeline.engines.results import FrameResult
 
 
 class Audit(NamedTuple):
@@ -34,6 +34,28 @@ def note_drive(evidence: Evidence) -> Iterator[Note]:
     """An encoder on another link than stated, else a crank of another speed."""
     run = evidence.run
     yield from evidence.mounting or note_speed(run.log, evidence.located, run.settings)
+
+
+def note_copied_cameras(frames: Iterable[FrameResult]) -> Iterator[Note]:
+    """Pairs whose two files are the same to the last byte.
+
+    Parameters
+    ----------
+    frames : iterable of FrameResult
+        The files were hashed as they were read.
+
+    Yields
+    ------
+    Note
+    """
+    # `refuse_stuck_cameras` refuses a run all of whose pairs are such
+    same = [one.frame for one in frames if one.digests[0] and one.digests[0] == one.digests[1]]
+    if same:
+        yield warn(
+            "pairs",
+            f"both cameras show the same image in frame pairs {list_some(same)}, whose films mean "
+            "nothing. Correct files in [camera1] or [camera2], or export the cameras again",
+        )
 
 
 # In the order of their notes: what makes others follow comes first. All of them together take less

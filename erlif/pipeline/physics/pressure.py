@@ -30,9 +30,8 @@ from erlif.pipeline.physics.prediction import (
 from erlif.pipeline.plane import ObjectPlane
 from erlif.prediction.fit import LOAD_LINE_STD
 from erlif.prediction.gaps import LARGEST_GAP, MOST_FILLED, find_motion_in_gaps
-from erlif.prediction.pin_motion import PinMotion, find_pin_motion
+from erlif.prediction.pin_motion import FEWEST, PinMotion, find_pin_motion
 from erlif.prediction.pressure import CHANGING, CLEAR, find_pressures
-from erlif.prediction.smoothing import FEWEST
 from erlif.trend import PinView, load_line_covariance, viscosity_at
 
 # Places along sliding and along the axis at which the pressure is given.

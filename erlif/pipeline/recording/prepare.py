@@ -16,7 +16,6 @@ from erlif.core.speed.memory import release_memory
 from erlif.core.timing import stage
 from erlif.io.ingest import Fixture, Run
 from erlif.pipeline.audit.naming import naming
-from erlif.pipeline.audit.noise import note_noise
 from erlif.pipeline.chain import FrameChain, FrameCorrection
 from erlif.pipeline.physics.findings import LightFindings
 from erlif.pipeline.physics.light import correct_light, find_light, measure_lights
@@ -24,7 +23,12 @@ from erlif.pipeline.physics.systematics import add_systematics
 from erlif.pipeline.physics.temperature import read_warming, without_warming
 from erlif.pipeline.plane import ObjectPlane
 from erlif.pipeline.recording.cameras import Characterised, characterise_cameras
-from erlif.pipeline.recording.noise import NoiseCompletion, complete_noise, find_unknowns
+from erlif.pipeline.recording.noise import (
+    NoiseCompletion,
+    complete_noise,
+    find_unknowns,
+    note_noise,
+)
 from erlif.pipeline.recording.pulses import (
     complete_energies,
     read_energies,

@@ -2,7 +2,7 @@ from .control import control_chart as control_chart
 from .difference import PairDifference as PairDifference
 from .difference import average_difference as average_difference
 from .difference import correct_for_many as correct_for_many
-from .maps import difference_map as difference_map
+from .difference import difference_map as difference_map
 from .records import RunRecord as RunRecord
 from .records import read_run as read_run
 from .records import refuse_unlike as refuse_unlike

@@ -13,9 +13,9 @@ import erlif
 from conftest import FULL, Laboratory
 from erlif.core.errors import ErlifError
 from erlif.core.notes import Level, Note, split_notes
-from erlif.pipeline.audit.audits import AUDITS, audit_run
+from erlif.pipeline.audit.audits import AUDITS, audit_run, note_copied_cameras
 from erlif.pipeline.audit.evidence import Evidence
-from erlif.pipeline.engines.results import frames_in
+from erlif.pipeline.engines.results import FrameResult, frames_in
 from erlif.rig import simulate
 
 LONGEST = 0.3
@@ -123,3 +123,14 @@ def test_a_sound_rig_of_any_kind_has_no_alarm(monkeypatch, tmp_path, seed):
     with pytest.raises(ErlifError, match="enough"):
         erlif.process(tmp_path / "rig" / "run", workers=1)
     assert found == [[]]
+
+
+def pair(number, one, two):
+    return FrameResult(number, (0.0, 0.0), (0, 0), digests=(one, two))
+
+
+def test_pairs_of_one_file_are_named():
+    (note,) = note_copied_cameras([pair(0, "a", "b"), pair(1, "c", "c"), pair(2, "", "")])
+    assert note.level == "warning"
+    assert "both cameras show the same image in frame pairs 1, whose films" in note.text
+    assert list(note_copied_cameras([pair(0, "a", "b"), pair(2, "", "")])) == []

@@ -3,9 +3,16 @@
 from types import SimpleNamespace
 
 import numpy as np
+import numpy.testing as npt
 import pytest
 
-from erlif.pipeline.audit.order import note_order
+from erlif.pipeline.audit.order import (
+    compare_energies,
+    compare_film,
+    find_other_films,
+    note_order,
+    shifted,
+)
 
 ENERGIES = 1 + 0.05 * np.random.default_rng(3).normal(size=50)
 
@@ -38,3 +45,136 @@ def test_an_order_is_named_with_its_pairs(light, words):
 def test_rows_in_order_and_a_log_without_energies_bring_no_note():
     assert list(note_order(evidence(ENERGIES))) == []
     assert list(note_order(evidence(ENERGIES, energies=None))) == []
+
+
+COUNT = 50
+
+
+def energies(seed, jitter=0.03):
+    """Energies of pulses, and their light as it is measured to 0.7 %."""
+    rng = np.random.default_rng(seed)
+    energy = 1 + jitter * rng.normal(size=COUNT)
+    return energy, energy * (1 + 0.007 * rng.normal(size=COUNT))
+
+
+@pytest.mark.parametrize("seed", range(50))
+def test_energies_in_order_have_no_other_order(seed):
+    order, odd = compare_energies(*energies(seed))
+    assert order is None
+    assert odd.size == 0
+
+
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("lag", [-5, -1, 1, 2, 5])
+def test_a_late_log_is_found_by_its_energies(lag, seed):
+    energy, light = energies(seed)
+    order, _ = compare_energies(np.roll(energy, lag), light)
+    assert (order.lag, order.since, order.reverse) == (lag, 0, False)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_rows_that_are_missing_from_the_middle_are_found(seed):
+    energy, light = energies(seed)
+    order, _ = compare_energies(energy[:-3], np.delete(light, [20, 21, 22]))
+    assert order.lag == 3
+    assert abs(order.since - 20) <= 2
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_pairs_in_reverse_order_are_found(seed):
+    energy, light = energies(seed)
+    order, _ = compare_energies(energy, light[::-1])
+    assert order.reverse
+
+
+def test_two_pairs_in_each_others_place_are_found():
+    energy, light = energies(1, jitter=0.05)
+    low, high = int(np.argmin(light)), int(np.argmax(light))
+    light[[low, high]] = light[[high, low]]
+    order, odd = compare_energies(energy, light)
+    assert order is None
+    assert odd.tolist() == sorted([low, high])
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_energies_that_have_nothing_to_do_with_the_light_determine_nothing(seed):
+    assert compare_energies(energies(seed)[0], energies(seed + 100)[1]) is None
+    energy, light = energies(seed)
+    assert compare_energies(np.ones(COUNT), light) is None
+    assert compare_energies(energy[:12], light[:12]) is None
+
+
+TURN = 2 * np.pi * np.arange(COUNT) / COUNT
+SPEED = np.abs(np.sin(TURN) + 0.12 * np.sin(2 * TURN))
+
+
+def film(seed=1, lag=0):
+    level = np.log1p(SPEED**0.6)
+    return np.roll(level, lag) + 0.003 * np.random.default_rng(seed).normal(size=COUNT)
+
+
+def film_of(level, seed=1):
+    return level + 0.003 * np.random.default_rng(seed).normal(size=COUNT)
+
+
+@pytest.mark.parametrize("lag", [-5, -1, 1, 5])
+def test_a_late_log_is_found_by_the_film(lag):
+    order = compare_film(SPEED, film(lag=-lag))
+    assert (order.lag, order.since) == (lag, 0)
+
+
+def test_pairs_in_reverse_order_are_found_by_the_film():
+    """One stroke is faster than the other."""
+    level = np.log1p(np.abs(np.sin(TURN) + 0.12 * np.sin(2 * TURN + 0.5)) ** 0.6)
+    drive = np.abs(np.sin(TURN) + 0.12 * np.sin(2 * TURN + 0.5))
+    assert compare_film(drive, film_of(level[::-1])).reverse
+    assert compare_film(drive, film_of(level)) is None
+
+
+def test_pairs_lost_in_the_middle_are_found_by_the_film():
+    order = compare_film(SPEED[:-4], np.delete(film(), [20, 21, 22, 23]))
+    assert (order.lag, order.since) == (4, 20)
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_a_film_of_its_own_speed_has_no_other_order(seed):
+    assert compare_film(SPEED, film(seed)) is None
+    assert find_other_films(SPEED, film(seed)).size == 0
+
+
+@pytest.mark.parametrize("memory", [3, 5, 10, 20])
+def test_a_film_that_squeeze_delays_has_no_other_order(memory):
+    """It follows the speeds before, with an exponential memory of so many frames."""
+    level = np.zeros(3 * COUNT)
+    for k in range(1, level.size):
+        level[k] = level[k - 1] + (SPEED[k % COUNT] - level[k - 1]) / memory
+    assert compare_film(SPEED, level[-COUNT:]) is None
+
+
+@pytest.mark.parametrize("noise", [0, 0.003])
+@pytest.mark.parametrize("memory", [3, 4, 6])
+@pytest.mark.parametrize(("count", "strokes"), [(24, 2), (30, 2), (36, 4), (50, 4), (50, 2)])
+def test_the_speed_of_equal_strokes_has_no_other_order(count, strokes, memory, noise):
+    """Half a turn later it is the same, and a delay of the film looks like rows that are later."""
+    for start in np.arange(0, count / strokes, 2.3):
+        speed = np.abs(np.sin(np.pi * strokes * (np.arange(count) + start) / count))
+        level = np.zeros(4 * count)
+        for k in range(1, level.size):
+            level[k] = level[k - 1] + (speed[k % count] - level[k - 1]) / memory
+        seen = level[-count:] + noise * np.random.default_rng(1).normal(size=count)
+        assert compare_film(speed, seen) is None
+
+
+def test_a_film_of_another_speed_is_found():
+    level = film()
+    level[[12, 30]] = level[[25, 37]]
+    found = find_other_films(SPEED, level).tolist()
+    assert 12 in found
+    assert set(found) <= {12, 30}
+
+
+def test_a_shift_of_more_rows_than_there_are_leaves_nothing():
+    values = np.arange(4.0)
+    npt.assert_array_equal(shifted(values, 0), values)
+    npt.assert_array_equal(shifted(values, -1), [np.nan, 0, 1, 2])
+    assert np.isnan(shifted(values, 4)).all()

@@ -3,6 +3,7 @@
 import re
 import shutil
 
+import cv2
 import numpy as np
 import numpy.testing as npt
 import pytest
@@ -17,6 +18,7 @@ from erlif.core.notes import Level, join_notes
 from erlif.core.progress import silent
 from erlif.io.ingest import open_fixture, open_run
 from erlif.pipeline.recording.cameras import characterise_cameras
+from erlif.pipeline.recording.noise import measure_noise, note_noise
 from erlif.pipeline.recording.prepare import prepare_chain
 from erlif.ratio import BlurDifference, NoiseView, estimate_camera_noise
 from erlif.ratio.camera_noise import cell_size
@@ -202,3 +204,37 @@ def test_gain_of_frames_of_the_usual_size_is_right_to_five_per_cent(tmp_path):
     assert np.abs(pulls).max() < 3
     # four independent pairs of correlated errors exceed this once in thirty
     assert np.sqrt(np.mean(np.square(pulls))) < 1.6
+
+
+def rewrite(lab, change):
+    for path in (*lab.frames(1), *lab.frames(2)):
+        image = tifffile.imread(path)
+        path.unlink()
+        tifffile.imwrite(path, change(image).astype(np.uint16))
+
+
+def prepared(lab):
+    ready = prepare_chain(open_run(lab.run), silent)
+    return ready.chain, ready.sample
+
+
+def test_sound_frames_have_the_noise_of_their_cameras(lab):
+    assert measure_noise(*prepared(lab)) == pytest.approx(1.05, abs=0.06)
+    assert list(note_noise(*prepared(lab))) == []
+
+
+@pytest.mark.parametrize(
+    "change",
+    [lambda i: i >> 1, lambda i: np.rint(i / 2), lambda i: cv2.GaussianBlur(i, (3, 3), 0.6)],
+    ids=["cut in half", "rounded to the half", "smoothed"],
+)
+def test_counts_that_were_halved_or_smoothed_have_too_little_noise(lab, change):
+    rewrite(lab, change)
+    (note,) = note_noise(*prepared(lab))
+    assert note.level == "warning"
+    assert "Export the raw counts" in note.text
+
+
+def test_without_valid_pixels_nothing_is_known(lab):
+    chain, _ = prepared(lab)
+    assert np.isnan(measure_noise(chain, []))

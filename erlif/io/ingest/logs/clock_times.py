@@ -12,8 +12,7 @@ from itertools import pairwise
 import numpy as np
 
 from erlif.core.arrays import Array
-from erlif.io.ingest.logs.table import LogColumn, LogTable
-from erlif.io.ingest.logs.units import CLOCK
+from erlif.io.ingest.logs.table import CLOCK, LogColumn, LogTable
 
 _DAY, _HOUR, _MINUTE = 86400.0, 3600.0, 60.0
 _TRIED = 5  # cells of a column by which clock times are recognised

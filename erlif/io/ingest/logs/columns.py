@@ -17,8 +17,17 @@ import xarray as xr
 from erlif.core.arrays import Array
 from erlif.core.variables import FILM
 from erlif.io.ingest.logs.checks import refuse_bad_rows
-from erlif.io.ingest.logs.table import NAMES, LogColumn, LogTable, name_patterns, split_unit
-from erlif.io.ingest.logs.units import CLOCK, UNITS, Scale, find_scale
+from erlif.io.ingest.logs.table import (
+    CLOCK,
+    NAMES,
+    UNITS,
+    LogColumn,
+    LogTable,
+    Scale,
+    find_scale,
+    name_patterns,
+    split_unit,
+)
 
 # Quantity and unit of the columns that erlif itself documents.
 CONTRACT: dict[str, tuple[str, str]] = {

@@ -19,9 +19,8 @@ from erlif.io.ingest.logs.columns import (
     find_unit,
     plain_name,
 )
-from erlif.io.ingest.logs.table import LogColumn, LogTable
+from erlif.io.ingest.logs.table import LogColumn, LogTable, find_scale
 from erlif.io.ingest.logs.text import read_log_table
-from erlif.io.ingest.logs.units import find_scale
 
 # Endings of the files that loggers write.
 LOG_SUFFIXES = frozenset(

@@ -27,9 +27,9 @@ from erlif.io.ingest.logs.table import (
     LogColumn,
     LogTable,
     LogUse,
+    is_unit,
     split_unit,
 )
-from erlif.io.ingest.logs.units import is_unit
 
 # Rows at the head of a file in which separator and header are looked for.
 SAMPLE = 400
