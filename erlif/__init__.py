@@ -25,7 +25,7 @@ __getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
 
 
 def _add_accessors() -> None:
-    """Give datasets and arrays of xarray the attribute `erlif`; its code loads when it is used."""
+    """Register the attribute `erlif` of xarray objects; its code loads on first use."""
     import xarray as xr
 
     if not hasattr(xr.Dataset, "erlif"):

@@ -16,7 +16,7 @@ _SAME_PITCH = 0.03  # relative difference: two photographs of one scale agree be
 
 
 class Banded(Protocol):
-    """What has filter bands: a calibration, which checks those of a later one by this module."""
+    """Protocol of an object with filter bands, such as a calibration."""
 
     @property
     def bands(self) -> tuple[float, float]:

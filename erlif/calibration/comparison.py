@@ -128,7 +128,7 @@ class Comparison:
         )
 
     def _describe_drift(self) -> str:
-        """Whether the calibration has drifted, by how much, and why."""
+        """State whether the calibration has drifted, by how much, and the probable cause."""
         basis = self._basis()
         if not self.significant:
             return (
@@ -334,7 +334,7 @@ def _match_points(
 
 
 def _share_readings(calibration: Calibration, earlier: Calibration, *, paired: bool) -> bool | None:
-    """Whether both rest on the same CMM readings, by their points or by the hash of the profile.
+    """Decide whether both calibrations rest on the same CMM readings, by points or profile hash.
 
     None where neither is recorded.
     """
@@ -347,7 +347,7 @@ def _share_readings(calibration: Calibration, earlier: Calibration, *, paired: b
 
 
 def _profile_hashes(calibration: Calibration) -> set[str]:
-    """Hash of the CMM profile, or of all inputs that can be one where its name is not recorded."""
+    """Hash of the CMM profile; of all tables (CSV, TXT) if its name is not recorded."""
     hashes = calibration.input_hashes
     if calibration.profile_file:
         profile = hashes.get(calibration.profile_file)

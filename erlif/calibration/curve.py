@@ -220,7 +220,7 @@ class Calibration:
 
     @cached_property
     def _added(self) -> scipy.interpolate.CubicSpline:
-        """What the run adds to the logarithm of the ratio, over the logarithm of the film [um]."""
+        """Spline through the change of the log ratio by the run, over ln(film thickness [um])."""
         systematics = self.systematics
         assert systematics is not None
         assert systematics.value is not None
@@ -230,7 +230,7 @@ class Calibration:
         return scipy.interpolate.CubicSpline(np.log(films), added)
 
     def change(self, thickness: npt.ArrayLike) -> Array:
-        """Logarithm of the ratio after the run less that before it; 0 of one fixture. [1]"""
+        """Log ratio of the later fixture less that of the first; 0 with one fixture. [1]"""
         if self.later is None:
             return np.zeros(np.shape(thickness))
         return self.later.predict_log(thickness) - self.at(0.0).predict_log(thickness)
@@ -291,7 +291,7 @@ class Calibration:
         return self.split_errors([gradient])[0]
 
     def split_errors(self, gradients: Sequence[Array]) -> list[dict[str, float]]:
-        """The same of several quantities, as `split_error`."""
+        """Split the standard deviations of several quantities as `split_error` does."""
         alone = replace(self, systematics=None).full_covariance
         whole = self.full_covariance
         split = {} if self.systematics is None else self.systematics.split()
@@ -322,7 +322,7 @@ class Calibration:
         return np.asarray(self.log_ratio_std(thickness) / self.slope(thickness))
 
     def at(self, passed: float) -> Calibration:
-        """The same with what changes during a run as it is when a share of the run has passed."""
+        """Return the calibration at the time when a share `passed` of the run is over."""
         if not self.varies:
             return self
         systematics = self.systematics
@@ -339,7 +339,7 @@ class Calibration:
         )
 
     def until(self, later: Calibration) -> Calibration:
-        """This calibration before a run with that of a fixture after it.
+        """Join this calibration, made before a run, with that of a fixture after the run.
 
         `at` gives the curve between the two. The errors are those of the first one, which rests on
         the same profile; `erlif.process` adds what those of the later one exceed them by.

@@ -315,7 +315,7 @@ def _refuse_falling_ratio(points: Points) -> None:
 
 
 class _Settled(NamedTuple):
-    """The curve that is used, model alone or with a spline."""
+    """Curve chosen for the calibration: the model alone or with a spline."""
 
     fit: Fit
     candidate: SplineCandidate | None  # the spline; None where the model stands alone

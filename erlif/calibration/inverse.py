@@ -16,7 +16,7 @@ _ENTRIES = 20001
 
 
 class Curve(Protocol):
-    """What is tabulated: a calibration, which knows its table and not the other way round."""
+    """Protocol of a curve that `InverseTable` tabulates, such as a calibration."""
 
     @property
     def covered_range(self) -> tuple[float, float]:

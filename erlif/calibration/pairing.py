@@ -204,7 +204,7 @@ def thin_out(profile: Profile, *, pixel_pitch: float) -> Profile:
 
 
 def _robust_cell_mean(cell: Cells, values: Array, cells: int) -> tuple[Array, Array, Mask]:
-    """Mean and variance of the values of each cell without outliers, and which values are none."""
+    """Compute mean and variance of each cell without outliers, and the mask of kept values."""
     keep = np.ones(cell.size, bool)
     mean, variance = np.zeros(cells), np.zeros(cells)
     for _ in range(_OUTLIER_PASSES):

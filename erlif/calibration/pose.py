@@ -196,7 +196,7 @@ class Freedom:
 
     @classmethod
     def none(cls, points: Points) -> Freedom:
-        """No freedom: a pose that is left as given."""
+        """Make a freedom without parameters, for a pose that is used as given."""
         return cls(np.empty((points.thickness.size, 0)), np.empty((4, 0)), np.zeros(2), np.zeros(4))
 
     @property

@@ -309,7 +309,7 @@ def _fit_once(
 
 
 def _stated(reflectance: float | None) -> dict[int, tuple[float, float]]:
-    """Value and standard deviation of the searched parameters that are not fitted, by number."""
+    """Value and standard deviation of the parameters of a stated wall, by parameter number."""
     if reflectance is None:
         return {}
     wall = {BLACK + 1: (reflectance, EXACT)}
@@ -325,7 +325,7 @@ def _regress(
     reflects: bool,
     stated: Mapping[int, tuple[float, float]],
 ) -> OdrResult:
-    """The best of the regressions from several starting points, without what is `stated`.
+    """Return the best of the fits from several starting points; `stated` ones are not fitted.
 
     Its parameters are ln K, ln(p - q) and ln q, so that all are positive and p exceeds q, before a
     reflecting wall a/q and R, then the displacement.

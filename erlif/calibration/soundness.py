@@ -1,4 +1,4 @@
-"""Whether the numbers of a calibration file can be those of a calibration.
+"""Checks of the numbers in a calibration file against those that a fit can produce.
 
 A file may have been edited, converted by another program, or damaged. A wrong number in it does
 not fail by itself: it gives wrong films, or error bars that are NaN.

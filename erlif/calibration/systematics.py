@@ -156,7 +156,7 @@ class Systematics:
 
     @property
     def grows_apart(self) -> bool:
-        """Whether what grows during the run is independent of all other errors."""
+        """Whether errors that grow during the run are uncorrelated with all other errors."""
         grows = self.rising
         return not (self.covariance[np.ix_(grows, ~grows)].any() or self.cross[:, grows].any())
 
@@ -181,12 +181,12 @@ class Systematics:
         return list(zip(self.terms, self.kinds, strict=True)).index((term, kind))
 
     def places(self, term: str) -> npt.NDArray[np.intp]:
-        """Numbers of the parameters of a term; none where it is not among them."""
+        """Numbers of the parameters of a term; empty if it is not among the terms."""
         return np.flatnonzero([name == term for name in self.terms])
 
     @property
     def prior(self) -> Systematics:
-        """What is not measured in a run and has an error: all but the background."""
+        """Systematics without the background: terms with an error that no run measures."""
         kept = self._of_prior
         return replace(
             self,
@@ -208,7 +208,7 @@ class Systematics:
         return np.flatnonzero(other & (np.diag(self.covariance) > 0))
 
     def with_background(self, measured: Systematics) -> Systematics:
-        """The same with a background whose error was measured.
+        """Return a copy with the measured error of the background.
 
         Parameters
         ----------
@@ -233,13 +233,13 @@ class Systematics:
         return replace(self, covariance=covariance, cross=cross)
 
     def adding(self, term: str, covariance: Array) -> Systematics:
-        """The same with a further error of a term; covariance of its parameters. [1]"""
+        """Return a copy with `covariance` added to that of the parameters of a term. [1]"""
         own, whole = self.places(term), self.covariance.copy()
         whole[np.ix_(own, own)] += covariance
         return replace(self, covariance=whole)
 
     def with_errors(self, covariance: Array, value: Array | None = None) -> Systematics:
-        """The same with the errors that a run leaves.
+        """Return a copy with the errors that remain after those of the run were estimated.
 
         Parameters
         ----------
@@ -262,7 +262,7 @@ class Systematics:
         )
 
     def with_width(self, kind: str, width: float, *, term: str) -> Systematics:
-        """The same with another standard deviation of one parameter of a term. [1]"""
+        """Return a copy with another standard deviation of one parameter of a term. [1]"""
         covariance, n = self.covariance.copy(), self.place(term, kind)
         covariance[n, :] = covariance[:, n] = 0.0
         covariance[n, n] = width**2
@@ -271,7 +271,7 @@ class Systematics:
         return replace(self, covariance=covariance, cross=cross)
 
     def with_rise(self, width: float) -> Systematics:
-        """The same with another width of what changes the ratio of all films alike during the run.
+        """Return a copy with another width of the rise of the ratio of all films in the run.
 
         The terms share it in proportion to their own widths; without any, it is the bleaching's.
 
@@ -293,7 +293,7 @@ class Systematics:
         return found
 
     def with_course(self, size: float, *, start: float | None) -> Systematics:
-        """The same with a change of the ratio during the run, as the last parameter.
+        """Return a copy with a drift or step of the ratio during the run as last parameter.
 
         Parameters
         ----------
@@ -463,12 +463,12 @@ class Systematics:
 
 
 def _act_of(kind: str) -> str:
-    """How a parameter acts at its full size."""
+    """Strip "rising" or "stepped" from a kind: the effect of the parameter at full size."""
     return kind.removeprefix("rising ").removeprefix("stepped ")
 
 
 def _with_wall(model: Reabsorption) -> Reabsorption:
-    """The model with the parameters of a wall, which is black where it had none."""
+    """Add the parameters of a black wall to a model that has none."""
     if model.reflects:
         return model
     K, p, q = model.parameters

@@ -112,7 +112,7 @@ def _extend(covariance: Array, std: float) -> Array:
 
 
 def _end_of_range(before: Calibration, changed: Calibration) -> float:
-    """Film from which on a pixel is less certain than at the end of the range before. [um]"""
+    """Film at which a pixel is as certain as at the end of the range before. [um]"""
     films = np.linspace(*before.thickness_range, _FILMS)
     useful, needed = (films * np.asarray(each.slope(films)) for each in (changed, before))
     peak = int(np.argmax(useful))

@@ -1,4 +1,4 @@
-"""How a command ends: its status, signals, and streams that are closed."""
+"""End of a command: exit status, signals, and closed standard streams."""
 
 from __future__ import annotations
 

@@ -25,7 +25,7 @@ _GAP = "??"
 
 
 def on_terminal() -> bool:
-    """Whether somebody can be asked."""
+    """Whether standard input is a terminal, so that the user can be asked."""
     return sys.stdin.isatty()
 
 

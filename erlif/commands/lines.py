@@ -21,7 +21,7 @@ _HANGING = 40  # column up to which a text stands under its beginning
 
 
 def verbosity() -> int:
-    """How often ``-v`` was given."""
+    """Number of times that ``-v`` was given."""
     return int(click.get_current_context().find_root().params.get("verbose", 0))
 
 
@@ -48,7 +48,7 @@ def wrap(text: str) -> str:
 
 
 def wrap_note(note: Note) -> str:
-    """A finding behind its level, with what follows below its text.
+    """Wrap a note to the width of the terminal: its level, then its indented text.
 
     Parameters
     ----------
@@ -69,7 +69,7 @@ def wrap_note(note: Note) -> str:
 
 
 def _broken(line: str, below: int = 0) -> str:
-    """One line, with the rest of it below where it is long."""
+    """Break a long line, with its continuation indented."""
     gaps = list(re.finditer(r"(?<=\S) {2,}(?=\S)", line))
     if len(line) <= COLUMNS or len(gaps) > 1:
         return line
@@ -93,7 +93,7 @@ def _margin(line: str) -> int:
 
 
 def describe_written(paths: Sequence[Path]) -> str:
-    """One line on the files that were written: the first, and how many more.
+    """Describe the written files in one line: the first, and the number of further ones.
 
     With ``-v`` all of them.
     """

@@ -137,7 +137,7 @@ def main(verbose: int) -> None:
 
 
 def _show_more(ctx: click.Context, option: click.Parameter, value: int) -> None:
-    """The same option behind the name of a command."""
+    """Raise the verbosity by ``-v`` given after the name of a command."""
     options = ctx.find_root().params
     if value:
         options["verbose"] = options.get("verbose", 0) + value

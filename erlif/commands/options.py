@@ -24,7 +24,7 @@ class QuantityOption(click.ParamType[Any]):
         self.unit, self.name, self.words = unit, "|".join((name, *words)), words
 
     def get_metavar(self, param: click.Parameter, ctx: click.Context) -> str:
-        """What help shows for the value, with the words as they are written."""
+        """Return the placeholder of the value in the help, without the capitals of click."""
         return self.name
 
     def convert(
@@ -169,7 +169,7 @@ def expect_suffix(output: Path, *suffixes: str) -> None:
 
 
 def expect_output(output: Path, *suffixes: str, overwrite: bool, holds: str = "") -> None:
-    """The same, and refuse an output that exists, as `erlif.io.files.refuse_existing`."""
+    """Refuse an output of another suffix, and one that exists as `refuse_existing` does."""
     from erlif.io.files import refuse_existing
 
     expect_suffix(output, *suffixes)

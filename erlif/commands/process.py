@@ -98,7 +98,7 @@ def process_one(
 
 
 def _named_calibration(run_dir: Path) -> Path | None:
-    """The calibration that run.toml names; None where it cannot be read, which is refused later."""
+    """Path of the calibration that run.toml names; None unless it names exactly one."""
     from erlif.core.errors import ErlifError
     from erlif.io.settings import read_run_settings
 
@@ -151,7 +151,7 @@ def process_series(runs: Sequence[Path], **options: Any) -> None:
 
 
 def _describe(outcome: RunOutcome) -> str:
-    """One line on a run."""
+    """Describe a run in one line."""
     from erlif.core.notes import Level, split_notes
     from erlif.core.units import count_of
     from erlif.io.files import open_film

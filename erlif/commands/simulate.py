@@ -218,7 +218,7 @@ def simulate(
 
 
 def _note_of_range(path: Path) -> str:
-    """A sentence where the true film leaves the wedge by more than 1 % of all pixels."""
+    """Note that over 1 % of the true film lies outside the wedge; empty where it does not."""
     import xarray as xr  # at use: the help of the command needs none of it
 
     outside, thinnest, thickest = 0.0, math.inf, -math.inf

@@ -91,7 +91,7 @@ _PLAIN = (
 
 
 def reason_of(error: BaseException) -> str:
-    """What another program states about a file, as a part of a message.
+    """Shorten the text of an exception to a reason that fits into a message.
 
     Parameters
     ----------

@@ -27,7 +27,7 @@ class Flag(IntFlag):
 
     @property
     def title(self) -> str:
-        """Its name in words."""
+        """Name of the flag in words."""
         return str(self.name).lower().replace("_", " ")
 
 

@@ -106,12 +106,12 @@ class _Child:
         self.lock = threading.Lock()
 
     def forget(self) -> None:
-        """In a forked process: the child and its pipes are those of the parent process."""
+        """Drop the child and its pipes in a forked process; they belong to the parent."""
         self.lock = threading.Lock()
         self.of_parent, self.process = self.process, None
 
     def ask(self, task: str, path: str) -> Any:
-        """Result of one of `_TASKS` for a file, or the error that it raised."""
+        """Run one of `_TASKS` on a file in the child process and return its result."""
         with self.lock:
             process = self._start()
             assert process.stdin is not None
@@ -227,7 +227,7 @@ _TASKS: dict[str, Callable[[str], Any]] = {"hdf5": _walk_hdf5, "matlab": _load_m
 
 
 def _serve(requests: IO[bytes], answers: IO[bytes]) -> None:
-    """Work on one file after the other until the parent process ends."""
+    """Run tasks from `requests` one by one until the parent process ends."""
     while True:
         try:
             task, path = pickle.load(requests)

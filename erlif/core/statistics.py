@@ -108,7 +108,7 @@ def central_range(values: AnyArray) -> tuple[float, float]:
 
 
 def covariance_root(covariance: Array) -> Array:
-    """A matrix whose square is a covariance that may be singular, (number, cause).
+    """Compute a matrix whose square is a covariance that may be singular, (number, cause).
 
     Its numbers may have any unit.
 
@@ -131,7 +131,7 @@ def covariance_root(covariance: Array) -> Array:
 
 
 def symmetric_root(covariance: Array) -> Array:
-    """The same turned so that the cause of each number is mostly its own.
+    """Compute a root of a covariance in which each cause acts mostly on one number.
 
     It is the symmetric root of the correlation, times the standard deviations.
 

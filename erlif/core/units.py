@@ -156,7 +156,7 @@ def parse_quantity(text: object, unit: str) -> float:
 
 
 def _hint(number: str, name: str, unit: str) -> str:
-    """What to write in place of a unit that is not known."""
+    """Suggest how to write a value whose unit is not known."""
     if name in _HINTS and unit == "N":
         return f"; {_HINTS[name]}"
     if unit == "Pa s" and name.endswith(("St", "m2/s", "m^2/s")):

@@ -100,7 +100,7 @@ _ATTRIBUTES = ("units", "long_name", "comment", "ancillary_variables")  # of a v
 
 
 def _read_variable(name: str, keys: dict[str, Any], table: dict[str, Any]) -> Variable:
-    """An entry of the table; what it leaves out is as in the file that it names by `like`."""
+    """Read an entry of the table; missing keys are taken from the file that `like` names."""
     keys = table[keys["like"]][name] | keys if "like" in keys else dict(keys)
     keys.pop("like", None)
     attrs = {key: keys.pop(key) for key in list(keys) if key in _ATTRIBUTES}

@@ -1,4 +1,4 @@
-"""Whether darks and flats belong to the frames of their camera.
+"""Agreement of darks and flats with the frames of their camera.
 
 Every pixel has its own response, which the flat shows and the mean of some frames shows too. Where
 the fine structure of the frames does not contain that of the flat, the flat is not of this camera,
@@ -51,7 +51,7 @@ _UNLIKE = 0.2
 
 
 class PatternShare(NamedTuple):
-    """How much of the fine structure of a flat is in the frames.
+    """Share of the fine structure of a flat that the frames contain.
 
     Attributes
     ----------
@@ -170,7 +170,7 @@ def _find_light_in_dark(
 def _find_missing_pages(
     measured: CameraMeasurement, other: CameraMeasurement, camera: str
 ) -> Iterator[Note]:
-    """Pages that one camera lacks against the other, or one light level against the others."""
+    """Warn of a camera, or a light level, that has fewer pages than the others."""
     faults = []
     pages, others = measured.darks.pages, other.darks.pages
     if 0 < pages < others:
@@ -256,7 +256,7 @@ def _compare_patterns(
 def find_share(
     view: FrameView, measured: CameraMeasurement, references: References, flat: int
 ) -> PatternShare:
-    """How much of the structure of a flat is in the frames of a camera.
+    """Estimate the share of the structure of a flat that the frames of a camera contain.
 
     Parameters
     ----------

@@ -25,7 +25,7 @@ _CLEAR_OF_SATURATION = 0.95
 
 @dataclass(frozen=True)
 class CameraMeasurement:
-    """What the darks and flats of one camera determine without knowing its gain.
+    """Results of the darks and flats of one camera that need no gain.
 
     Attributes
     ----------

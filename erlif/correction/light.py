@@ -113,7 +113,7 @@ class PairLight:
 
 
 class NoiseTables(NamedTuple):
-    """What the variances of one camera need besides its light; images are (y, x).
+    """Tables for the variances of one camera, beside its light; images are (y, x).
 
     Attributes
     ----------
@@ -142,7 +142,7 @@ class NoiseTables(NamedTuple):
 
 @dataclass(frozen=True)
 class CameraTables:
-    """What the correction of one camera repeats in every frame; images are (y, x).
+    """Tables for the correction of one camera, the same in all frames; images are (y, x).
 
     Attributes
     ----------

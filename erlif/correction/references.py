@@ -95,7 +95,7 @@ class CameraNoise:
 
 @dataclass(frozen=True)
 class Cameras:
-    """Both cameras, characterised.
+    """References of both cameras, with the notes on their characterisation.
 
     Attributes
     ----------
@@ -185,7 +185,7 @@ def make_references(
 
 @dataclass(frozen=True)
 class _CameraEvidence:
-    """One camera with all that is known of its noise."""
+    """Measured, declared and estimated noise of one camera."""
 
     name: str
     measured: CameraMeasurement
@@ -194,7 +194,7 @@ class _CameraEvidence:
 
     @cached_property
     def transfer(self) -> PhotonTransfer | None:
-        """Photon transfer curve, with the dark variance that is known best."""
+        """Photon transfer curve, with the best available dark variance."""
         darks, levels, read_noise = (
             self.measured.darks,
             self.measured.levels,
@@ -338,7 +338,7 @@ class _CameraEvidence:
         )
 
     def notes(self) -> Iterator[Note]:
-        """What needs attention of gain, read noise and recordings, in this order."""
+        """Yield notes on gain, read noise and recordings of the camera, in this order."""
         measured, gain, transfer = self.measured, self.gain, self.transfer
         # the comparison is False where no gain was measured, because that gain is NaN
         declared = self.declared.gain

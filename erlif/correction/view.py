@@ -76,7 +76,7 @@ class ViewSum:
         self._blocks += mean_of_blocks(counts)
 
     def mean(self) -> FrameView:
-        """The mean of the frames that were added."""
+        """Mean of the added frames."""
         count = max(self.count, 1)
         centre = (self._centre / count).astype(np.float32, copy=False)
         return FrameView(self.window, centre, self._blocks / count)

@@ -144,7 +144,7 @@ class EnduranceRig:
 
 @dataclass(frozen=True)
 class EnduranceTruth:
-    """What a simulated test is made of.
+    """True values of a simulated test.
 
     Attributes
     ----------

@@ -205,7 +205,7 @@ class _Model:
 
 
 def _beside(columns: Array, values: Array) -> Array:
-    """The part of the values that is no sum of the columns."""
+    """Residual of a least-squares fit of the columns to the values."""
     return np.asarray(values - columns @ np.linalg.lstsq(columns, values, rcond=None)[0])
 
 

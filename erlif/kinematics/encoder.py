@@ -39,7 +39,7 @@ Mechanism = CrankRocker | SliderCrank
 
 @dataclass(frozen=True)
 class Encoder:
-    """Where the encoder sits and what it counts.
+    """Mounting of the encoder and meaning of its readings.
 
     Attributes
     ----------
@@ -340,7 +340,7 @@ def choose_link(mechanism: Mechanism, mounted_on: str) -> Link:
 
 
 def _unwrap_reading(reading: Array) -> Array:
-    """Readings that go on where the encoder starts again at 0 or at 360. [degree]"""
+    """Unwrap readings where the encoder starts again at 0 or at 360. [degree]"""
     # a link that swings moves by less than half a turn from frame to frame
     turns = np.round(np.diff(reading) / 360.0)
     if not turns.size or np.abs(turns).max() != 1:

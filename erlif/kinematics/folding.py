@@ -163,7 +163,7 @@ def fold_by_phase(
 
 
 def crank_steps(crank: Array) -> Array:
-    """Turn of the crank from frame to frame; noise about a dead point may set it back.
+    """Step of the crank from frame to frame; noise about a dead point may make it negative.
 
     Parameters
     ----------
@@ -247,7 +247,7 @@ def find_deviations(
 def fold_by_number(
     log: EncoderLog, angle: Array | None, triggers_per_cycle: int, *, turning: bool = True
 ) -> Fold:
-    """Group frames that so many triggers lie between.
+    """Group frames that are a fixed number of triggers apart.
 
     Parameters
     ----------

@@ -136,7 +136,7 @@ def entrained_stroke(mechanism: Mechanism, *, pin_radius: float) -> float:
 
 
 def encoder_notes(located: xr.Dataset) -> list[Note]:
-    """What was fitted or found about the encoder, and how the frames were grouped.
+    """Make the notes on fitted or detected encoder parameters and on the grouping of frames.
 
     Parameters
     ----------
@@ -218,7 +218,7 @@ def joint_speed(mechanism: Mechanism, crank: Array, crank_speed: float) -> Array
 def _describe_zero_effect(
     link: LinkAngle, crank: Array, mechanism: Mechanism, encoder: Encoder, *, crank_speed: float
 ) -> str:
-    """What the error of a fitted zero changes: it is the same for all frames."""
+    """Describe the effect of the error of a fitted zero, which is common to all frames."""
     std = link.zero_std or 0.0
     carrier = choose_link(mechanism, encoder.mounted_on)
     rising = np.asarray(carrier.speed(crank, crank_speed=crank_speed)) > 0

@@ -269,7 +269,7 @@ def _number_frames(
 
 
 def _compare_cycle(angle: Array | None, triggers: int | None) -> str:
-    """A remark where the triggers of a cycle span several turns; empty elsewhere."""
+    """Remark that the triggers of a cycle span several turns; empty if they do not."""
     if angle is None or triggers is None or angle.size < 2:
         return ""
     turns = round(triggers * abs(float(np.median(_wrap(np.diff(angle))))) / _TURN)
@@ -290,7 +290,7 @@ def _angle_falls(log: EncoderLog, angle: Array) -> bool:
 
 
 def _compare_rate(log: EncoderLog, given: float | None, key: str) -> dict[str, str]:
-    """A remark as attribute where angle and time of the log contradict the given rate [rad/s]."""
+    """Compare the given rate [rad/s] with angle and time of the log; a remark if they differ."""
     logged = {"sliding_speed", "rotation_speed"} & set(log)
     if given is None or logged or not {"angle", "time"} <= set(log) or log.sizes["frame"] < 2:
         return {}

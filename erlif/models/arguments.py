@@ -265,7 +265,7 @@ ARGUMENTS = {name: kind for kind, names in _TABLE["names"].items() for name in n
 
 @dataclass(frozen=True)
 class _Kind:
-    """What a declared argument is checked for."""
+    """Checks of a declared argument."""
 
     requires: tuple[Callable[..., None], ...]
     scale: _Scale | None

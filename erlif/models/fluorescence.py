@@ -268,20 +268,20 @@ class WallRatio:
 
     @property
     def slope(self) -> Array:
-        """Its derivative with respect to thickness. [inverse of the unit of thickness]"""
+        """Derivative of ln r with respect to thickness. [inverse of the unit of thickness]"""
         (p, q, a), (one, two) = self.attenuations, self.layers
         rise = two.by_x * q + two.by_y * (2 * a - q) - one.by_x * p - one.by_y * (2 * a - p)
         return np.asarray(rise)
 
     @property
     def by_reflectance(self) -> Array:
-        """Its derivative with respect to R. [1]"""
+        """Derivative of ln r with respect to R. [1]"""
         one, two = self.layers
         return np.asarray(two.by_reflectance - one.by_reflectance)
 
     @property
     def gradient(self) -> Array:
-        """Its derivatives with respect to K, p, q, a and R, in this order, (5, ...)."""
+        """Derivatives of ln r with respect to K, p, q, a and R, in this order, (5, ...)."""
         t, (one, two) = self.thickness, self.layers
         rows = [
             np.full_like(t, 1 / self.ratio_at_zero),

@@ -436,7 +436,7 @@ def _walther_slope(w: Values) -> Values:
 
 
 def _of_grade(system: str, grade: int) -> Any:
-    """What the table of oils has for a grade."""
+    """Row of the table of oils for a viscosity grade."""
     rows = read_table("erlif.models", "oils.toml")[system]
     table = {int(name): row for name, row in rows.items()}
     if grade not in table:

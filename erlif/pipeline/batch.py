@@ -26,7 +26,7 @@ _SUFFIXES = (".nc", ".zarr")
 
 
 class RunState(StrEnum):
-    """What became of a run of a batch."""
+    """State of a run after the batch."""
 
     FINISHED = "finished"  #: processed now
     #: Its film existed, made from the same inputs and settings by the same version.
@@ -37,7 +37,7 @@ class RunState(StrEnum):
 
 @dataclass(frozen=True)
 class RunOutcome:
-    """What became of a run of a batch.
+    """Outcome of one run of a batch.
 
     Attributes
     ----------

@@ -61,13 +61,13 @@ class FrameCorrection(PickledByFields):
         return tabulate(self.references, least_signal=self.least_signal)
 
     def __getstate__(self) -> dict[str, Any]:
-        """The fields, and the tables where the references that make them are gone."""
+        """Return the fields, with the tables if the references behind them are gone."""
         # workers elsewhere get the tables alone, where they are all that is left
         gone = "dark" not in self.references
         return super().__getstate__() | ({"tables": self.tables} if gone else {})
 
     def tabulated(self) -> FrameCorrection:
-        """The same with the tables alone; of the references only the numbers are kept."""
+        """Return a copy that keeps the tables, and only the numbers of the references."""
         tabulated = replace(
             self, references=References(self.references.drop_dims(["y", "x"], errors="ignore"))
         )
@@ -76,13 +76,13 @@ class FrameCorrection(PickledByFields):
         return tabulated
 
     def with_energies(self, energies: Array) -> FrameCorrection:
-        """The same with other pulse energies, (frame,). [1]"""
+        """Return a copy with other pulse energies, (frame,). [1]"""
         changed = replace(self, energies=energies)
         changed.__dict__["tables"] = self.tables
         return changed
 
     def following(self, pairs: FramePairs) -> FrameCorrection:
-        """The same for more pairs of the recording, each with the mean energy."""
+        """Return a copy for more pairs of the recording, each with the mean energy."""
         changed = replace(self, pairs=pairs, energies=None)
         changed.__dict__["tables"] = self.tables
         return changed
@@ -191,7 +191,7 @@ class FrameChain(PickledByFields):
         return self.correct.references
 
     def without(self, change: Array) -> FrameChain:
-        """The chain that takes out a change of the logarithm of the ratio as well, (frame,). [1]"""
+        """Return a chain that also subtracts a change from the log ratio, (frame,). [1]"""
         before = 0.0 if self.ratio_change is None else self.ratio_change
         return replace(self, ratio_change=before + change)
 
@@ -200,7 +200,7 @@ class FrameChain(PickledByFields):
         return replace(self, correct=self.correct.tabulated())
 
     def following(self, pairs: FramePairs, read: PairCounts) -> FrameChain:
-        """The chain for a pair that was read, without what changes from pair to pair.
+        """Return a chain for a pair that was read, without corrections that differ by pair.
 
         Parameters
         ----------
@@ -225,7 +225,7 @@ class FrameChain(PickledByFields):
 
     @cached_property
     def noise(self) -> tuple[NoiseTables, NoiseTables]:
-        """What the variances of both cameras need, that of camera 2 turned as its image is."""
+        """Tables for the variances of both cameras, that of camera 2 turned like its image."""
         one, two = self.correct.tables
         return one.noise, turn_noise(two.noise, self.tables.orientation)
 
@@ -235,7 +235,7 @@ class FrameChain(PickledByFields):
         return PairDrift.of(self.camera_map)
 
     def align(self, frame: int) -> tuple[CorrectedFrames, AlignedFrames]:
-        """Light of one frame pair, and the same with camera 2 on the pixels of camera 1.
+        """Light of one frame pair, as corrected and with camera 2 aligned to camera 1.
 
         The coordinates drift_x and drift_y (frame) hold the drift of camera 2, NaN where the
         cameras show no common texture. [px]
@@ -261,7 +261,7 @@ class FrameChain(PickledByFields):
     def align_variances(
         self, corrected: CorrectedFrames, one: AnyArray, other: AnyArray
     ) -> AlignedFrames:
-        """Two variances moved as `align` moves the light; they take the places of its own."""
+        """Align two variances as `align` aligns the light; they replace those of the light."""
         dims = corrected.signal.dims
         replaced = corrected.assign(signal_var=(dims, one), signal_var_fixed=(dims, other))
         # with the drift of the frame itself, which the light alone determines
@@ -315,7 +315,7 @@ class FrameChain(PickledByFields):
     def _divide(
         self, frame: int, light: PairLight, drift: tuple[float, float], buffers: _Buffers
     ) -> PairRatio:
-        """The ratio of one frame pair, with what is not film taken out."""
+        """Compute the ratio of one frame pair and subtract the known change of the log ratio."""
         ratio = measure_ratio(
             light,
             self.tables,

@@ -128,7 +128,7 @@ def summarise_cycle(cycle: xr.Dataset) -> str:
 
 
 def describe_triggers(run: Run, cycle: xr.Dataset) -> xr.Dataset:
-    """Means over the frames of each trigger, of everything that log and kinematics give.
+    """Average all quantities of log and kinematics over the frames of each trigger.
 
     Parameters
     ----------
@@ -191,7 +191,7 @@ def complete_film(
     results: Sequence[TriggerResult],
     hashes: Mapping[str, str],
 ) -> tuple[xr.Dataset, dict[str, xr.Dataset]]:
-    """Everything of a film but its maps.
+    """Make all groups of a film, without the maps.
 
     Parameters
     ----------
@@ -310,7 +310,7 @@ def assemble_film(
     notes: Iterable[Note],
     audited: Iterable[Note] = (),
 ) -> xr.Dataset:
-    """Everything of the film but its maps.
+    """Make the root group of a film, without the maps.
 
     Parameters
     ----------
@@ -388,7 +388,7 @@ def assemble_film(
 
 
 def count_flagged_pixels(results: Sequence[TriggerResult]) -> xr.Dataset:
-    """Valid pixels of each map and those of each flag, so that nobody has to read the maps."""
+    """Count the valid pixels of each map and those of each flag."""
     pixels = np.array([result.pixels for result in results], np.int64).reshape(-1, 1 + len(Flag))
     flag = np.array([flag.value for flag in Flag], np.uint16)
     return xr.Dataset(
@@ -528,7 +528,7 @@ def _moved_mean(film: xr.Dataset, plane: ObjectPlane) -> Array:
 
 
 def _note_moved_mean(film: xr.Dataset) -> list[Note]:
-    """A note where the exponent of the mean film would be that of the place of the minimum."""
+    """Warn that the exponent of the mean film is due to the moving place of the minimum."""
     attrs = film["speed_exponent_mean"].attrs if "speed_exponent_mean" in film else {}
     if "geometry" not in attrs:
         return []
@@ -625,7 +625,7 @@ def _trigger_mean(column: xr.DataArray, frames: Sequence[int]) -> float:
 
 
 def _columns_by_frame(run: Run, cycle: xr.Dataset) -> dict[str, xr.DataArray]:
-    """Everything that has one value per frame and a mean per trigger."""
+    """Quantities that have one value per frame and are averaged over each trigger."""
     columns = {name: cycle[name] for name in _MOTION if name in cycle}
     of_log = ("number", "angle", "angle_rate", "time", *_MOTION)
     columns |= {str(name): run.log[name] for name in run.log if name not in of_log}

@@ -205,13 +205,13 @@ def find_calibration(
 
 
 def before_wall_of(run: Run, calibration: Calibration) -> Calibration:
-    """The calibration for the wall of a run, where its settings state what it reflects."""
+    """Adapt the calibration to the reflectance of the wall, if the settings state one."""
     reflectance = run.settings.optics.reflectance
     return calibration if reflectance is None else change_wall(calibration, reflectance)
 
 
 def _open_or_make(path: Path, *, allow_outside: bool, progress: Progress) -> Calibration:
-    """A calibration from its file; a fixture that was not calibrated yet is calibrated."""
+    """Open a calibration; make it from its fixture if it does not exist yet."""
     if path.exists() or not (path.parent / "fixture.toml").is_file():
         return open_calibration(path)
     with stage("calibration", _logger):

@@ -20,7 +20,7 @@ _SMALLEST = 8
 
 @dataclass(frozen=True)
 class ObjectPlane:
-    """What the pixels of camera 1 show of the joint.
+    """Object plane of camera 1: positions of its pixels on the joint.
 
     Attributes
     ----------
@@ -59,7 +59,7 @@ class ObjectPlane:
 
     @property
     def within(self) -> slice:
-        """Which of them are in the region of interest."""
+        """Slice of the positions along sliding that lie in the region of interest."""
         return self.region.columns if self.sliding_along_x else self.region.rows
 
     @property

@@ -233,7 +233,7 @@ def measure_run(
 
 
 def trigger_task(run: Run, chain: FrameChain, calibration: Calibration) -> TriggerTask:
-    """How the frames of one trigger of a run become its maps."""
+    """Make the task that turns the frames of a trigger into its maps."""
     plane = ObjectPlane(run.settings, run.pairs.shape)
     calibration = replace(calibration, camera_map=None)  # the chain has the map of the run
     return TriggerTask(chain, calibration, plane, choose_frames(run.pairs))

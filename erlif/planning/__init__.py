@@ -1,4 +1,4 @@
-"""What a rig will measure, before it is built: dyes, filters, light and cameras to uncertainty."""
+"""Planned performance of a rig: from dyes, filters, light and cameras to uncertainty."""
 
 import lazy_loader
 

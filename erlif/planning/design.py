@@ -74,7 +74,7 @@ class ReferencePages:
 
 @dataclass(frozen=True, eq=False)
 class Design:
-    """All that light, ratio and their noise depend on.
+    """Design of a rig: everything on which light, ratio and their noise depend.
 
     Attributes
     ----------
@@ -100,7 +100,7 @@ class Design:
     corner: float = 1.0
 
     def with_concentrations(self, concentrations: npt.ArrayLike) -> Design:
-        """The same design with other concentrations of dye 1 and 2. [mol/L]"""
+        """Return a copy with other concentrations of dye 1 and 2. [mol/L]"""
         pairs = zip(self.dyes, np.asarray(concentrations), strict=True)
         return replace(
             self, dyes=tuple(replace(dye, concentration=float(value)) for dye, value in pairs)
@@ -308,7 +308,7 @@ def optical_thickness(design: Design) -> tuple[float, float]:
 
 
 def scaled_to(design: Design, thick_film: tuple[float, float]) -> Design:
-    """Give the cameras the scale with which a very thick film has a known signal.
+    """Scale the cameras so that a very thick film has a known signal.
 
     Parameters
     ----------

@@ -114,7 +114,7 @@ def _constrain(
     systematics: Systematics,
     joint: ImagedJoint,
 ) -> Array:
-    """Covariance of the errors where all frames show one gap."""
+    """Covariance of the errors under the condition that all frames show one gap."""
     x, y = (joint.width / _SHAPE[1] * centre for centre in cell_centres(_SHAPE))
     x, y = x - x.mean(), y - y.mean()
     radius = float(np.sqrt(joint.pin_radius * joint.bushing_radius))

@@ -405,7 +405,7 @@ def _describe_tolerances(design: Design, film: WantedFilm, settings: PlanSetting
 
 
 def _describe_limit(design: Design, film: WantedFilm, settings: PlanSettings) -> xr.Dataset:
-    """Errors that no frame shows, and what the gap of a joint leaves of them."""
+    """Dataset of the systematic errors, without and with the known gap of a joint."""
     widths = SystematicsOptions().shares | {"size": FixtureSystematics().size / 100}
     # no frames of a dry joint are planned, and no second fixture
     del widths["energy"], widths["course"]

@@ -279,7 +279,7 @@ def _end_of_condition(
 
 
 def dimmed_to_full_scale(design: Design, thickest: float, fill: float) -> Design:
-    """Lower the pulse energy where the thickest film would fill more of a camera than `fill`.
+    """Lower the pulse energy so that the thickest film fills a camera no more than `fill`.
 
     Parameters
     ----------

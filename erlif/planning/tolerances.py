@@ -1,4 +1,4 @@
-"""What a tolerance of each part does to error, range and film."""
+"""Effect of the tolerance of each part on error, range and film."""
 
 from __future__ import annotations
 

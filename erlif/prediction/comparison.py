@@ -1,4 +1,4 @@
-"""Which physics carries the film: models of the joint compared by their likelihood."""
+"""Comparison of physical models of the film in the joint by their likelihood."""
 
 from __future__ import annotations
 
@@ -141,7 +141,7 @@ class ModelComparison:
 
 @dataclass(frozen=True)
 class _Fitted:
-    """What a comparison needs of a fit."""
+    """Fit of one model, reduced to the numbers that a comparison needs."""
 
     name: str
     log_likelihood: float
@@ -152,7 +152,7 @@ class _Fitted:
 
     @classmethod
     def of(cls, name: str, problem: Problem, found: Minimum, predicted: Array) -> _Fitted:
-        """A model whose prediction is that of the measured triggers."""
+        """Make the record of a fitted model from its prediction of the measured triggers."""
         value = problem.measured.value[problem.frames.measured]
         return cls(
             name,
@@ -285,7 +285,7 @@ def compare_models(
 
 
 def _rank(fitted: Sequence[_Fitted], fits: Mapping[str, MotionFit]) -> ModelComparison:
-    """Order by the criterion, with the values that are independent in the best model."""
+    """Order the models by the criterion, with the number of independent residuals."""
     likeliest = max(fitted, key=lambda one: one.log_likelihood)
     share = _independent(likeliest.residual)
     number = likeliest.residual.size
@@ -313,7 +313,7 @@ def _rank(fitted: Sequence[_Fitted], fits: Mapping[str, MotionFit]) -> ModelComp
 
 
 def _verdict(candidates: Sequence[FilmModel]) -> tuple[str | None, str]:
-    """The model that carries the film, and one line: which physics, and how sure."""
+    """Name the model that carries the film, and state the evidence in one line."""
     fitted = [one for one in candidates if one.name != ANY_GUIDED]
     if fitted and fitted[0].name == CONSTANT and fitted[0].describes:
         return None, _REST
@@ -350,7 +350,7 @@ def _independent(residual: Array) -> float:
 
 
 def _bound_guided(problem: Problem, load_line_std: float) -> _Fitted:
-    """A guided pin whose film is as likely as any can be.
+    """Upper bound of the likelihood of a guided pin, as a fitted model.
 
     Its sideways place is constant but for the turn of the load line. The density of what remains
     along the load is the largest that the random errors allow; errors that all triggers share
@@ -375,7 +375,7 @@ def _bound_guided(problem: Problem, load_line_std: float) -> _Fitted:
 
 
 def _plain_unknowns(start: Mapping[str, float], positive: str = "") -> Unknowns:
-    """Unknowns of a closed form, of which one may be bounded below by zero."""
+    """Unknowns of a closed form without prior; `positive` is bounded below by zero."""
     ones = np.ones(len(start))
     return Unknowns(
         names=tuple(start),
@@ -389,7 +389,7 @@ def _plain_unknowns(start: Mapping[str, float], positive: str = "") -> Unknowns:
 
 
 def _pointed(problem: Problem, distance: Array, direction: Array) -> Array:
-    """Displacements (case, trigger, axis) of a pin in one direction, which holds the load line."""
+    """Resolve distances in one direction into displacements, (case, trigger, axis)."""
     if not problem.measured.is_position:
         return distance[..., np.newaxis]
     angle = direction[:, np.newaxis]

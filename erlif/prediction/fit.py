@@ -1,4 +1,4 @@
-"""What nobody knows of a joint, fitted to the measured positions of its pin."""
+"""Fit of the parameters of a joint to the measured positions of its pin."""
 
 from __future__ import annotations
 
@@ -96,7 +96,7 @@ class Estimate:
         return bool(np.isfinite(self.low) and np.isfinite(self.high) and self.low != 0)
 
     def times(self, factor: float, unit: str) -> Estimate:
-        """The estimate of a multiple, in the unit of that."""
+        """Multiply the estimate by a factor and give it the unit of the product."""
         low, high = sorted((float(factor * self.low), float(factor * self.high)))
         parts = {name: abs(factor) * std for name, std in self.parts.items()}
         return Estimate(factor * self.value, abs(factor) * self.std, low, high, unit, parts)
@@ -251,7 +251,7 @@ def fit_motion(
 
 
 def _ended(lead: Motion, motion: Motion) -> Motion:
-    """A lead without its last step, which is the first of the motion."""
+    """Lead without its last step, shifted in time to end before the motion."""
     before = lead.at(slice(-1))
     return replace(before, time=motion.time[0] - lead.time[-1] + before.time)
 
@@ -294,7 +294,7 @@ def film_temperature(viscosity: Estimate, law: VogelLaw) -> Estimate:
 def _fit_held(
     problem: Problem, unknowns: Unknowns, given: GivenErrors, profiles: bool
 ) -> MotionFit:
-    """Fit, with the orbits of a held pin corrected where the fit ends."""
+    """Fit the unknowns; correct the orbits of a held pin at the solution."""
     free = isinstance(problem.orbits, FreeOrbits)
 
     # a held pin is searched from coarse cells first, to a rough tolerance
@@ -360,7 +360,7 @@ def _of_orbit(columns: dict[str, _Column]) -> dict[str, _Column]:
 
 
 def _fit_first_steps(problem: Problem, unknowns: Unknowns) -> Minimum | None:
-    """The fit of the first steps of a long run, where its search begins; None for other runs."""
+    """Fit the first steps of a long run as a starting point; None for other runs."""
     orbits, frames = problem.orbits, problem.frames
     inside = frames.steps < _FIRST_STEPS
     whole = np.setdiff1d(frames.measured, frames.trigger[~inside])
@@ -475,7 +475,7 @@ def _widened(
     changes: Mapping[str, GivenStep],
     within: Mapping[str, Mapping[str, Estimate]],
 ) -> dict[str, Estimate]:
-    """Estimates with the errors of given numbers, of which they hold those of `within`."""
+    """Widen the estimates by the errors of given numbers."""
     parts: dict[str, dict[str, float]] = {name: {} for name in estimates}
     for given, change in changes.items():
         still = np.zeros(change.value.size)
@@ -499,7 +499,7 @@ def _widened(
 
 
 def _first_film(problem: Problem, least: LeastSquares, minimum: Minimum) -> Estimate:
-    """The film at the first step of the motion, where the search has that of the lead."""
+    """Estimate of the film at the first step of the motion, from the fitted start of the lead."""
     sets = least.neighbours(minimum.value)
     film = _first_films(problem, least.unknowns, sets)
     slope = (film[1:] - film[0]) / np.diag(sets[1:] - minimum.value)
@@ -571,7 +571,7 @@ def _joint_quantity(
 def _limits_of_fit(
     estimates: Mapping[str, Estimate], minimum: Minimum, *, known: bool
 ) -> list[Note]:
-    """What limits the result; `known` is whether a width of the cavitation pressure is given."""
+    """Notes on the limits of the result; `known`: the cavitation pressure has a given width."""
     notes = []
     viscosity = estimates.get("viscosity")
     if viscosity is not None and not viscosity.determined:
@@ -598,7 +598,7 @@ def _limits_of_fit(
 
 
 def _note_rupture(problem: Problem, least: LeastSquares, minimum: Minimum) -> list[Note]:
-    """A film that is taken as full and would rupture at the stated cavitation pressure."""
+    """Note that the full film of a free pin would rupture at the cavitation pressure."""
     orbits = problem.orbits
     if not isinstance(orbits, FreeOrbits):
         return []

@@ -1,4 +1,4 @@
-"""What errors of given numbers change in a fit of the film: clearance, load, load line, tilt."""
+"""Effect of errors of given numbers on a fit: clearance, load, load line, tilt."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ FITTED = ("drift", "cavitation_pressure")
 
 @dataclass(frozen=True)
 class GivenErrors:
-    """Standard deviations of numbers that a fit takes for given.
+    """Standard deviations of numbers that a fit takes as given.
 
     The positions do not correct clearance, load, load line and tilt: each changes the fitted
     numbers. Drift and cavitation pressure change the course of the film, and are fitted within
@@ -70,7 +70,7 @@ class GivenErrors:
 
 @dataclass(frozen=True)
 class GivenStep:
-    """A given number that is changed by a step, and the fit that follows.
+    """Problem with one given number changed by a step, and the unknowns that then fit.
 
     Attributes
     ----------
@@ -135,7 +135,7 @@ def follow_changes(
 
 
 def share_of_fitted(least: LeastSquares, minimum: Minimum) -> Mapping[str, Array]:
-    """What the widths of fitted numbers make of the standard deviations of a fit.
+    """Contribution of the prior widths of fitted numbers to the standard deviations of a fit.
 
     Parameters
     ----------

@@ -40,7 +40,7 @@ Predict = Callable[[Array], Array]
 
 @dataclass(frozen=True)
 class Observations:
-    """What was measured, with errors of two kinds.
+    """Measured values with independent and shared errors.
 
     Attributes
     ----------
@@ -97,7 +97,7 @@ class Observations:
 
 @dataclass(frozen=True)
 class Unknowns:
-    """What is fitted.
+    """Unknowns of a fit, with start, bounds and prior knowledge.
 
     Attributes
     ----------
@@ -129,7 +129,7 @@ class Unknowns:
     fixed: Mapping[str, float] = field(default_factory=dict)
 
     def without(self, name: str, start: Array) -> Unknowns:
-        """The others, with one fixed where it is expected, from a start (unknown,) of all."""
+        """Fix one unknown at its expected value; `start` (unknown,) holds the start of all."""
         k = self.names.index(name)
         keys = ("step", "low", "high", "expected", "expected_std")
         kept = {key: np.delete(getattr(self, key), k) for key in keys}
@@ -141,12 +141,12 @@ class Unknowns:
         )
 
     def by_name(self, sets: Array) -> dict[str, Array]:
-        """Sets of unknowns (case, unknown) and what is fixed as columns (case,)."""
+        """Values of sets of unknowns (case, unknown) and of fixed numbers by name, each (case,)."""
         columns = {name: sets[:, k] for k, name in enumerate(self.names)}
         return columns | {name: np.full(len(sets), value) for name, value in self.fixed.items()}
 
     def one_by_name(self, value: Array) -> dict[str, float]:
-        """The same of one set (unknown,)."""
+        """Values of one set of unknowns (unknown,) and of fixed numbers by name."""
         return {name: float(column[0]) for name, column in self.by_name(value[None]).items()}
 
 
@@ -224,7 +224,7 @@ class LeastSquares:
         return np.vstack([value, value + np.diag(step)])
 
     def expected_miss(self, value: Array) -> Array:
-        """Departures from what was expected, in standard deviations."""
+        """Departures of the unknowns from their expected values, in standard deviations."""
         unknowns = self.unknowns
         return np.asarray(((unknowns.expected - value) / unknowns.expected_std)[..., self.known])
 
@@ -301,7 +301,7 @@ class LeastSquares:
         return self._minimum(value, miss, self._jacobian(value))
 
     def _independent_errors(self, value: Array, inflation: float) -> Array:
-        """Differences, and departures from what was expected, as independent errors of size 1."""
+        """Residuals and departures from the prior, as independent errors of unit size."""
         (miss,) = self.misses(value[np.newaxis])
         return np.append(self._without_shared(miss, inflation), self.expected_miss(value))
 
@@ -427,7 +427,7 @@ class LeastSquares:
 
 
 def interval(value: Array, rise: Array, level: float) -> tuple[float, float]:
-    """Where a profile crosses a level; infinite where it does not.
+    """Find the values at which a profile crosses a level; infinite where it does not.
 
     An end up to a quarter beyond the last point follows from the parabola through that point: cells
     that change to cavities make a profile jump by as much.

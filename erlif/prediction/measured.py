@@ -25,7 +25,7 @@ _NEGLIGIBLE = 1e-12  # share of the largest variance below which a source of err
 
 @dataclass(frozen=True)
 class MeasuredMotion:
-    """Where the pin was at each trigger, or how thin the film was.
+    """Measured displacement of the pin at each trigger, or only that to the thinnest film.
 
     Attributes
     ----------
@@ -188,7 +188,7 @@ def _widen(place: Array, seen: Array, clearance: float) -> Array:
 
 
 def _seen_angles(film: xr.Dataset) -> Array | None:
-    """Ends of what each trigger sees of the joint, from the load line, (trigger, end). [rad]
+    """Angles at the ends of the visible part of the joint, (trigger, end). [rad]
 
     None where the film does not state them.
     """
@@ -216,7 +216,7 @@ def _seen_angles(film: xr.Dataset) -> Array | None:
 
 
 def _share_marks(covariances: Array, seen: Array) -> Array:
-    """Sources of the errors by marks, for what each trigger sees, (trigger, axis, source).
+    """Errors by surface marks within the view of each trigger, (trigger, axis, source).
 
     Marks are taken as independent from place to place along sliding: waves and scratches of turning
     run along the axis. Each trigger weighs them as the least-squares fit of both displacements to

@@ -60,7 +60,7 @@ class FrameMotion:
     lead: Motion | None = None
 
     def with_lead(self) -> FrameMotion:
-        """The motion after its lead, in which cavities have formed before the first frame."""
+        """Prepend the lead, in which cavities form before the first frame, to the motion."""
         lead, own = self.lead, self.motion
         assert lead is not None  # `follow_motion` has made one
         before = lead.time.size - 1
@@ -217,7 +217,7 @@ def _even_turning(time: Array, turned: Array, linkage: CrankRocker) -> Array | N
 
 
 def scaled_time(at: Array, time: Array, viscosity: Array) -> tuple[float, Array]:
-    """Mean viscosity, and the time in which a film of this viscosity moves as one that changes.
+    """Mean viscosity, and time rescaled so that the film moves as at this viscosity.
 
     Parameters
     ----------

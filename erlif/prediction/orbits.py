@@ -172,7 +172,7 @@ class HeldOrbits:
         return found if self.shift is None else found + self.shift
 
     def corrected(self, unknowns: dict[str, float]) -> HeldOrbits:
-        """These orbits, shifted by what cells and steps leave out at a set of unknowns.
+        """Shift the orbits by the error of cells and steps at a set of unknowns.
 
         Richardson's extrapolation, in each direction by itself. Along the axis it begins at
         `AXIAL_CELLS`; long runs have none there.
@@ -212,7 +212,7 @@ class HeldOrbits:
         return orbits
 
     def _smooth(self, changes: Array) -> Array:
-        """Errors of the size of some changes that are smooth, (step, axis, source).
+        """Smooth errors with the rms size of the given changes, (step, axis, source).
 
         Constant, linear in time, and once a turn. Cells that change to cavities make the changes
         uneven. The measured positions determine how much of the uneven course there is; the smooth

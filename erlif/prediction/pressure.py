@@ -193,14 +193,14 @@ def find_pressures(
 
 
 def _triggers(motion: PinMotion) -> npt.NDArray[np.intp]:
-    """Which of the times of a motion are triggers."""
+    """Numbers of the times of a motion that are triggers."""
     if motion.recorded is None:
         return np.arange(motion.turning.size)
     return np.flatnonzero(motion.recorded)
 
 
 def _collect(rows: list[dict[str, Array]], view: _View) -> xr.Dataset:
-    """All triggers in a dataset."""
+    """Collect the rows of all triggers in a dataset."""
     dims = {
         "pressure": ("trigger", "axial", "place"),
         "pressure_std": ("trigger", "axial", "place"),
@@ -223,7 +223,7 @@ _CELLS = "_by_cells"  # what coarser cells change
 
 
 def _add_error_of_cells(rows: list[dict[str, Array]]) -> list[dict[str, Array]]:
-    """Rows whose errors hold what coarser cells change, and whose pressure is known or NaN.
+    """Add the error by the size of the cells to the rows, and judge each row.
 
     The edge of a cavity moves through cells, so that the change alternates from one trigger to the
     next: its mean square over five is the measure.
@@ -242,7 +242,7 @@ def _add_error_of_cells(rows: list[dict[str, Array]]) -> list[dict[str, Array]]:
 
 
 def _judge(row: dict[str, Array]) -> dict[str, Array]:
-    """The row with its verdict; a peak that may as well not be there is no measurement."""
+    """Mark a row as measured, or hide its pressure if the peak is not significant."""
     measured = bool(row["peak_pressure_std"] <= CLEAR * row["peak_pressure"])
     hidden = ("pressure", "pressure_profile", *_SINGLE, *_SENSITIVITIES)
     nothing = {name: np.full_like(row[name], np.nan, float) for name in hidden}
@@ -289,7 +289,7 @@ def _covers_turn(motion: PinMotion) -> bool:
 
 
 def _follow_another_turn(journal: Journal, motion: PinMotion, cells: tuple[int, int]) -> Array:
-    """Cavities after another turn before the recorded one; a film that falls was thicker there."""
+    """Follow the cavities from a turn earlier, when a falling film was thicker."""
     try:
         return follow_cavities(journal, motion, sinking=OTHER_TURN, cells=cells)
     except OverlapError:  # a film that rises
@@ -297,7 +297,7 @@ def _follow_another_turn(journal: Journal, motion: PinMotion, cells: tuple[int, 
 
 
 def _hide(row: dict[str, Array], change: float, history: float = np.nan) -> dict[str, Array]:
-    """The row of a trigger whose cavities are not known: it has no pressure."""
+    """Hide the pressure of a trigger whose cavities are not known."""
     kept = ("cavity", "pressure_solved", *_PARTS)
     hidden = {
         name: value if name in kept else np.full_like(value, np.nan, float)
@@ -312,7 +312,7 @@ def _hide(row: dict[str, Array], change: float, history: float = np.nan) -> dict
 
 @dataclass(frozen=True)
 class _View:
-    """Where the camera looks.
+    """Part of the joint that the camera sees.
 
     Attributes
     ----------
@@ -334,7 +334,7 @@ class _View:
         return _at(grid.angle.values, across.T, self.place / self.radius).T
 
     def look(self, solved: xr.Dataset) -> dict[str, Array]:
-        """What is known of a solution in the image."""
+        """Extract the pressure in the image, its peak, and the loads from a solution."""
         grid = solved.pressure
         middle = _at(solved.axial.values, grid.values.T, np.zeros(1))[0]
         seen = np.abs(solved.angle.values - self.place.mean() / self.radius)
@@ -400,7 +400,7 @@ def _peak(angle: Array, pressure: Array, seen: npt.NDArray[np.intp]) -> tuple[fl
 
 @dataclass(frozen=True)
 class _Errors:
-    """What is not exactly known at one trigger.
+    """Errors of the input at one trigger.
 
     Attributes
     ----------
@@ -530,7 +530,7 @@ def _grid_error(cells: tuple[int, int], *, long: bool) -> float:
 
 
 def _steps(std: Array, film: float, journal: Journal) -> Array:
-    """Steps of the derivatives: a standard deviation, or less where the film would change much."""
+    """Steps of the derivatives: one standard deviation, limited by the change of the film."""
     reach = np.array([1.0, 1.0, journal.length / 2, journal.length / 2])
     most = np.concatenate([_STEP * film / reach, np.full(NUMBERS, np.inf)])
     return np.where(std > 0, np.minimum(std, most), 0.0)

@@ -42,7 +42,7 @@ _ATTITUDE_STD = 0.3
 
 @dataclass(frozen=True)
 class FrameSteps:
-    """Which step of the motion, and which trigger, belongs to each frame.
+    """Step of the motion and trigger of each frame.
 
     Attributes
     ----------
@@ -89,7 +89,7 @@ class FrameSteps:
 
 @dataclass(frozen=True)
 class Problem:
-    """A way in which the pin may be held, and the frames in which it was seen.
+    """Model of the orbit of a pin, and the frames in which it was measured.
 
     Attributes
     ----------
@@ -127,7 +127,7 @@ class Problem:
         return Observations(value, random, shared)
 
     def unknowns(self, fitted: Sequence[str], known: Mapping[str, float]) -> Unknowns:
-        """What is searched from where, and what is held fixed.
+        """Unknowns of the search with their start, and the fixed values.
 
         `known` are standard deviations of what is known beforehand: load_line, drift and, of a held
         pin, cavitation_pressure. What is known exactly is not searched.
@@ -172,7 +172,7 @@ class Problem:
         return np.asarray(np.append(0.0, np.cumsum(parts))[self.frames.steps])
 
     def _start(self) -> dict[str, float]:
-        """Where the search begins: pure squeeze through the measured films."""
+        """Initial values of the search: pure squeeze through the measured films."""
         journal, motion = self.orbits.journal, self.orbits.motion
         good = self.frames.measured
         place = self.measured.value[good]
@@ -226,12 +226,12 @@ class Problem:
         return turn_vectors(orbit, line[:, np.newaxis])
 
     def pose(self, unknowns: Unknowns, tolerance: float = CONVERGED) -> LeastSquares:
-        """The search of some unknowns, which ends at a tolerance of chi-square."""
+        """Set up the search of some unknowns, with a tolerance of chi-square."""
         model = partial(self.predict, unknowns=unknowns)
         return LeastSquares(self.observations(), unknowns, model, tolerance)
 
     def predict(self, sets: Array, unknowns: Unknowns) -> Array:
-        """What is expected of each measured trigger, (case, trigger, axis). [m]"""
+        """Predicted values of each measured trigger, (case, trigger, axis). [m]"""
         place = self.frame_positions(sets, unknowns)
         if not self.measured.is_position:
             place = np.hypot(place[..., 0], place[..., 1])[..., np.newaxis]

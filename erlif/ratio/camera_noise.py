@@ -69,7 +69,7 @@ class NoiseEstimate:
 
 @dataclass(frozen=True)
 class NoiseView:
-    """One frame: log ratio, and the variance that noise of unit size gives it.
+    """Log ratio of one frame, with its variance for noise of unit size.
 
     Attributes
     ----------

@@ -15,7 +15,7 @@ _FEWEST = 1000  # pairs of sound pixels, at least
 
 
 def measure_sharpness(light: Image, flags: FlagImage, noise: NoiseTables) -> float:
-    """Difference of neighbours in a row over that of pixels far apart, both squared.
+    """Ratio of squared differences of neighbours in a row to those of distant pixels.
 
     Differences are relative to the light and without the variance of the noise: film and energy of
     the pulse do not enter. A blur lowers the difference of neighbours more.

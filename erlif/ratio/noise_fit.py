@@ -39,7 +39,7 @@ _OUTLIER = 6
 
 @dataclass(frozen=True)
 class NoiseUnknowns:
-    """What is to be estimated.
+    """Unknown noise parameters of the cameras.
 
     Attributes
     ----------

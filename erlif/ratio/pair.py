@@ -125,7 +125,7 @@ class PairRatio:
         )
 
     def to_images(self) -> RatioImages:
-        """The same as a dataset with one frame, as the stages after the ratio take it.
+        """Convert to a dataset with one frame, as the stages after the ratio take it.
 
         Returns
         -------

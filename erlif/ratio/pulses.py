@@ -1,4 +1,4 @@
-"""Whether the two images of a pair belong to the same laser pulse.
+"""Check that the two images of a pair belong to the same laser pulse.
 
 The speckle of a laser is new with every pulse, and both cameras see it: it leaves the ratio. Where
 camera 2 shows another pulse, the ratio contains the speckle of camera 1 with the opposite sign.
@@ -44,7 +44,7 @@ _FEWEST_FRAMES = 4
 
 
 class PulseSample(NamedTuple):
-    """What is kept of a frame pair, in squares on a regular grid; NaN where few pixels are valid.
+    """Light and ratio of a frame pair in squares of a grid; NaN where few pixels are valid.
 
     Attributes
     ----------
@@ -254,7 +254,7 @@ def _ratio_slopes(light: Array, again: Array, ratio: Array) -> Array:
 
 
 def _find_order(light: Array, other: Array, wrong: AnyArray) -> PulseFault:
-    """How camera 2 has to be moved so that most pulses agree."""
+    """Find the shift or reversal of camera 2 for which most pulses agree."""
     count = len(light)
     orders = {n: np.arange(count) - n for n in range(-_FARTHEST, _FARTHEST + 1) if n}
     orders[0] = np.arange(count)[::-1]  # no lag, but the reverse order

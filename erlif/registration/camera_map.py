@@ -22,7 +22,7 @@ from erlif.registration.settings import RegistrationSettings
 
 
 class MapKind(Enum):
-    """What the displacement of a camera map is made of. The values are the words of the files."""
+    """Form of the displacement in a camera map. The values are the words of the files."""
 
     SURFACE = "surface"  #: a polynomial or spline surface over the whole frame
     LOCAL = "local windows"  #: one displacement for each window, interpolated between the windows

@@ -191,7 +191,7 @@ class CoarsePair:
         return np.where(sound, out, np.float32(0)), sound.astype(np.float32)
 
     def with_second(self, moving: AnyArray, weight: AnyArray | None) -> CoarsePair:
-        """The same camera 1 with another image of camera 2."""
+        """Return the pair with another image of camera 2."""
         b, weight_b = _textures(moving, weight, self.factor)
         return replace(self, textures=replace(self.textures, b=b, weight_b=weight_b))
 

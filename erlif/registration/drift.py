@@ -425,7 +425,7 @@ def _parts_laid_over(
 
 
 def _step_ratio(step: Array, moved: Array) -> float:
-    """Slope of the scores over that of the equations, from what a step has moved."""
+    """Measured over intended length of a step, clipped to `STEP_RATIO`."""
     square = float(step @ step)
     if square < LEAST_STEP**2:
         return 1.0

@@ -285,7 +285,7 @@ def _place_row(  # type: ignore[no-untyped-def]
 
 @njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST, inline="always")
 def _find_changes(line, changes):  # type: ignore[no-untyped-def]
-    """Where the whole parts of a row change."""
+    """Mark the points of a row at which the whole part of the position changes."""
     for t in range(1, line.shape[1]):
         x, before = _at(t), _at(t - 1)
         other = (line[_COLUMN, x] != line[_COLUMN, before]) | (line[_ROW, x] != line[_ROW, before])

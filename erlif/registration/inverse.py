@@ -1,4 +1,4 @@
-"""Whether the cameras of a run are exchanged: its map is then the inverse of a stored one.
+"""Detection of exchanged cameras: the map of a run is then the inverse of a stored one.
 
 With cameras exchanged, camera 1 of the run is camera 2 of the calibration. If the stored map takes
 an object point from x to x + d(x), the map of the run has the displacement -d(x) at x + d(x); with

@@ -1,4 +1,4 @@
-"""How fine a surface the data support.
+"""Choice of the fineness of a surface that the data support.
 
 A finer surface always fits better. Takeuchi's criterion estimates by how much it would still fit
 better on data that took no part in the fit: the gain less twice the trace of M^-1 K, with M the
@@ -119,7 +119,7 @@ def moved_to(cells: Cells, surface: Surface) -> Cells:
 
 
 def disagreement(cells: Cells, factor: int) -> Array:
-    """How much the tiles of ``factor`` by ``factor`` cells ask for a displacement of their own.
+    """Remaining displacement of tiles of ``factor`` by ``factor`` cells, squared and weighted.
 
     Parameters
     ----------
@@ -146,7 +146,7 @@ def disagreement(cells: Cells, factor: int) -> Array:
 
 
 class Excess(NamedTuple):
-    """How much more tiles disagree with a surface than the cells in them do by noise.
+    """Excess of the disagreement of tiles with a surface over that of single cells.
 
     Attributes
     ----------
@@ -196,7 +196,7 @@ def excesses(cells: Cells) -> list[Excess]:
 
 
 def left_over(cells: Cells) -> float:
-    """How clearly a displacement remains that the surface has missed.
+    """Significance of the displacement that remains beside a surface.
 
     Returns
     -------
@@ -232,7 +232,7 @@ def is_unresolved(cells: Cells, window: float) -> bool:
 
 
 def noise_of_scores(cells: Cells, used_up: int) -> float:
-    """Mean of s' M^-1 s for one degree of freedom of cells on a surface that used up so many.
+    """Mean of s' M^-1 s per degree of freedom, for a surface of `used_up` coefficients.
 
     That of single cells or of tiles of two by two, whichever is larger: texture that reaches from
     cell to cell shows in the tiles.
@@ -295,7 +295,7 @@ def choose_model(
 
 
 def _need(more: int) -> float:
-    """Gain in units of the noise from which on so many more coefficients are worth it.
+    """Gain, in units of the noise, that justifies `more` further coefficients.
 
     Noise alone gives each coefficient a gain of one, which data not fitted lose once more.
     """

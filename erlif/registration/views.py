@@ -232,7 +232,7 @@ class TextureViews:
     def _sum(
         self, number: int, view: TextureView, dx: Image, dy: Image, scale: Array | None
     ) -> tuple[Array, Image]:
-        """Cell sums of one frame at its own drift, which is updated, and its camera 2 laid over."""
+        """Sum the cells of one frame at its drift, update the drift, return camera 2 laid over."""
         threads = self.settings.threads
         here = (float(self.drift[number, 0]), float(self.drift[number, 1]))
         b = laid_over(view.spline, dx, dy, here, threads)

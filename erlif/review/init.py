@@ -70,7 +70,7 @@ class _Draft:
     leave_out: list[str] = field(default_factory=list)
 
     def set(self, key: str, value: Any, remark: str = "") -> None:
-        """Give a key its value, or `GAP`; the remark names the source of the value."""
+        """Set a key to a value or to `GAP`; the remark names the source of the value."""
         self.values[key] = value
         if remark:
             self.remarks[key] = remark
@@ -280,7 +280,7 @@ def _draft_camera(draft: _Draft, survey: Survey, number: int, camera: CameraSurv
 
 
 def _draft_recordings(draft: _Draft, table: str, camera: CameraSurvey) -> None:
-    """Several recordings of a camera: the one that was taken, or a gap that lists them."""
+    """Draft the choice among several recordings of a camera, or a gap that lists them."""
     names = list_some(f"{one.pattern} ({one.pages})" for one in camera.recordings)
     if not camera.chosen:
         draft.set(f"{table}.files", GAP, f"One of {names}.")
@@ -309,7 +309,7 @@ def _ask_for_darks(draft: _Draft, survey: Survey, table: str) -> None:
 
 
 def _draft_share(draft: _Draft, table: str, number: int, camera: CameraSurvey) -> None:
-    """Part or datasets of a camera where one file holds both."""
+    """Draft the part or the datasets of a camera in a file of both cameras."""
     shared = camera.shared
     if shared is None:
         return
@@ -382,7 +382,7 @@ def _first(kinds: tuple[str, ...]) -> str:
 
 
 def _draft_motion(draft: _Draft, survey: Survey, kind: str) -> None:
-    """What the tribometer needs: log and mechanism, and for a linkage joint and oil."""
+    """Draft log and mechanism, and for a linkage joint and oil."""
     draft.remarks["mechanism"] = (
         f"Other tribometers: erlif init --overwrite --kind {', '.join(KINDS[1:-1])} or static."
     )
@@ -406,7 +406,7 @@ def _draft_motion(draft: _Draft, survey: Survey, kind: str) -> None:
 
 
 def _draft_optional_log(draft: _Draft, survey: Survey, kind: str) -> set[str]:
-    """The log of a run that can do without one; returns the quantities that it holds."""
+    """Draft the log of a run that does not need one; return the quantities that it holds."""
     table = _find_table(survey, ("frame",))
     if table is not None:
         log = _read_own_log(draft, survey, table, needs_angle=False)
@@ -431,7 +431,7 @@ def _draft_optional_log(draft: _Draft, survey: Survey, kind: str) -> set[str]:
 def _read_own_log(
     draft: _Draft, survey: Survey, table: TextTable, *, needs_angle: bool
 ) -> EncoderLog | None:
-    """The log whose columns have the names of erlif, and whether its rows fit the frames."""
+    """Read a log with the column names of erlif, and compare its rows with the frames."""
     draft.set("encoder.file", os.path.relpath(table.path, survey.directory))
     draft.note("encoder log", f"{table.path.name}, {table.rows} rows: {', '.join(table.header)}")
     pages = {camera.frames.pages for camera in survey.cameras[:2]}
@@ -465,7 +465,7 @@ def _draft_log(draft: _Draft, survey: Survey) -> None:
 
 
 def _draft_foreign_log(draft: _Draft, survey: Survey) -> None:
-    """A log whose header is not that of erlif: the columns that its names suggest."""
+    """Draft the columns of a log with other names, as the names suggest them."""
     frames = survey.cameras[0].frames.pages
     proposal = propose_log(survey.logs, frames, unnamed=True)
     if proposal is None:
@@ -536,7 +536,7 @@ def _note_unused(draft: _Draft, names: Iterable[str], used: Iterable[str]) -> No
 
 
 def _ask_for_columns(draft: _Draft, proposal: LogProposal) -> None:
-    """Leave gaps for columns that are needed and that no name of the log shows."""
+    """Leave gaps for needed columns that no name in the log identifies."""
     needed = ["angle", "time"] if proposal.in_time else ["angle"]
     missing = [quantity for quantity in needed if quantity not in proposal.known]
     if not missing:
@@ -552,7 +552,7 @@ def _ask_for_columns(draft: _Draft, proposal: LogProposal) -> None:
 
 
 def _draft_cycle(draft: _Draft, cycle: Cycle, time: Array | None) -> None:
-    """Where the encoder sits, triggers per cycle, and the speed of the crank from the times."""
+    """Draft the mounting of the encoder, triggers per cycle, and the crank speed."""
     _draft_mount(draft, cycle.on_crank)
     if cycle.triggers is None:
         draft.warn("encoder log", "the angles do not show a complete cycle")
@@ -570,7 +570,7 @@ def _draft_cycle(draft: _Draft, cycle: Cycle, time: Array | None) -> None:
 
 
 def _draft_repeats(draft: _Draft, log: xr.Dataset) -> None:
-    """Triggers per cycle of a motion without a linkage, where the angles repeat."""
+    """Draft the triggers per cycle of a motion without linkage, if the angles repeat."""
     if "angle" not in log or log.angle.size < 2:
         return
     angle = np.asarray(log.angle.values)
@@ -641,7 +641,7 @@ def _report_missing_table(
 
 
 def _draft_calibration(draft: _Draft, survey: Survey) -> None:
-    """The calibration or the fixture that lies nearest, and what it states about the cameras."""
+    """Draft the nearest calibration or fixture, and the values that it states."""
     calibrations = list(_calibrations_near(survey.directory.resolve()))[:MOST_CALIBRATIONS]
     if not calibrations:
         draft.warn("calibration", "no calibration.nc or fixture.toml lies near; name it later")

@@ -167,7 +167,7 @@ class _Film:
         return at_nodes, between
 
     def thicken(self, factor: float) -> None:
-        """Take an oil whose viscosity is a factor of that before."""
+        """Multiply the viscosity of the oil by a factor."""
         self.unit *= factor
         self.cavity /= factor
         self.pressure /= factor
@@ -221,7 +221,7 @@ class _Film:
         self.content = np.where(grid.held > 0, self.film, content)
 
     def difference(self) -> tuple[float, Array]:
-        """Weight of the new content in its rate over a step, and what the rate takes off it.
+        """Coefficients of the backward difference: weight of the new content, and the old part.
 
         Backward differences of second order; the first step has only one content to look back to.
         """
@@ -334,7 +334,7 @@ def _balance(
 
 
 def _keep_open(last: Array, place: Array) -> Array:
-    """The place, or the one on the way to it that keeps enough of the film."""
+    """Shorten a step of the pin so that it keeps enough of the film."""
     film = 1 - np.hypot(*last)
     while 1 - np.hypot(*place) < _LEAST * film:
         place = (last + place) / 2

@@ -24,7 +24,7 @@ _HIGH = 4.9  # V
 
 
 class Reading(NamedTuple):
-    """What the encoder shows.
+    """Readings of the encoder, and the angle at reading 0.
 
     Attributes
     ----------

@@ -154,7 +154,7 @@ def _sum_grains(
 
 @dataclass(frozen=True)
 class Setup:
-    """Everything that stays the same from frame to frame.
+    """Properties of the rig that are the same in all frames.
 
     Attributes
     ----------

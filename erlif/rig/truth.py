@@ -160,7 +160,7 @@ def _list_gaps(gaps: list[Gap]) -> _Values:
 
 
 def _list_loading(triggers: Triggers, rig: RigSettings) -> _Values:
-    """What the film of theory follows from, for each frame."""
+    """Quantities of each frame from which the film of theory follows."""
     time = frame_times(triggers, rig)
     return {
         "time": time,

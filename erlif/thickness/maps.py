@@ -203,7 +203,7 @@ def look_up(log_ratio, i, tables, scale, rows):  # type: ignore[no-untyped-def]
 
 @numba.njit(nogil=True, cache=True, error_model="numpy", inline="always")
 def fill_maps(variance, displaced, i, rows, maps):  # type: ignore[no-untyped-def]
-    """Row i of the maps; NaN where it is flagged."""
+    """Fill row i of the maps; NaN where it is flagged."""
     _, rate, _, part, film, _, slopes, own = rows
     thickness, std, std_shared, flags = maps
     y, first, second = _at(i), _at(0), _at(1)
@@ -261,7 +261,7 @@ def _fill_maps(  # type: ignore[no-untyped-def]
 
 
 class FilmTables(NamedTuple):
-    """What the pass reads from a calibration, in single precision.
+    """Tables of a calibration for the film pass, in single precision.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""What the surroundings of a pixel decide: whether its noise leaves a thickness, and its slope.
+"""Surroundings of a pixel, which decide whether it is measurable, and the slope there.
 
 A pixel is outside the measurable range where its noise could make the film zero, or arbitrarily
 thick. Its own value must not decide this: pixels selected by their noise leave a biased mean. The

@@ -100,7 +100,7 @@ class BackgroundEstimate:
 
     @property
     def error(self) -> Systematics:
-        """The error that remains where the estimate is subtracted."""
+        """Error of the background if the estimate is subtracted."""
         one, two = (unit / self.brightness for unit in self.unit)
         return Systematics(
             ("background",) * 2, TERMS["background"], self.covariance, self.cross, (one, two)
@@ -108,7 +108,7 @@ class BackgroundEstimate:
 
     @property
     def second_moment(self) -> Systematics:
-        """The error where the estimate is not subtracted."""
+        """Second moment of the background if the estimate is not subtracted."""
         whole = self.covariance + np.outer(self.share, self.share)
         return replace(self.error, covariance=whole)
 
@@ -137,7 +137,7 @@ class BackgroundEstimate:
         return np.asarray(np.tensordot(self.share, self._gradient(thickness, calibration), axes=1))
 
     def film_shift_std(self, thickness: Array, calibration: Calibration) -> Array:
-        """Its standard deviation. [um]"""
+        """Standard deviation of the shift of the film. [um]"""
         by_share = self._gradient(thickness, calibration)
         variance = np.einsum("i...,ij,j...->...", by_share, self.covariance, by_share)
         return np.asarray(np.sqrt(variance))
@@ -354,7 +354,7 @@ class _BackgroundFit:
         return usable if usable.any(axis=1).sum() >= FEWEST_FRAMES else None
 
     def _compare(self, light: Array, film: Array, smooth: Array, chosen: Mask) -> Array:
-        """Logarithm of light over that of the film; 0 where it is not chosen."""
+        """Logarithm of measured over expected light of the film; 0 in cells that are not chosen."""
         film, smooth = np.where(chosen, film, 3.0), np.where(chosen, smooth, 3.0)
         expected = np.log(self.calibration.model.light(film).signal)
 
@@ -386,7 +386,7 @@ class _BackgroundFit:
         return np.stack([*shares, *errors, *self._act(smooth, illumination, response)]), response
 
     def _act(self, smooth: Array, illumination: Array, response: Array) -> Array:
-        """Derivatives by errors that frames do not show, in the light of each cell."""
+        """Derivatives of the light of each cell with respect to the systematic errors."""
         calibration, systematics = self.calibration, self.calibration.systematics
         if systematics is None:
             return np.empty((0, *smooth.shape))
@@ -454,7 +454,7 @@ class _BackgroundFit:
         )
 
     def _energy_std(self, rest: Array, weight: Array, logged: Array, unknowns: int) -> float:
-        """Scatter of the logged energies about those that the light of each frame shows."""
+        """Standard deviation of the logged pulse energies about those from the light."""
         if self.energies is None:
             return math.inf
         of_frame = weight.sum(axis=1)

@@ -34,7 +34,7 @@ class Trend:
     light_std: float
 
     def significant(self) -> bool:
-        """Whether one of them differs from zero, by three standard deviations."""
+        """Whether the trend of ratio or light exceeds three standard deviations."""
         ratio = abs(self.log_ratio) > 3 * self.log_ratio_std
         return ratio or abs(self.light) > 3 * self.light_std
 

@@ -201,7 +201,7 @@ def _determine_a_gap(blocks: BlockMeans, use: Mask) -> bool:
 
 @numba.njit(nogil=True, cache=True)
 def _count(use, one, other):  # type: ignore[no-untyped-def]
-    """Chosen blocks, and the strips of both directions that hold any of them."""
+    """Count the chosen blocks and the strips of both directions that contain them."""
     seen = np.zeros((2, max(one.max(), other.max()) + 1 if use.size else 0), np.uint8)
     count = 0
     for n in range(use.size):

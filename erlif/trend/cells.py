@@ -20,7 +20,7 @@ _THICKEST = 0.8
 
 
 def choose_cells(film: Array, measured: Mask, calibration: Calibration) -> Mask:
-    """Cells whose light can be compared with that of their film, in each frame.
+    """Choose the cells of each frame whose light can be compared with that of their film.
 
     Parameters
     ----------

@@ -69,7 +69,7 @@ class CourseChange:
 
     @property
     def significant(self) -> bool:
-        """Whether it is more than chance among all frames that a step may begin at."""
+        """Whether the change is significant among all frames at which a step may begin."""
         return self.significance > _SIGNIFICANT
 
 
@@ -84,7 +84,7 @@ class _Rows:
     count: int  # frames
 
     def find(self, courses: Array) -> tuple[int, float, float]:
-        """The course (course, frame) that explains most, its size and the standard deviation."""
+        """Find the course (course, frame) that explains most: its number, size and std."""
         n, others = self.count, self.others
         inverse = np.linalg.pinv(others.T @ others, rcond=1e-10, hermitian=True)
         value = self.value - others @ (inverse @ (others.T @ self.value))
@@ -265,7 +265,7 @@ def _choose(log_ratio: Array, light: Array, calibration: Calibration) -> tuple[A
 def _light_rows(
     light: Array, log_ratio: Array, chosen: Mask, places: tuple[Array, Array], cal: Calibration
 ) -> _Rows:
-    """Equations of the light of camera 1 over that of the film which the ratio shows."""
+    """Set up the equations of the light of camera 1 against that expected of the film."""
     film = cal.inverse.look_up(log_ratio)
     of_film = cal.model.light(film)
     response = of_film.slope / cal.slope(film)

@@ -89,7 +89,7 @@ class FilmCurve:
         )
 
     def at(self, passed: float) -> FilmCurve:
-        """The same when a share of a run has passed, as `Calibration.at`."""
+        """Return the curve when a share of the run has passed, as `Calibration.at` does."""
         calibration = self.calibration.at(passed)
         if calibration.later is not None or calibration.follows_run:
             return FilmCurve.of(calibration)
@@ -159,7 +159,7 @@ class FilmCurve:
 
 @numba.njit(nogil=True, cache=True, error_model="numpy")
 def _look_up(film, films, log_ratio, slope, found):  # type: ignore[no-untyped-def]
-    """Both numbers of films as `numpy.interp`, which searches the table for each of them."""
+    """Interpolate both numbers of each film linearly, as `numpy.interp` does."""
     last = films.size - 1
     per_step = last / (films[last] - films[0])
     for n in range(film.size):

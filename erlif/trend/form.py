@@ -1,4 +1,4 @@
-"""Whether the form of the gap is that of the joint, over all triggers of a run.
+"""Check of the form of the gap against that of the joint, over all triggers of a run.
 
 The gap of rigid circles has the curvature of their radii along sliding and none along the axis. A
 deviation has one of few causes. Wrong radii change the curvature by the same share at any film. So
@@ -45,7 +45,7 @@ class Cause(StrEnum):
 
 @dataclass(frozen=True)
 class Imitation:
-    """An error that frames do not show and that makes the same deviation.
+    """Systematic error that causes the same deviation of the gap.
 
     Attributes
     ----------
@@ -250,7 +250,7 @@ def judge_form(
 def _find_imitations(
     values: Array, covariance: _Covariance, gradient: Array, systematics: Systematics
 ) -> list[Imitation]:
-    """Terms whose size explains a number of all triggers, each by its best parameter."""
+    """Find error terms that explain a deviation of all triggers, each by its best parameter."""
     found: dict[str, Imitation] = {}
     width, scale = np.sqrt(np.diag(systematics.covariance)), covariance.variance
     for n, term in enumerate(systematics.terms):

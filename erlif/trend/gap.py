@@ -283,7 +283,7 @@ def choose_contact(triggers: Sequence[Mapping[GapShape, GapMinimum]]) -> GapShap
 
 
 def _lowest_place(slope: float, bend: float) -> float:
-    """Where slope x + bend x^2 is lowest from -1 to 1: the vertex where it opens upwards."""
+    """Position of the minimum of slope x + bend x^2 from -1 to 1."""
     return float(np.clip(-slope / (2 * bend), -1, 1)) if bend > 0 else -math.copysign(1.0, slope)
 
 
@@ -302,7 +302,7 @@ def _variance_parts(pull: Array, fit: BlockFit, blocks: BlockMeans) -> tuple[flo
 
 
 def _measure_misfit(blocks: BlockMeans, fit: BlockFit, thickest: float) -> float:
-    """Variance of the departures from a gap that polynomials follow, over that of the rest. [1]
+    """Variance of the smooth part of the residuals over that of the rest. [1]
 
     0 where too few blocks distinguish one from the other.
     """

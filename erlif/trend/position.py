@@ -340,7 +340,7 @@ def pin_covariance(film: xr.Dataset) -> Array:
 
 
 def load_line_covariance(film: xr.Dataset) -> Array:
-    """Part of the covariance of positions that the error of the load line makes.
+    """Covariance of the positions due to the error of the load line.
 
     Displacements and tilts turn with the line. It repeats from trigger to trigger, and changes no
     film.

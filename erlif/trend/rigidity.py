@@ -43,7 +43,7 @@ _LARGEST = 5.0  # standard deviations beyond which the errors are not those of t
 
 
 class RatioEquations(NamedTuple):
-    """What the logarithm of the ratio of the cells depends on, to first order.
+    """Linearised dependence of the log ratio of the cells on film, errors and motion.
 
     Attributes
     ----------
@@ -217,11 +217,11 @@ class ErrorEstimate:
 
     @property
     def second_moment(self) -> Array:
-        """The errors where the estimate is not taken out, (error, error)."""
+        """Second moment of the errors if the estimate is not subtracted, (error, error)."""
         return np.asarray(self.covariance + np.outer(self.value, self.value))
 
     def exceeds_widths(self, calibration: Calibration) -> bool:
-        """Whether it shifts its film by more than two standard deviations of all errors."""
+        """Whether the estimate shifts its film by over two standard deviations of all errors."""
         middle, film = calibration.at(0.5), np.array(self.film)
         before = self.film_std(film, middle, before=True)
         return bool(abs(self.film_shift(film, middle)) > _BEYOND * before)
@@ -359,7 +359,7 @@ class _ErrorFit:
         )
 
     def _illumination(self, measured: Array) -> Array:
-        """Light of each cell over that of its film and of the median, (cell,). [1]"""
+        """Illumination of each cell relative to the median, (cell,). [1]"""
         film = np.where(self.chosen, measured, 3.0)
         light = self.record.light - np.log(self.calibration.model.light(film).signal)
         bright = separate_light(np.where(self.chosen, light, 0.0), self.chosen)

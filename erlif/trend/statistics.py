@@ -68,11 +68,11 @@ class FilmStatistics:
 
     @property
     def minimum_departs(self) -> bool:
-        """Whether the gap does not describe the map; minimum_surface_std is then that of this."""
+        """Whether the departures of the map from the fitted gap exceed the limit."""
         return self.minimum_misfit > MISFIT
 
     def with_minimum(self, minimum: GapMinimum, covariance: Array) -> FilmStatistics:
-        """The same with the minimum of another gap, and the covariance as for `with_errors`."""
+        """Return a copy with the minimum of another gap; `covariance` as for `with_errors`."""
         found = replace(
             self,
             minimum=minimum.value,
@@ -85,7 +85,7 @@ class FilmStatistics:
         return found.with_errors(covariance)
 
     def with_errors(self, covariance: Array) -> FilmStatistics:
-        """The same with the shared errors of another covariance.
+        """Return a copy with the shared errors of another covariance.
 
         Parameters
         ----------

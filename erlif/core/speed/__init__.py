@@ -1,1 +1,1 @@
-"""What is done for time and memory alone; docs/decisions/speed.md states what each part buys."""
+"""Optimisations of time and memory; docs/decisions/speed.md states the effect of each."""

@@ -62,7 +62,7 @@ def _show_arrays_to_xarray() -> None:
 
 
 def _leave_docstrings() -> None:
-    """Let scipy leave the docstrings of its functions as they are."""
+    """Prevent scipy from parsing the docstrings of its functions."""
     module = sys.modules[_DOCSTRINGS]
     if not hasattr(module, "FunctionDoc"):  # private to scipy: a later version may have another
         return

@@ -1,4 +1,4 @@
-"""Where compiled kernels are kept from one start of the program to the next."""
+"""Directory in which compiled kernels are kept between starts of the program."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from pathlib import Path
 
 
 def ensure_kernel_cache() -> Path | None:
-    """Give numba a directory for compiled kernels where it would find none.
+    """Set a temporary directory for compiled kernels if numba finds no writable one.
 
     numba takes the directory that NUMBA_CACHE_DIR names, that of the installed package, or one in
     the home of the user, and refuses to load a kernel where it can write to none of them. It then

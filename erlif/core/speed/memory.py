@@ -1,4 +1,4 @@
-"""When memory that the program no longer uses goes back to the system: between two stages."""
+"""Return of unused memory to the system between two stages."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What of a film is converted: maps, one at a time, and a column for each number of a trigger."""
+"""Contents of a converted film: single maps, and one column for each number of a trigger."""
 
 from __future__ import annotations
 

@@ -347,7 +347,7 @@ def table_csv(
 
 
 def _digits(values: AnyArray) -> list[str]:
-    """Numbers with the digits that their type holds, so that reading gives them back; words."""
+    """Format values as text, numbers with all digits of their type."""
     if values.dtype.kind in "OUST":
         return [str(each) for each in values]
     if values.dtype.kind in "iub":

@@ -110,7 +110,7 @@ def _for_matlab(values: AnyArray) -> AnyArray:
 def _write_5(
     output: Path, small: _Arrays, texts: _Structs, maps: dict[str, _Maps], images: _Images
 ) -> None:
-    """Version 5: scipy writes what is small, the maps follow as elements of their own."""
+    """Write a file of version 5: small variables by scipy, then the maps as further elements."""
     import scipy.io
 
     contents: dict[str, Any] = {**small, **texts}

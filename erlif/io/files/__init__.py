@@ -1,4 +1,4 @@
-"""What erlif writes and reads back: films, unfinished work, outputs replaced in one step."""
+"""Files that erlif writes and reads back: films, unfinished work, replaced outputs."""
 
 import lazy_loader
 

@@ -1,4 +1,4 @@
-"""What is read from a film: its settings, its region of interest, its triggers."""
+"""Contents of a film: its settings, region of interest, and triggers."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a film claims about its size, before anything of it is read.
+"""Checks of the size that the header of a film states, before any data are read.
 
 A header may claim more than the memory holds, or maps that the file does not have. HDF5 and zarr
 return the fill value for what is missing, and the fill value of `flags` marks a valid pixel.

@@ -13,7 +13,7 @@ from erlif.core.tables import read_table
 
 @dataclass(frozen=True)
 class Kind:
-    """What a function may take.
+    """Kind of product that a function may take.
 
     Attributes
     ----------

@@ -96,7 +96,7 @@ def _distinguish(paths: Sequence[Path | None]) -> list[str]:
 
 
 def _number(labels: Sequence[str]) -> list[str]:
-    """The same labels, equal ones with a number."""
+    """Append a number to labels that are equal."""
     return [
         f"{label} ({labels[:k].count(label) + 1})" if labels.count(label) > 1 else label
         for k, label in enumerate(labels)

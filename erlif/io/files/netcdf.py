@@ -117,7 +117,7 @@ def write_netcdf(
 def _fix_coordinates(
     variables: Mapping[Any, xr.Variable], attrs: Mapping[Any, Any]
 ) -> tuple[Mapping[Any, xr.Variable], Mapping[Any, Any]]:
-    """Attributes `coordinates`, which xarray adds while it writes, in the text of `fix_text`."""
+    """Convert all attributes as `fix_text` does, with the `coordinates` that xarray adds."""
     for variable in variables.values():
         if "coordinates" in variable.attrs:
             variable.attrs["coordinates"] = _fix_attribute(variable.attrs["coordinates"])

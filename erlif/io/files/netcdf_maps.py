@@ -222,7 +222,7 @@ class NetcdfMaps:
         self._name_coordinates(name_coordinates(film))
 
     def _name_coordinates(self, names: str) -> None:
-        """Let each map name the coordinates of its triggers, which were not known when it began."""
+        """Add the attribute `coordinates` to all maps, which were created without it."""
         import h5netcdf
 
         if names:

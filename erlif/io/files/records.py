@@ -17,7 +17,7 @@ from erlif.core.arrays import AnyArray
 
 @dataclass(frozen=True)
 class Record:
-    """What is kept of a finished trigger besides its maps.
+    """Small arrays of a finished trigger, and numbers that identify the chunks of its maps.
 
     Attributes
     ----------

@@ -298,7 +298,7 @@ def _move(source: Path, target: Path, names: Sequence[str]) -> None:
 
 
 def take_name(scratch: Path, output: Path) -> None:
-    """Give a complete file or directory its name, in place of the previous one."""
+    """Rename a complete file or directory to its output name, replacing the previous one."""
     if scratch.is_dir() and output.exists():
         _exchange(scratch, output)
     else:

@@ -1,4 +1,4 @@
-"""Whether an opened film can be one that `erlif process` wrote.
+"""Checks that an opened film can have been written by `erlif process`.
 
 A film may have been edited, converted by another program, or damaged. What figures, report and
 summary rely on is checked once, when the film is opened; maps are not read for it.
@@ -194,7 +194,7 @@ def _read_small(dataset: xr.Dataset) -> None:
 
 
 def _check_encoding(where: str, attrs: Mapping[Any, Any]) -> None:
-    """Refuse text that no file can hold: h5py returns bytes that are no UTF-8 as half a pair."""
+    """Refuse text that is not valid UTF-8; h5py returns it as half a surrogate pair."""
     for key, value in attrs.items():
         if isinstance(value, str):
             try:

@@ -117,7 +117,7 @@ class PartialFilm:
         self.output = output
         """File or directory that the film is written to."""
         self.directory = _directory(output)
-        """Where the unfinished film and the numbers of its triggers are kept."""
+        """Directory of the unfinished film and the numbers of its triggers."""
         self.lock = _Lock(output)
         """Held until the work is left."""
         self.maps: MapStore
@@ -204,7 +204,7 @@ class PartialFilm:
 
 
 def remove_remains(output: Path) -> None:
-    """Remove what a process left that was killed after its output had become complete.
+    """Remove the leftovers of a process that was killed after its output was complete.
 
     Parameters
     ----------
@@ -234,7 +234,7 @@ def remove_remains(output: Path) -> None:
 
 
 def _clear(directory: Path) -> None:
-    """Remove a directory of ours, its key last: until then a later process knows it."""
+    """Remove an unfinished directory, its key last so that a later process recognises it."""
     key = directory / "key"
     if key.is_file():
         key.write_bytes(b"")  # what is half removed is the work of no inputs

@@ -34,7 +34,7 @@ PRODUCTS = {
 
 
 def take(value: Any, kind: str, *, where: str = "") -> Any:
-    """Give back a product of the kind that is wanted, or refuse it.
+    """Return a product of the wanted kind, opened if it is a path; refuse any other.
 
     Parameters
     ----------
@@ -97,7 +97,7 @@ def _describe(value: Any, kind: str) -> str:
 
 
 def takes(**wanted: str) -> Callable[[Callable[P, R]], Callable[P, R]]:
-    """Let a function refuse wrong products, and open films that are given by their paths.
+    """Decorate a function: refuse wrong products, and open films given by their paths.
 
     Parameters
     ----------

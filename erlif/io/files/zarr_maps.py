@@ -68,7 +68,7 @@ class ZarrMaps:
 
     @property
     def any_order(self) -> bool:
-        """Triggers may be put in any order and from several threads and processes."""
+        """True: triggers may be put in any order, by several threads and processes."""
         return True
 
     def create(self) -> None:
@@ -188,7 +188,7 @@ class ZarrMaps:
             )
 
     def _name_coordinates(self, names: str) -> None:
-        """Let each map name the coordinates of its triggers, which were not known when it began."""
+        """Add the attribute `coordinates` to all maps, which were created without it."""
         import zarr
 
         if names:
@@ -197,7 +197,7 @@ class ZarrMaps:
                 root[variable.name].update_attributes({"coordinates": names})
 
     def close(self) -> None:
-        """Nothing is held open."""
+        """Do nothing: the store holds no open file."""
 
     def _chunks(self, trigger: int) -> dict[str, Path]:
         """File of the chunk of each map."""
@@ -228,7 +228,7 @@ class ZarrMaps:
             return False
 
     def _write(self, path: Path, content: bytes) -> None:
-        """Write a file under a name of its own and rename it: it is there as a whole or not."""
+        """Write a file under a temporary name and rename it, so that it is never incomplete."""
         scratch = self.directory / f"{uuid.uuid4().hex}.unfinished"
         try:
             scratch.write_bytes(content)

@@ -51,7 +51,7 @@ class Arrival(NamedTuple):
 
 @dataclass
 class _Camera:
-    """What one camera has written so far.
+    """Files and images that one camera has written so far.
 
     Attributes
     ----------
@@ -115,7 +115,7 @@ class _Camera:
         return anew
 
     def _choose(self, changed: Collection[Path] | None) -> list[Path]:
-        """Files that may have changed, without those of single images before the last one."""
+        """List the files that may have changed, in natural order."""
         if changed is None or "**" in self.pattern:
             return match_files(self.directory, self.pattern, known=self._whole)
         wanted = str(self.directory / self.pattern)
@@ -123,7 +123,7 @@ class _Camera:
         return sorted((p for p in matched if not p.name.startswith(".")), key=natural_key)
 
     def _count_on(self, now: float) -> None:
-        """Number files of many images: each goes on counting where the last one ended."""
+        """Number the images of files with many images, continuously from file to file."""
         known, number = len(self.pages), 0
         for path in sorted(self._files, key=natural_key):
             pages = self._files[path]
@@ -142,7 +142,7 @@ class _Camera:
         self.fresh.append(number)
 
     def named_now(self, page: Page) -> Page:
-        """The page of the same number, whose file may have got another name."""
+        """Return the page of the same number under the present name of its file."""
         return page if self._several else self.pages.get(number_in(page.path) or 0, page)
 
     def _name(self, path: Path) -> str:
@@ -248,7 +248,7 @@ class Arrivals:
         return pairs
 
     def renew(self, arrival: Arrival) -> Arrival:
-        """The same pair with the names that its files have now."""
+        """Return the pair with the present names of its files."""
         one, two = (
             camera.named_now(page)
             for camera, page in zip(self._cameras, arrival.pages, strict=True)

@@ -19,7 +19,7 @@ USUAL_DEPTHS = (12, 14, 16)
 
 @dataclass(frozen=True)
 class CountsSample:
-    """What the counts of some pages show.
+    """Levels and bit depth of the counts of a sample of pages.
 
     Attributes
     ----------

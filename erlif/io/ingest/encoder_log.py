@@ -21,7 +21,7 @@ from erlif.io.ingest.numbering import find_missing, frame_numbers, has_numbers
 
 
 class ReadLog(NamedTuple):
-    """What the file of a log holds.
+    """Log read from a file, with the notes on its interpretation.
 
     Attributes
     ----------

@@ -74,7 +74,7 @@ class FramePairs:
 
 
 class PairCounts(NamedTuple):
-    """What was read of one frame pair.
+    """Counts of one frame pair, with the hashes of their files.
 
     Attributes
     ----------
@@ -124,7 +124,7 @@ def read_pair(pairs: FramePairs, frame: int, *, digests: bool = False) -> PairCo
 
 
 def _read_page(pairs: FramePairs, camera: int, frame: int, *, digests: bool) -> PageContent:
-    """One frame of one camera, 0 or 1."""
+    """Read one frame of camera 0 or 1 and check its bit depth."""
     page = pairs.pages[camera][frame]
     content = read_content(page, pairs.directory, pairs.shape, digest=digests)
 
@@ -198,7 +198,7 @@ def skipped_notes(pairs: FramePairs) -> list[Note]:
 
 
 def _kind_of_omission(numbered: tuple[int, tuple[int, str]]) -> tuple[int, str, str]:
-    """What pairs in a row with one reason share; the reason begins with the name of a file."""
+    """Grouping key of omitted pairs: equal for pairs in a row with one folder and reason."""
     place, (frame, reason) = numbered
     name, _, why = reason.rpartition(": ")
     return frame - place, name.partition("/")[0], why

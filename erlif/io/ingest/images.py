@@ -79,7 +79,7 @@ UNREADABLE = FrameKind((0, 0), "unreadable")
 
 
 class PageContent(NamedTuple):
-    """What was read of a page.
+    """Counts of one page, with the hash of its file.
 
     Attributes
     ----------
@@ -311,7 +311,7 @@ _SKIP = "Record it again, or use --skip-bad-frames to leave out this frame pair.
 
 
 def with_advice(reason: str, advice: str = _SKIP) -> str:
-    """Why a page is unreadable and what to do; a reason that ends a sentence contains both."""
+    """Append the advice to the reason why a page is unreadable, unless it contains one."""
     return reason if reason.endswith(".") else f"{reason}. {advice}"
 
 

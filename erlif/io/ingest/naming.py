@@ -109,7 +109,7 @@ def group_by_camera(names: Mapping[Path, str]) -> tuple[dict[str, Group], list[P
 def assign_in_order(
     groups: Mapping[str, Group], unassigned: list[Path], names: Mapping[Path, str]
 ) -> tuple[str, ...]:
-    """Give two lone sets of darks or flats to the two cameras, in the order of the names.
+    """Assign two lone sets of darks or flats to the two cameras, in the order of their names.
 
     The files are moved from `unassigned` into `groups`; the purposes for which this was done are
     returned.
@@ -172,7 +172,7 @@ def _words(name: str) -> set[str]:
 
 
 def _choose_rule(names: Sequence[str]) -> _KeyRule:
-    """The first way of naming that distinguishes two cameras, else the one that finds fewest."""
+    """Choose the first naming rule that gives two cameras, else the one that gives fewest."""
     rules = (_camera_number, _wavelength, _folder, _prefix)
     best: _KeyRule = _one_camera
     fewest = 1 << 30

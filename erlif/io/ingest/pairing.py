@@ -120,7 +120,7 @@ def pair_cameras(
 
 
 def _find_time(counts: Counts, name: str) -> str:
-    """That the first pixels of a page hold its time; empty where they hold light."""
+    """State the time written over the first pixels of a page; empty if there is none."""
     time = find_stamp(counts)
     if not time:
         return ""
@@ -132,7 +132,7 @@ def _find_time(counts: Counts, name: str) -> str:
 
 
 def _compare_exposures(one: CameraFiles, two: CameraFiles) -> str:
-    """That two channels of a file are no pairs by its times; empty where they may be."""
+    """State that two channels of a file are not pairs by their times; empty if they may be."""
     first, second = one.pages[0], two.pages[0]
     apart = two.start - one.start
     channels = first.path == second.path and second.selection.part.startswith("channel")
@@ -149,7 +149,7 @@ def _compare_exposures(one: CameraFiles, two: CameraFiles) -> str:
 def _check_kinds(
     cameras: Sequence[CameraFiles], good: Sequence[int], directory: Path
 ) -> tuple[int, int]:
-    """Shape of all frames; refuses frames of different kinds, and kinds that are not counts."""
+    """Return the shape of the frames; refuse mixed kinds and values that are no counts."""
     # the most frequent kind is the usual one, so that the odd file is named and not the others
     counted = Counter(files.kinds[k] for files in cameras for k in good)
     usual: FrameKind = counted.most_common(1)[0][0]
@@ -284,7 +284,7 @@ def _pad_truncated(cameras: Sequence[CameraFiles]) -> None:
 
 
 def _name_faults(directory: Path, cameras: Sequence[CameraFiles]) -> dict[int, str]:
-    """What is unreadable in each pair, of both cameras, with the names of the files."""
+    """Describe the unreadable pages of each pair, of both cameras, with their file names."""
     faults: dict[int, str] = {}
     for camera, files in enumerate(cameras, 1):
         for k, reason in files.faults.items():

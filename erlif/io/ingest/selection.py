@@ -1,4 +1,4 @@
-"""Which counts of a file belong to a camera, and how they are aligned."""
+"""Part of a file that belongs to a camera, and the alignment of the bits of its counts."""
 
 from __future__ import annotations
 

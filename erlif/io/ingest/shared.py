@@ -29,7 +29,7 @@ _ALIKE = 8.0
 
 @dataclass(frozen=True)
 class SharedFile:
-    """How the counts of two cameras are separated within a file.
+    """Separation of the counts of two cameras within one file.
 
     Attributes
     ----------

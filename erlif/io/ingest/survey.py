@@ -89,7 +89,7 @@ class ImageSet:
 
 @dataclass(frozen=True)
 class CameraSurvey:
-    """What one camera has recorded.
+    """Files of one camera, as recognised by their names.
 
     Attributes
     ----------
@@ -151,7 +151,7 @@ class TextTable:
 
 @dataclass(frozen=True)
 class Survey:
-    """What lies in a directory.
+    """Contents of a directory: cameras, unassigned images, tables and logs.
 
     Attributes
     ----------
@@ -325,7 +325,7 @@ def _read_table(path: Path) -> TextTable | None:
 def _leave_out_fixtures(
     names: dict[Path, str], directory: Path, tables: Sequence[TextTable]
 ) -> tuple[dict[Path, str], tuple[Path, ...]]:
-    """Images outside the folders of fixtures, and these folders; all where no frames are left."""
+    """Return the images outside folders of fixtures, and these folders; all if no frame is left."""
     profiles = {table.path.parent for table in tables if set(table.header) >= PROFILE}
     inside: dict[Path, Path] = {}
     for path in names:

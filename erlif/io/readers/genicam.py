@@ -40,7 +40,7 @@ _EXAMPLE = 'width = 1280, height = 1024, pixel_format = "Mono12p"'
 
 
 class _Description(BaseModel):
-    """What stands beside the frames."""
+    """Description of the frames in the file beside them."""
 
     model_config = ConfigDict(extra="forbid", strict=True, frozen=True)
 

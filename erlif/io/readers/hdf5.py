@@ -101,7 +101,7 @@ class Hdf5Frames(FrameFile):
         return f'it has {listed}. Choose one with dataset, for example dataset = "{candidates[0]}".'
 
     def _check(self, size: int) -> None:
-        """Refuse what are no counts of this file, and headers that claim too much."""
+        """Refuse data that are no plain counts of this file, and headers with impossible sizes."""
         data = self._data
         if data.is_virtual or data.external:
             raise FrameError("its counts lie in other files. Name these files.")

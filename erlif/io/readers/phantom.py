@@ -53,7 +53,7 @@ _FIRST_10, _LAST_10, _FULL_SCALE = 2, 1014, 4095
 
 @cache
 def phantom_table() -> Counts:
-    """Counts of 12 bits by the 10-bit values to which the camera compresses them.
+    """Table of the 12-bit counts for the 10-bit values that the camera stores.
 
     Returns
     -------

@@ -25,7 +25,7 @@ _HEADERS = (".cihx", ".cih")
 
 @dataclass(frozen=True)
 class PhotronHeader:
-    """What a CIH or CIHX file states about the counts.
+    """Properties of the counts stated in a CIH or CIHX header.
 
     Attributes
     ----------

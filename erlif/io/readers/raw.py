@@ -39,7 +39,7 @@ _DENSEST = 1.6
 
 @dataclass(frozen=True)
 class FrameLayout:
-    """How the counts of a frame are stored.
+    """Storage layout of the counts of a frame.
 
     Attributes
     ----------
@@ -79,7 +79,7 @@ class FrameLayout:
         return rows * (self.row_bytes or columns * np.dtype(self.dtype).itemsize)
 
     def in_a_row(self, start: int, count: int, step: int = 0) -> range:
-        """Places of frames that follow each other, without a gap where `step` is 0. [byte]"""
+        """Positions of consecutive frames, `step` apart or without a gap if it is 0. [byte]"""
         step = step or max(self.size, 1)
         return range(start, start + count * step, step)
 
@@ -219,7 +219,7 @@ class RawFrames(FrameFile):
         return np.frombuffer(b"".join(parts), dtype), np.array(held)
 
     def find_counts(self, index: int) -> int:
-        """Where the counts of a frame begin [byte]; formats with a header before each differ."""
+        """Position of the counts of a frame; formats with a header per frame differ. [byte]"""
         return int(self.offsets[index])
 
     def close(self) -> None:

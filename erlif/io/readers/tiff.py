@@ -308,7 +308,7 @@ def _find_directories(source: Source) -> list[_Directory]:
 
 
 class _Sign:
-    """What of a directory determines the kind of its page.
+    """Callable that reduces a directory to the entries that determine the kind of its page.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What OME and ImageJ write into the description of a TIFF file: frames, channels, times."""
+"""Frames, channels and times from the description that OME or ImageJ writes into a TIFF."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from erlif.io.readers.base import MOST_FRAMES, SECONDS
 
 @dataclass(frozen=True)
 class Description:
-    """What the description of a file states about its frames.
+    """Frames, channels and times stated in the description of a TIFF file.
 
     Attributes
     ----------

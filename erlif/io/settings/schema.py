@@ -55,7 +55,7 @@ def json_schema(kind: type[Settings]) -> dict[str, Any]:
 
 
 def _simplify(part: Any) -> Any:
-    """Leave out what TOML does not know (null) and what an editor need not show."""
+    """Remove null and other entries of the schema that TOML or an editor does not need."""
     if isinstance(part, list):
         return [_simplify(item) for item in part]
     if not isinstance(part, dict):

@@ -29,7 +29,7 @@ from erlif.core.units import Quantity, parse_quantity
 
 @dataclass(frozen=True)
 class Form:
-    """How a value is written in a settings file; part of the type of a field.
+    """Form of a value in a settings file; part of the type of a field.
 
     Attributes
     ----------
@@ -186,7 +186,7 @@ class Settings(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
     def faults(self) -> Iterator[str]:
-        """What is wrong between the keys of the table, each a complete message."""
+        """Yield contradictions between the keys of the table, each as a complete message."""
         yield from ()
 
     @model_validator(mode="after")
@@ -452,12 +452,12 @@ class LightOptions(Settings):
 
     @property
     def corrects(self) -> bool:
-        """Whether anything is taken out of the frames that they show themselves."""
+        """Whether any effect found in the frames is corrected."""
         return self.corrects_light or self.errors == "correct"
 
     @property
     def corrects_light(self) -> bool:
-        """The same of light that is not film, bleaching, and the ratio of a patch."""
+        """Whether background, bleaching or the ratio of a patch is corrected."""
         return "correct" in (self.background, self.bleaching, self.ratio)
 
     def faults(self) -> Iterator[str]:

@@ -38,7 +38,7 @@ _SHORT_HEAD = """\
 
 
 def gap_text(key: Key) -> str:
-    """What stands in a settings file in place of a value that is not known.
+    """Placeholder for an unknown value in a settings file.
 
     Parameters
     ----------
@@ -169,7 +169,7 @@ def write_example(
 
 
 def _form_of(table: Table) -> str:
-    """Kind of a table that has several forms; empty for any other."""
+    """First kind of a table that has several forms; empty for any other table."""
     first = next(keys_of(table.kind), None)
     return first.choices[0] if first is not None and first.name == "kind" else ""
 
@@ -240,7 +240,7 @@ def _key_lines(key: Key, value: Any, remark: str | None) -> Iterator[str]:
 
 
 def _arrow(remark: str | None) -> str:
-    """A remark about this directory, set apart from what holds for all."""
+    """Mark a remark about this directory with an arrow; empty without a remark."""
     return f"-> {remark}" if remark else ""
 
 

@@ -66,7 +66,7 @@ def log_options(held: str) -> Callable[[Command], Command]:
 
 
 def describe_reading(log: Any) -> list[str]:
-    """What was read from a log, and what was not."""
+    """Describe the columns read from a log, the unused ones, and what was left out."""
     lines = [f"columns: {log.attrs['columns']}"]
     if log.attrs["unused"]:
         lines.append(f"columns not used: {log.attrs['unused']}")

@@ -126,7 +126,7 @@ def _columns(time: Array, start: float) -> Array:
 
 
 def _fit_line(time: Array, load: Array) -> tuple[Array, Array]:
-    """Load against time in a stage, which the bolts lose slowly, and the covariance of the fit."""
+    """Fit a line to load against time in a stage; return it with the covariance of the fit."""
     columns = _columns(time, float(time[0]))
     line, *_ = np.linalg.lstsq(columns, load, rcond=None)
     rest = load - columns @ line
@@ -141,7 +141,7 @@ def _fit_line(time: Array, load: Array) -> tuple[Array, Array]:
 
 @dataclass(frozen=True)
 class EnduranceResult:
-    """What an endurance test shows.
+    """Result of the analysis of an endurance test.
 
     Attributes
     ----------

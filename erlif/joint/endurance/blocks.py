@@ -109,7 +109,7 @@ class LogClock:
     def hold_gaps(
         self, low: float, middle: float, high: float
     ) -> tuple[float, float, float, tuple[float, float] | None]:
-        """Extend an interval that reaches into a gap over all of it; state the last such gap."""
+        """Extend an interval that reaches into gaps over these gaps; return also the last gap."""
         held = None
         for before, after in zip(self.before.tolist(), self.after.tolist(), strict=True):
             inside = after - self.interval
@@ -201,7 +201,7 @@ class Record:
         return self._with(self.average(rises(self.samples, np.array([onset]), constant)))
 
     def with_decay(self, onset: float, constant: float) -> Record:
-        """Make a record whose background holds a rise of any size that recovers."""
+        """Return a record with a decaying rise of free amplitude in its background."""
         lag = self.time - onset
         return self._with(np.where(lag < 0, 0.0, np.exp(-np.maximum(lag, 0.0) / constant)))
 

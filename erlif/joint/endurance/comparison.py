@@ -167,7 +167,7 @@ def compare_designs(
 
 
 def _as_failures(runs: Sequence[FailureLoad]) -> list[FailureLoad]:
-    """Runs that are not decided as failures at the load of the doubtful stage."""
+    """Replace undecided runs by failures at the load of the doubtful stage."""
     return [
         run
         if run.decided
@@ -288,7 +288,7 @@ def _log_rank(first: Sequence[FailureLoad], second: Sequence[FailureLoad]) -> tu
 
 
 def _scores(loads: Array, failed: AnyArray) -> Array:
-    """Log-rank scores: failures less those expected, given who was still running."""
+    """Log-rank scores: failures less their expected number among the runs still at risk."""
     scores = failed.astype(float)
     for load in np.unique(loads[failed]):
         at_risk = loads >= load

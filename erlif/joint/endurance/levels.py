@@ -168,7 +168,7 @@ def _rise_within(passed: Array, friction: Array) -> float:
 
 
 def _ordinary(others: Array, least_rise: float) -> tuple[float, float]:
-    """Rise that others let expect, and what is ordinary beyond it."""
+    """Expected rise from the other stages, and the largest ordinary deviation from it."""
     count = others.size
     middle = float(np.median(others)) if count else 0.0
     scatter = robust_std(others) if count else 0.0

@@ -266,7 +266,7 @@ def combine_spreads(spreads: Sequence[Spread]) -> Spread:
 
 
 def _inverse_trigamma(value: float) -> float:
-    """By Newton's method on its reciprocal, which converges from any side (Smyth 2004)."""
+    """Invert the trigamma function by Newton's method on its reciprocal (Smyth 2004)."""
     x = 0.5 + 1 / value
     for _ in range(_NEWTON_STEPS):
         trigamma = float(polygamma(1, x))

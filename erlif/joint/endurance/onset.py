@@ -1,4 +1,4 @@
-"""When galling begins: the posterior of the onset of a rise of friction, in the stage that has it.
+"""Onset of galling: its posterior within the stage in which friction rises.
 
 It goes over forms of the rise and changes of the noise. Level, running-in and drift of the stage
 are integrated out.

@@ -27,7 +27,7 @@ _START = 1 / 5  # of the stage: time constant of what changes after its start
 
 @dataclass(frozen=True)
 class SensorChange:
-    """What another sensor shows at the onset of galling.
+    """Change of temperature or vibration at the onset of galling.
 
     Attributes
     ----------

@@ -51,7 +51,7 @@ _ROUNDS = 4  # of noise and candidate, which depend on each other
 
 @dataclass(frozen=True)
 class OnsetSearch:
-    """What a search for galling has found.
+    """Result of a search for galling.
 
     Attributes
     ----------
@@ -183,7 +183,7 @@ class _Found:
 
 
 def _transient(interval: float) -> float:
-    """Time in which a rise recovers that is a disturbance. [s]"""
+    """Recovery time of a rise that is a disturbance and not galling. [s]"""
     least, most, time = _TRANSIENT
     return float(np.clip(time, least * interval, most * interval))
 
@@ -216,7 +216,7 @@ def _most_likely(records: Sequence[Record], noise: Noise, spreads: Sequence[Spre
 
 
 def _with_scale(record: Record, noise: Noise, candidate: Candidate | None, place: int) -> Record:
-    """A stage whose samples weigh less where they scatter more."""
+    """Return a stage whose samples are weighted down where they scatter more."""
     known = record
     if candidate is not None and candidate.record == place:
         known = record.with_rise(candidate.onset, candidate.rise)
@@ -311,7 +311,7 @@ def _tree(rises: Sequence[Array]) -> Array:
 
 
 def _fall(scans: Sequence[_Scan]) -> float:
-    """Largest fall over the one that chance explains, at least 1: noise falls as it rises."""
+    """Largest fall of friction over the one expected by chance, at least 1."""
     lowest = min(range(len(scans)), key=lambda k: scans[k].lowest)
     falls = replace(scans[lowest], statistic=-scans[lowest].lowest)
 
@@ -322,7 +322,7 @@ def _fall(scans: Sequence[_Scan]) -> float:
 
 
 def _normal_quantile(scan: _Scan, excess: float) -> float:
-    """The normal deviate as improbable as the statistic, whose variance is estimated."""
+    """Convert a t statistic to the normal deviate of the same tail probability."""
     tail = max(float(stdtr(scan.freedom, -scan.statistic / excess)), np.finfo(float).tiny)
     return float(-ndtri(tail))
 

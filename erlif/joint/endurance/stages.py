@@ -331,7 +331,7 @@ def _find_idle(
     floor: float,
     idle_load: float | None,
 ) -> list[bool]:
-    """Which stretches are idle runs."""
+    """Mark the stretches that are idle runs."""
     if idle_load is not None:
         return [load <= idle_load for load in loads]
 

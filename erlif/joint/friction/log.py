@@ -60,7 +60,7 @@ TORQUE_LOG = LogUse(
 
 @dataclass(frozen=True)
 class LogColumns:
-    """Which columns of a log hold what; what is left empty is found by its name.
+    """Columns of a log by quantity; empty ones are found by their names.
 
     Attributes
     ----------

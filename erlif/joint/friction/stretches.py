@@ -175,7 +175,7 @@ def running_median(values: Array) -> Array:
 
 
 def _level_nearby(away: Array, runs: list[tuple[int, int, bool]]) -> Array:
-    """Distance from the middle that the stretches nearby have, for each sample."""
+    """Typical distance of nearby stretches from the middle, for each sample."""
     sizes = np.array([np.percentile(np.abs(away[a : b + 1]), 75) for a, b, _ in runs])
     levels = median_filter(sizes, _NEARBY, mode="nearest")
     centres = [0.5 * (a + b) for a, b, _ in runs]
@@ -212,7 +212,7 @@ def _runs(away: Array, beyond: Array | float) -> list[tuple[int, int, bool]]:
 
 
 def _usual(counts: AnyArray) -> float:
-    """The length of the run that a sample usually lies in: many short runs do not change it."""
+    """Length of the run that contains the median sample, insensitive to many short runs."""
     if not counts.size:
         return 0.0
     ordered = np.sort(counts)
@@ -220,7 +220,7 @@ def _usual(counts: AnyArray) -> float:
 
 
 def _least(size: int) -> int:
-    """Fewest of so many blocks that slide."""
+    """Minimum number of sliding blocks among `size`."""
     return max(int(_SLIDING * size), 2)
 
 

@@ -64,7 +64,7 @@ class _Wall:
     cell: float
 
     def indentation(self, eccentricity: float) -> Array:
-        """Of the unworn wall, negative where there is a gap. Colbert et al. (2009), B1."""
+        """Indentation of the unworn wall, negative in a gap. Colbert et al. (2009), B1. [m]"""
         across = eccentricity * np.sin(self.angle)
         root = np.sqrt(self.bushing_radius**2 - across**2)
 
@@ -73,7 +73,7 @@ class _Wall:
         return near + eccentricity * np.cos(self.angle)
 
     def balance(self, worn: Array, softened: float, start: float) -> tuple[float, Array]:
-        """Eccentricity and pressure that carry the load, with E'/t divided by `softened`.
+        """Find eccentricity and pressure that carry the load, with E'/t divided by `softened`.
 
         Newton's method from above: the load that the wall carries rises with the eccentricity, and
         faster than linearly.
@@ -372,7 +372,7 @@ def _opened_ratio(group: Array) -> Array:
 
 
 def _group_of(half_angle: Array) -> Array:
-    """Clearance in units of q t / (E' R) at which a contact has a half angle."""
+    """Clearance of a contact of given half angle, in units of q t / (E' R). [1]"""
     group: Array = np.cos(half_angle) / (half_angle - np.sin(half_angle) * np.cos(half_angle))
     return group
 

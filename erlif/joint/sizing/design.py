@@ -88,7 +88,7 @@ class BearingDesign:
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What the guide does not check, and sizes that are unusual in practice."""
+        """Notes on failures that the guide does not check, and on sizes unusual in practice."""
         notes = practice_notes(self.joint, chosen=self.chosen)
         clamped = self.assessment.step("pin_bending").margin
         if not math.isfinite(clamped):
@@ -102,7 +102,7 @@ class BearingDesign:
 
     @cached_property
     def sensitivities(self) -> tuple[Sensitivity, ...]:
-        """What the weakest margin depends on, the largest first."""
+        """Sensitivities of the weakest margin, the largest first."""
         return sensitivities(self.assessment)
 
     @cached_property

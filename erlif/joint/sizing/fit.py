@@ -113,7 +113,7 @@ def pressed(state: JointState, part: str) -> Result | None:
 
 
 def _doubt_about_fit(state: JointState) -> str:
-    """Why the play that the press fit takes may be another one; empty where there is no reason."""
+    """State why the loss of play by the press fit is uncertain; empty without a reason."""
     if math.isnan(state.displacement):
         return "; without what the press fit takes, which is not known"
     stresses = (pressed(state, part) for part in _STRESSES)

@@ -19,7 +19,7 @@ _PARTS = {"pin": "pin", "bushing": "bushing", "seat": "seats", "housing": "housi
 
 
 def known(value: float | None, otherwise: float = math.nan) -> float:
-    """Return a number that may not be given: what is computed with NaN is not known either.
+    """Return `value`, or `otherwise` if it is None; NaN makes all results NaN.
 
     Examples
     --------

@@ -147,7 +147,7 @@ Equation = Callable[[JointState], Result | None]
 
 
 def _of_lock(equation: Callable[[JointState, Lock], Result | None]) -> Equation:
-    """An equation of a joint, which gives nothing where the joint has no lock."""
+    """Turn an equation of a lock into one of a joint, None for a joint without a lock."""
 
     def of_joint(state: JointState) -> Result | None:
         lock = state.joint.lock

@@ -62,7 +62,7 @@ def bending_factor(ratio: float) -> tuple[float, float]:
 
 
 def _with_hole(unweakened: float, hole: float) -> float:
-    """Least diameter of a pin with a hole, from that of one without. Eq. 4."""
+    """Minimum diameter of a pin with a hole, from that of a pin without. Eq. 4. [m]"""
     if hole <= 0 or math.isnan(unweakened):
         return unweakened
 
@@ -78,7 +78,7 @@ def _with_hole(unweakened: float, hole: float) -> float:
 
 
 def bending(state: JointState) -> Result:
-    """Eq. 2, or eq. 4 where a hole crosses the pin."""
+    """Compare the bending stress of the pin with its strength. Eq. 2; eq. 4 with a hole."""
     joint, size, strength = state.joint, state.size, known(state.joint.pin.yield_stress)
 
     # the hole raises the stress of a whole pin

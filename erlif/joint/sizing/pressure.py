@@ -43,7 +43,7 @@ def seizure(state: JointState) -> Result:
 
 
 def _most(state: JointState) -> float:
-    """Pressure that the hardness of the bushing allows; infinite where it is not known. [MPa]"""
+    """Maximum pressure by the hardness of the bushing; infinite if it is unknown. [MPa]"""
     return known(state.joint.bushing.hardness, math.inf) / state.joint.safety / 1e6
 
 

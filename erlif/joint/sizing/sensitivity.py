@@ -1,4 +1,4 @@
-"""What the weakest margin depends on, and other bushings at the same dimensions."""
+"""Sensitivities of the weakest margin, and other bushings of the same dimensions."""
 
 from __future__ import annotations
 
@@ -135,13 +135,13 @@ def sensitivities(assessment: Assessment) -> tuple[Sensitivity, ...]:
 
 
 def _can_grow(number: Number) -> bool:
-    """Whether a number has a per cent, and Poisson's ratio is not at its end."""
+    """Whether a number can be raised by one per cent."""
     at_end = number.place[-1] == "poissons_ratio" and number.value > _LARGEST_RATIO
     return bool(number.value) and not at_end
 
 
 def _vary(table: Any, place: Sequence[str], by: float, unit: str) -> Any:
-    """A joint, lock or material whose number at a place is scaled, or shifted by kelvin."""
+    """Return a copy of a table with one number changed by a share `by`, or by kelvin."""
     field, *inner = place
     if inner:
         return replace(table, **{field: _vary(getattr(table, field), inner, by, unit)})

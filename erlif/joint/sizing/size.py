@@ -100,7 +100,7 @@ def size_joint(joint: Joint, *, series: Series = "none") -> Joint:
 
 
 def _size(joint: Joint, series: Series) -> Joint:
-    """All dimensions and those of the lock."""
+    """Choose all open dimensions of a joint and of its lock."""
     # play that growth needs makes a narrower contact, which may need a wider bushing
     relative = RECOMMENDED_PLAY[0] * 1e-3
     for _ in range(_ROUNDS):
@@ -127,7 +127,7 @@ def _round_play(play: float, series: Series) -> float:
 
 
 def _size_with_play(joint: Joint, relative: float, series: Series) -> Joint:
-    """All dimensions but the lock, with an assembled play over the diameter where it is open."""
+    """Choose the open dimensions but the lock; an open play is a share of the diameter."""
     d, w = _pin_and_width(joint, relative, series)
     wall = _wall(joint, d, series)
     seat = joint.seat_width
@@ -195,7 +195,7 @@ def _round_pin(joint: Joint, diameter: float, series: Series) -> float:
 def _least_pin(
     joint: Joint, width: float | None, relative: float, series: Series, keep_ratio: bool
 ) -> float | None:
-    """Least diameter that is enough; None where none is."""
+    """Smallest pin diameter that satisfies all limits; None if there is none. [m]"""
 
     def enough(log_diameter: float) -> bool:
         return _is_enough(joint, math.exp(log_diameter), width, relative, series, keep_ratio)
@@ -218,7 +218,7 @@ def _least_pin(
 
 
 def _round_width(joint: Joint, diameter: float, relative: float, series: Series) -> float:
-    """Least width of the bushing on a pin; a usual one where no width is enough."""
+    """Minimum bushing width, rounded to the series; a usual one if no width is enough. [m]"""
     wall = _wall(joint, diameter, series)
     low, high = (ratio * diameter for ratio in RECOMMENDED_WIDTH)
     least = max(_least_width(joint, diameter, wall, relative), low)
@@ -228,7 +228,7 @@ def _round_width(joint: Joint, diameter: float, relative: float, series: Series)
 
 
 def _fallback(joint: Joint, width: float | None, series: Series) -> tuple[float, float]:
-    """A pin that is strong enough on a bushing of usual width, where no bushing is enough."""
+    """Pin diameter by strength alone, and the usual width of the bushing. [m]"""
     d = _SMALLEST
     while not _is_strong(joint, d, width or WIDTH * d) and d < _LARGEST:
         d *= 1.01
@@ -244,7 +244,7 @@ def _is_enough(
     series: Series,
     keep_ratio: bool,
 ) -> bool:
-    """Whether all limits hold on a pin, with the given width or the least one."""
+    """Whether all limits hold on a pin, with the given or the minimum width."""
     wall = _wall(joint, diameter, series)
     least = _least_width(joint, diameter, wall, relative)
     if width is not None:
@@ -295,7 +295,7 @@ _BY_WIDTH = (
 
 
 def _least_width(joint: Joint, diameter: float, wall: float, relative: float) -> float:
-    """Least width for which the limits of the sliding surface hold; infinite without one."""
+    """Minimum width for the limits of the sliding surface; infinite if none is enough. [m]"""
     play = relative * diameter if joint.play is None else joint.play
     trial = partial(_trial, joint, diameter, wall=wall, play=play)
     state, least = trial(diameter), 0.0

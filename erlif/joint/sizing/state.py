@@ -1,4 +1,4 @@
-"""What follows from a joint with all dimensions and is needed by several steps: computed once."""
+"""State of a fully dimensioned joint: quantities that several steps need, computed once."""
 
 from __future__ import annotations
 
@@ -106,7 +106,7 @@ class JointState:
 
     @property
     def gain(self) -> float:
-        """Play that pressing adds, below 0 where the bore shrinks; 0 where it is not known. [m]"""
+        """Play added by pressing, negative where the bore shrinks; 0 if it is unknown. [m]"""
         return 0.0 if math.isnan(self.displacement) else 2 * self.displacement
 
     @property

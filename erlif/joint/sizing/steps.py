@@ -167,7 +167,7 @@ def margin_between(present: float, allowed: tuple[float, float]) -> float:
 
 @dataclass(frozen=True)
 class Result:
-    """What an equation gives for a joint, in the units of the table of steps.
+    """Result of an equation for a joint, in the units of the table of steps.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""What a crank-rocker does, from its four lengths: swing, strokes, speed, transmission, space.
+"""Measures of a crank-rocker from its four lengths: swing, strokes, speed, transmission, space.
 
 Every function takes `Links`, whose lengths may be arrays that broadcast, so that a search measures
 thousands of linkages in one call. The triangles are solved by half angles, which keep all digits
@@ -103,7 +103,7 @@ def grashof_class(*, crank: float, coupler: float, rocker: float, ground: float)
 
 
 def grashof_margin(links: Links) -> Values:
-    """How much longer the crank could be, with the other links as they are. [m]
+    """Possible increase of the crank length, the other links unchanged. [m]
 
     Where it vanishes the linkage folds flat.
     """

@@ -62,7 +62,7 @@ class NoConvergenceError(ModelError):
 
 @dataclass(frozen=True)
 class Medium:
-    """What does not change from step to step.
+    """Properties that are the same in all steps: grid, oil, cavitation and elastic walls.
 
     Attributes
     ----------
@@ -131,7 +131,7 @@ class State:
 
 @dataclass(frozen=True)
 class StepDrive:
-    """What drives one step.
+    """Input of one time step: film, directions of motion, load, spring, rate and speed.
 
     Attributes
     ----------
@@ -282,7 +282,7 @@ def settle(medium: Medium, step: StepDrive, position: Array, *, rate: float) -> 
 
 
 class _Newton:
-    """The iterate of one step, and what it leaves unbalanced."""
+    """Iterate of one Newton solution, with the residuals of its balances."""
 
     def __init__(self, medium: Medium, step: StepDrive, before: State, guess: State) -> None:
         self.medium, self.step, self.before = medium, step, before.content
@@ -319,7 +319,7 @@ class _Newton:
         self.flow()
 
     def flow(self) -> None:
-        """What flows into each cell, and the void that its balance leaves where nothing moves."""
+        """Compute the flow into each cell; without sliding also oil and void from its balance."""
         self.steps = self.faces.steps(self.reduced)
         self.inflow = self.faces.inflow(self.steps)
         if not self.still:
@@ -340,7 +340,7 @@ class _Newton:
         self.missing = step.load - self.carries - spring
 
     def carried(self) -> Array:
-        """Net flow out of each cell with the surfaces."""
+        """Net outflow of each cell by the motion of the surfaces. [m3/s]"""
         grid = self.medium.grid
         along = np.array(np.broadcast_to(self.walls.along, (grid.along + 1, grid.across)))
         along *= self.crossing
@@ -442,7 +442,7 @@ class _Newton:
         return self.fall(found)
 
     def fall(self, found: Array) -> Array:
-        """Displacement along the load until oil meets the wall, where no full cell resists it."""
+        """Displacement along the load until oil meets the wall; for a film without resistance."""
         size = float(np.linalg.norm(self.missing))
         empty = ~self.full
         if size > 0 and empty.any():
@@ -486,7 +486,7 @@ class _Newton:
         return stencil
 
     def add_deflection(self, stencil: Stencil) -> None:
-        """Derivatives by the film, which grows with the pressure in it."""
+        """Add the derivatives by the deflection of the walls under pressure to the stencil."""
         grid, faces = self.medium.grid, self.faces
         soft = np.broadcast_to(self.slope, self.reduced.shape) / self.medium.foundation
         along = 0.5 * self.share * faces.along_slope * self.steps[0]
@@ -524,7 +524,7 @@ class _Newton:
         stencil.upper[:, :-1][empty[:, 1:]] = 0.0
 
     def state(self, iterations: int) -> State:
-        """The solved film; its content is what the flow has left in each cell."""
+        """Return the solved film, with the oil content that the flow leaves in each cell."""
         supplied = self.step.supplied
         film = np.broadcast_to(self.walls.centre, supplied.shape)
         content = film - self.void if self.steady else self.before + self.inflow / self.storage

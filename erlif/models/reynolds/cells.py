@@ -376,7 +376,7 @@ class Faces:
 
 
 def _into_cells(along: Array, across: Array | None) -> Array:
-    """What flows through the faces along and across leaves in each cell."""
+    """Difference of the flows through the faces of each cell, along and across."""
     flow = along[1:] - along[:-1]
     if across is not None:
         flow += across[:, 1:]

@@ -28,7 +28,7 @@ _part = njit(error_model="numpy")
 
 
 class CompiledJoint(NamedTuple):
-    """What does not change from step to step.
+    """Data of the joint that are the same in all steps.
 
     Attributes
     ----------
@@ -88,7 +88,7 @@ class CompiledJoint(NamedTuple):
 
 
 class Drive(NamedTuple):
-    """What drives the film.
+    """Motion and load of the joint at each step.
 
     Attributes
     ----------
@@ -305,7 +305,7 @@ def _conduct(joint, work, single):  # type: ignore[no-untyped-def]
 
 @_part
 def _flow(joint, work, content, storage, single):  # type: ignore[no-untyped-def]
-    """Flow into each cell, and the oil that it leaves there."""
+    """Compute the flow into each cell, and the oil content after it."""
     n, nz = work.film.shape
     p, steps_along, steps_across = work.pressure, work.steps_along, work.steps_across
     weights = joint.end_weights
@@ -486,7 +486,7 @@ def _derive(film, work, storage, cut, single):  # type: ignore[no-untyped-def]
 
 @_part
 def _shift(joint, work, cut, shift):  # type: ignore[no-untyped-def]
-    """Displacements that restore the forces, in place; whether there are any."""
+    """Compute the displacements that restore the force balance, in place; True if there are any."""
     n, nz = work.film.shape
     area, alpha = joint.dx * joint.dz, joint.pressure_viscosity
 

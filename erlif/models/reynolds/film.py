@@ -191,7 +191,7 @@ def _grid(shape: tuple[int, ...], length: float, width: float | None, closed: bo
 
 @dataclass(frozen=True)
 class _Course:
-    """A film or a series of films, and what drives them."""
+    """A film or a series of films, with its times, speeds and loads."""
 
     medium: Medium
     films: Array
@@ -205,7 +205,7 @@ class _Course:
         return average_walls(np.ones(self.films.shape[1:]), self.medium.grid)
 
     def step(self, k: int, rate: float) -> StepDrive:
-        """What drives film k."""
+        """Input of the solver for film k."""
         free = 0 if self.loads is None else 1
         none = np.zeros(free)
         load = none if self.loads is None else self.loads[k : k + 1]
@@ -222,7 +222,7 @@ class _Course:
         )
 
     def steady(self) -> State:
-        """The film that does not change."""
+        """Solve for the steady film."""
         speed = abs(float(self.speeds[0]))
         if speed == 0:
             raise ModelError(
@@ -233,7 +233,7 @@ class _Course:
         return settle(self.medium, step, np.zeros(step.load.size), rate=crossing)
 
     def instant(self, film_rate: Array, void: Array) -> State:
-        """The film of a given rate, with the share of void that it holds from before."""
+        """Solve for the film at a given rate of change, from a given share of void."""
         if self.loads is not None:
             raise ModelError("A film with a given rate carries what it does: give no load.")
         grid, film = self.medium.grid, self.films[0]

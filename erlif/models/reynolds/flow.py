@@ -1,4 +1,4 @@
-"""How easily the film flows: viscosity under pressure and rough walls."""
+"""Mobility of the film: viscosity under pressure and rough walls."""
 
 from dataclasses import dataclass
 

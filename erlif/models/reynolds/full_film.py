@@ -228,7 +228,7 @@ def follow_full_film(
 
 
 def _stride(motion: Motion) -> int:
-    """Steps of the motion in one of the orbit, as many as resolve rotation and load."""
+    """Number of motion steps per step of the orbit that still resolves rotation and load."""
     from scipy.interpolate import CubicSpline
 
     stride = _LONGEST_STEP

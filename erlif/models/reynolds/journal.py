@@ -1,4 +1,4 @@
-"""What the solver is given: the joint, its motion under load, and its mount."""
+"""Input of the solver: the joint, its motion under load, and its mount."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -241,7 +241,7 @@ def crank_motion(
 
 @dataclass(frozen=True)
 class Mount:
-    """How the pin is held sideways to the direction in which it moves freely.
+    """Sideways support of the pin, perpendicular to its direction of free motion.
 
     Raises
     ------
@@ -357,7 +357,7 @@ class Groove:
 
 
 def covered(grooves: Sequence[Groove], angles: Array) -> Array:
-    """Which columns of cells lie in a groove.
+    """Mark the columns of cells that lie in a groove.
 
     Parameters
     ----------

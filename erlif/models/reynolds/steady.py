@@ -121,7 +121,7 @@ class Rotation:
         return StepDrive(self.rigid, axes, axes, load, none, none, rate, entrained, self.supplied)
 
     def held_at(self, *place: float) -> State:
-        """The steady film of a pin that is held at a place, along the axes."""
+        """Solve for the steady film of a pin held at a displacement along the axes."""
         base = self.rigid
         for axis, shift in zip(self.axes, place, strict=False):
             base = base.moved(axis, shift)
@@ -134,7 +134,7 @@ class Rotation:
         return forces(medium, self.axes, medium.fluid.pressure(state.reduced)[0])
 
     def along_the_gap(self, load: float) -> tuple[State, Array]:
-        """Displacement whose force is the load, with the supply at the largest gap."""
+        """Find the displacement that carries the load, with the supply at the largest gap."""
         clearance = self.bearing.journal.clearance
 
         def surplus(eccentricity: float) -> float:
@@ -275,7 +275,7 @@ def journal_coefficients(
 
 
 def _moving(case: Rotation, steady: State, velocity: Array) -> State:
-    """That film at an instant in which the pin has a velocity."""
+    """Solve for the film at an instant at which the pin has a velocity."""
     rate = abs(case.speed) / SHORT_TIME
     film = np.broadcast_to(steady.walls.centre, steady.void.shape)
     thinning = sum(v * axis.centre for v, axis in zip(velocity, case.axes, strict=True))

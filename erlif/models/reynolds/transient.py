@@ -319,7 +319,7 @@ class TransientFilm:
         return held[:1] if self.mount.guided else held
 
     def step(self, now: "_Moment", before: "_Moment | None") -> StepDrive:
-        """What drives the film to a moment from the one before; none before the start."""
+        """Input of the solver for the step between two moments; `before` is None at the start."""
         bearing, earlier = self.bearing, before or now
         turned = self.turned(now)
         directions = bearing.directions(turned, self.toward)
@@ -383,7 +383,7 @@ class TransientFilm:
 
     @property
     def resolved(self) -> float:
-        """Film that is as thick at its minimum as it grows over the next two cells. [m]"""
+        """Smallest film resolved by the cells: it doubles within two cells of its minimum. [m]"""
         step = 2 * np.pi / self.bearing.medium.grid.along
         return float(self.bearing.journal.clearance * 2 * step**2)
 
@@ -398,7 +398,7 @@ class TransientFilm:
             )
 
     def guess(self, step: StepDrive) -> State:
-        """Where the Newton steps begin: the last film, moved on as it moved before."""
+        """Initial guess of the Newton steps: the last film, extrapolated in position."""
         state = self.state
         if self.earlier is None:
             return state
@@ -416,7 +416,7 @@ class TransientFilm:
         return turn_vectors(held, self.toward)
 
     def record(self, k: int) -> None:
-        """Numbers of one step."""
+        """Store the results of step k in the table."""
         bearing, state, table = self.bearing, self.state, self.table
         medium, journal = bearing.medium, bearing.journal
         table["displacement_load"][k], table["displacement_side"][k] = self.pin()

@@ -1,1 +1,1 @@
-"""What a run shows of mistakes in its files, its log and its settings, at no cost to its film."""
+"""Audits that find mistakes in files, log and settings from the measured frames of a run."""

@@ -31,7 +31,7 @@ class Audit(NamedTuple):
 
 
 def note_drive(evidence: Evidence) -> Iterator[Note]:
-    """An encoder on another link than stated, else a crank of another speed."""
+    """Warn of an encoder on another link than stated, else of a crank of another speed."""
     run = evidence.run
     yield from evidence.mounting or note_speed(run.log, evidence.located, run.settings)
 

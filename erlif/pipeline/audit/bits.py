@@ -20,7 +20,7 @@ _PIXELS_PER_COUNT = 20
 
 
 def note_bits(histograms: Iterable[Histogram]) -> Iterator[Note]:
-    """Bits that are never or always set, and counts that never occur.
+    """Warn of bits that are never or always set, and of counts that never occur.
 
     Parameters
     ----------

@@ -35,7 +35,7 @@ _SEARCHED = {"temperature": _KELVIN, "joint_load": None}
 
 
 def note_columns(evidence: Evidence) -> Iterator[Note]:
-    """Values that stand apart, in the columns that theory is computed from.
+    """Warn of outliers in the columns from which theory is computed.
 
     A column of unknown meaning may have single values: a mark, a sync pulse, a count.
 
@@ -148,7 +148,7 @@ def find_single(values: Array, *, least: float | None = None) -> AnyArray:
 
 
 def find_lost(load: Array) -> AnyArray:
-    """Rows without load in a run that has one in most, as where a cable is loose.
+    """Find rows without load in a run that is loaded in most rows, as by a loose cable.
 
     Parameters
     ----------

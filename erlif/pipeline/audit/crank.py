@@ -45,7 +45,7 @@ _ROOM = 0.3  # by which the neighbours of an odd reading may depart from half of
 
 
 def note_crank(evidence: Evidence) -> Iterator[Note]:
-    """Odd readings, slips of the encoder, and a swing that is not that of the linkage.
+    """Warn of odd readings, slips of the encoder, and a swing unlike that of the linkage.
 
     Parameters
     ----------
@@ -101,7 +101,7 @@ def note_crank(evidence: Evidence) -> Iterator[Note]:
 
 
 class _Turn(NamedTuple):
-    """Readings as a crank at constant speed gives them."""
+    """Readings compared with a crank that turns at constant speed."""
 
     rest: Array  # what it leaves, (frame,) [degree]
     swing: float  # of the link: a turn of a crank [degree]
@@ -132,7 +132,7 @@ def _fit_turn(run: Run, evidence: Evidence, time: Array, reading: Array) -> _Tur
 
 
 def _fit_crank(since: Array, reading: Array) -> _Turn:
-    """A line, and what an uneven turn adds once and twice a turn."""
+    """Fit a line and harmonics of once and twice a turn to the readings on a crank."""
     turned = np.degrees(np.unwrap(np.radians(reading)))
     phase = np.radians(turned)
     waves = [one(n * phase) for n in (1, 2) for one in (np.cos, np.sin)]
@@ -143,7 +143,7 @@ def _fit_crank(since: Array, reading: Array) -> _Turn:
 
 
 def _fit_robustly(columns: Array, values: Array) -> Array:
-    """What least squares leave, with values far off counting less."""
+    """Residuals of a least-squares fit in which outliers have less weight."""
     weight = np.ones(values.size)
     rest = values
     for _ in range(10):
@@ -259,7 +259,7 @@ def find_slips(rest: Array, swing: float) -> list[tuple[int, float]]:
 
 
 def _note_odd_steps(reading: Array) -> Iterator[Note]:
-    """A reading that departs from the middle of its neighbours, without times."""
+    """Warn of single readings that depart from the mean of their neighbours; needs no times."""
     step = signed_steps(reading)
     bend = np.diff(step) / -2  # a reading less the mean of its neighbours
     size = np.abs(bend[1:-1])
@@ -280,7 +280,7 @@ def _warn_of_readings(odd: Sequence[int], most: float) -> Note:
 
 
 def _note_swing(run: Run, fit: _Turn) -> Iterator[Note]:
-    """A swing of the readings that is not that of the linkage."""
+    """Warn of a swing of the readings that differs from that of the linkage."""
     links, off = run.settings.linkage, fit.size - 1
     if not abs(off) > max(_SWING, _SIGNIFICANT * fit.size_std) or links is None:
         return

@@ -1,4 +1,4 @@
-"""What the audits of a run look at: all of it is known once its frames are measured."""
+"""Input of the audits: data of a run that are known once its frames are measured."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ class Evidence:
 
     @cached_property
     def mounting(self) -> tuple[Note, ...]:
-        """Whether the encoder is on another link than stated."""
+        """Warning that the encoder is on another link than stated; empty if it is not."""
         return tuple(note_mounting(self.run.log, self.run.settings))
 
     @cached_property
@@ -54,7 +54,7 @@ class Evidence:
 
     @cached_property
     def levels(self) -> Array:
-        """Median of these over the places that most frames have, (frame,)."""
+        """Median of the log ratio over the places that most frames have, (frame,). [1]"""
         return median_by_frame(self.ratios)
 
     @cached_property

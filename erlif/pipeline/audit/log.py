@@ -51,7 +51,7 @@ _WITHOUT_PULSE = 0.3
 
 @dataclass(frozen=True)
 class Steps:
-    """What the log holds for each frame pair.
+    """Encoder angle and time of each frame pair, as the log holds them.
 
     Attributes
     ----------
@@ -94,7 +94,7 @@ def signed_steps(angle: Array) -> Array:
 
 
 def note_mounting(log: EncoderLog, settings: RunSettings) -> Iterator[Note]:
-    """Whether an encoder that is stated to be on the crank goes to and fro."""
+    """Warn of an encoder that is stated to be on the crank but swings."""
     angle, encoder = Steps.of(log).angle, settings.encoder
     if settings.linkage is None or encoder is None or encoder.mounted_on != "crank":
         return
@@ -121,7 +121,7 @@ def note_motion(log: EncoderLog, located: xr.Dataset, settings: RunSettings) -> 
 
 
 def note_angles(log: EncoderLog) -> Iterator[Note]:
-    """Steps of the angle: jumps, and an encoder that stands still."""
+    """Note range and steps of the angle; warn of jumps and of an encoder that stands still."""
     angle = Steps.of(log).angle
     if angle is None or angle.size < _FEWEST:
         return

@@ -1,4 +1,4 @@
-"""Whether the rows of the log belong to the pairs they stand beside.
+"""Check that the rows of the log belong to the pairs beside them.
 
 They do by the energy of the pulses or, where the log has none, by a film that follows the speed.
 """
@@ -28,7 +28,7 @@ ODD, FEW_ODD = 7.0, 0.2
 
 
 class Order(NamedTuple):
-    """How the rows lie against the pairs.
+    """Order of the rows of the log relative to the pairs.
 
     Attributes
     ----------
@@ -79,7 +79,7 @@ _MOST = 3000  # frames that are compared; more would only take time
 
 
 def note_order(evidence: Evidence) -> Iterator[Note]:
-    """Rows that belong to other pairs, by the energy of the pulses, else by the film.
+    """Warn of rows that belong to other pairs, by the energy of the pulses, else by the film.
 
     Parameters
     ----------
@@ -114,7 +114,7 @@ def note_order(evidence: Evidence) -> Iterator[Note]:
 
 
 def _note_by_film(evidence: Evidence, numbers: AnyArray, *, known: bool) -> Iterator[Note]:
-    """The same by the film; the order is `known` where the energies decide it."""
+    """Warn of misplaced rows by the film; if the order is `known`, of single pairs only."""
     speed, levels = evidence.logged("rocker_speed"), evidence.levels[:_MOST]
     if speed is None:
         speed = evidence.logged("sliding_speed")
@@ -142,7 +142,7 @@ def _subject(numbers: AnyArray) -> str:
 
 
 def _note_other_order(found: Order, numbers: AnyArray, fact: str) -> Note:
-    """An order in words, and what to do."""
+    """Make the warning about an order of the rows, with the remedy."""
     if found.reverse:
         return warn(
             "log",
@@ -185,7 +185,7 @@ _ALIKE = 10.0
 
 
 def compare_energies(energies: Array, light: Array) -> tuple[Order | None, AnyArray] | None:
-    """The order in which the energies of a log are those of the light.
+    """Find the order of the rows in which the logged energies agree with the light.
 
     Parameters
     ----------
@@ -248,19 +248,19 @@ def compare_energies(energies: Array, light: Array) -> tuple[Order | None, AnyAr
 
 
 def _known_scatter(rest: Array) -> float:
-    """Robust standard deviation of the known values; infinite where they are few."""
+    """Robust standard deviation of the finite values; infinite if they are few."""
     some = rest[np.isfinite(rest)]
     return robust_std(some) if some.size >= FEWEST / 2 else math.inf
 
 
 def _quartile_noise(rest: Array) -> float:
-    """The same where only a part of the differences is noise: by the smallest quarter of them."""
+    """Standard deviation by the smallest quarter, where only a part of the differences is noise."""
     some = np.abs(rest[np.isfinite(rest)])
     return float(np.quantile(some, 0.25)) / 0.3186 if some.size >= FEWEST / 2 else math.inf
 
 
 def _cost(rest: Array, noise: float, spread: tuple[float, float]) -> Array:
-    """Less the logarithm of the likelihood of each difference, (frame,).
+    """Negative log likelihood of each difference, (frame,).
 
     A difference without a partner costs what one of strangers does, a far one no more than an
     outlier.
@@ -282,7 +282,7 @@ def _without_trend(values: Array) -> Array:
 
 
 def _split_orders(own: Array, other: Array, last: int) -> tuple[int, float]:
-    """The pair up to `last` from which on another order costs less, and what both cost together."""
+    """First pair from which on another order costs less, and the total cost."""
     before = np.concatenate([[0.0], np.cumsum(own)])
     after = np.concatenate([np.cumsum(other[::-1])[::-1], [0.0]])
     total = before + after
@@ -317,7 +317,7 @@ _FLAT, _OTHER = 0.02, 0.01
 
 
 def compare_film(drive: Array, levels: Array) -> Order | None:
-    """The order in which the film follows the speed.
+    """Find the order of the rows in which the film follows the speed.
 
     Parameters
     ----------
@@ -369,7 +369,7 @@ def compare_film(drive: Array, levels: Array) -> Order | None:
 
 
 def find_other_films(drive: Array, levels: Array) -> AnyArray:
-    """Frames whose film is not that of their speed, where that of almost all others is.
+    """Find frames whose film does not follow the speed, where almost all others do.
 
     Parameters
     ----------
@@ -395,12 +395,12 @@ def find_other_films(drive: Array, levels: Array) -> AnyArray:
 
 
 def _speed_terms(drive: Array) -> Array:
-    """Functions of the speed whose sum the film is taken to be, (frame, term)."""
+    """Terms of the film as a function of the speed, (frame, term)."""
     return np.stack([np.ones_like(drive), np.sqrt(drive), drive, drive**2], axis=1)
 
 
 def _delayed(drive: Array, memory: float) -> Array:
-    """The same of a film that forgets within so many frames, and what is left of its start."""
+    """Terms of a film that is correlated over `memory` frames, and the decay of its start."""
     from scipy.signal import lfilter  # slow to load
 
     kept = math.exp(-1 / memory)
@@ -409,7 +409,7 @@ def _delayed(drive: Array, memory: float) -> Array:
 
 
 def _rest_share(columns: Array, levels: Array) -> float:
-    """Share of the variance of the film that functions of its speed leave."""
+    """Share of the variance of the film that the terms of the speed do not explain."""
     used = np.isfinite(columns).all(axis=1) & np.isfinite(levels)
     if used.sum() < FEWEST:
         return 1.0

@@ -36,7 +36,7 @@ _STEADY = 1.2  # factor of load or speed beyond which a change of the film is on
 
 
 def note_strangers(evidence: Evidence) -> Iterator[Note]:
-    """Pairs whose film is not that of the run.
+    """Warn of pairs whose film is not that of the run.
 
     Parameters
     ----------

@@ -1,1 +1,1 @@
-"""Who computes the triggers: threads of this process, or the workers of dask."""
+"""Engines that compute the triggers: threads of this process, or workers of dask."""

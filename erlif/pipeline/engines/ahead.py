@@ -36,7 +36,7 @@ _PROGRAM = "from erlif.pipeline.engines.ahead import compile_kernels; compile_ke
 
 @contextmanager
 def compiling_ahead() -> Iterator[None]:
-    """Have the kernels compiled that follow the registration, where none are kept yet.
+    """Compile the kernels for the stages after registration in a process of its own.
 
     Nobody waits for the process: a kernel that it has not finished is compiled where it is called.
     With one processor there is none.

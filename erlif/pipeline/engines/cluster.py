@@ -116,7 +116,7 @@ class Cluster:
             self._connect()
 
     def close(self) -> None:
-        """Leave the scheduler; workers that were started here end."""
+        """Close the connection to the scheduler; workers that were started here end."""
         self._open.close()
         self._client = self._own = None
 

@@ -1,4 +1,4 @@
-"""Where triggers are computed: in threads of this process, or elsewhere by the same interface."""
+"""Interface of the engines that compute triggers, and the engine of local threads."""
 
 from __future__ import annotations
 

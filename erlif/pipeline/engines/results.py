@@ -1,4 +1,4 @@
-"""What is kept of each trigger besides its maps, saved and loaded by name."""
+"""Results of each trigger besides its maps, saved and loaded by name."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ _OF_FRAMES: dict[str, tuple[Any, tuple[int, ...]]] = {
 
 @dataclass(frozen=True)
 class FrameResult:
-    """What is kept of one frame pair.
+    """Results of one frame pair: drift, pulse, hashes, light in cells and patch.
 
     Attributes
     ----------
@@ -105,7 +105,7 @@ class FrameResult:
     def of(
         cls, frame: int, pair: PairRatio, *, patch: Region | None = None, with_cells: bool = False
     ) -> FrameResult:
-        """What is kept of a frame pair, with its light in the patch, and in cells on request."""
+        """Collect the results of a frame pair, with its light in patch and cells if wanted."""
         light, log_ratio = pair.light_one, pair.log_ratio
         variance, flags = pair.variance, pair.flags
         kept = cls(
@@ -131,7 +131,7 @@ class FrameResult:
 
 @dataclass(frozen=True)
 class TriggerResult:
-    """What is kept of one trigger besides its maps.
+    """Results of one trigger besides its maps.
 
     Attributes
     ----------
@@ -154,7 +154,7 @@ class TriggerResult:
     minima: Mapping[GapShape, GapMinimum] = field(default_factory=dict)
 
     def with_parameter(self, like: int, weight: float) -> TriggerResult:
-        """The same with one more parameter of the calibration, as the last.
+        """Return a copy with one more parameter of the calibration, as the last.
 
         Parameters
         ----------
@@ -251,7 +251,7 @@ def _as_stored(value: AnyArray) -> Any:
 
 
 def frames_in(results: Iterable[TriggerResult]) -> list[FrameResult]:
-    """What is kept of the frame pairs of several triggers."""
+    """Results of the frame pairs of several triggers, in one list."""
     return [one for result in results for one in result.frames]
 
 

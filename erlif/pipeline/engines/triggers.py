@@ -33,7 +33,7 @@ EARLY = 24
 
 @dataclass(frozen=True)
 class TriggerTask(PickledByFields):
-    """How the frames of one trigger become its maps, independent of every other trigger.
+    """Task that turns the frames of one trigger into maps, independent of other triggers.
 
     Attributes
     ----------
@@ -117,7 +117,7 @@ class TriggerTask(PickledByFields):
         return maps, TriggerResult(statistics, tuple(kept), pixels, position, several)
 
     def _keep(self, frame: int, pair: PairRatio) -> FrameResult:
-        """What is kept of a frame, with its light in the cells of the image and in the patch."""
+        """Collect the results of a frame, with its light in patch and cells if it is sampled."""
         cells = frame in self.sampled
         return FrameResult.of(frame, pair, patch=self.plane.patch, with_cells=cells)
 
@@ -148,7 +148,7 @@ class TriggerTask(PickledByFields):
 
 
 class FinishedTrigger(NamedTuple):
-    """What a trigger leaves, compressed.
+    """Compressed maps and numbers of a finished trigger.
 
     Attributes
     ----------

@@ -196,7 +196,7 @@ _FIRST, _SECOND, _THIRD = np.float32(1), np.float32(2**8), np.float32(2**16)
 
 
 class BlockRows(NamedTuple):
-    """What `add_to_blocks` adds up, and the places of pixels within their blocks.
+    """Buffers of `add_to_blocks`: sums, and the places of pixels within their blocks.
 
     Attributes
     ----------
@@ -220,7 +220,7 @@ class BlockRows(NamedTuple):
 
     @classmethod
     def of(cls, shape: tuple[int, int], region: Region) -> BlockRows:
-        """Sums over a region of an image, of which nothing has been added yet.
+        """Make empty sums over a region of an image.
 
         Parameters
         ----------

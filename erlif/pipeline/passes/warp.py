@@ -29,7 +29,7 @@ from erlif.registration.interpolation import (
 
 @dataclass(frozen=True)
 class MapTables:
-    """What the alignment repeats in every frame; images are (y, x).
+    """Tables of the camera map for the alignment, the same in all frames; images are (y, x).
 
     Attributes
     ----------
@@ -56,7 +56,7 @@ class MapTables:
     rows: Array
 
     def rows_for(self, drift_y: float, height: int) -> tuple[AnyArray, AnyArray]:
-        """Rows of camera 2 whose noise must be there for each row of camera 1, in their order.
+        """Range of rows of camera 2 whose noise each row of camera 1 needs.
 
         Neither number falls from row to row. Camera 2 is read as far as camera 1 at least, so that
         rows above may be used for something else.
@@ -185,7 +185,7 @@ class NoiseRows:
         self._first = self._stop = 0
 
     def hold(self, first: int, stop: int) -> None:
-        """Have the rows from `first` to `stop`, no more than are kept."""
+        """Compute the variances of the rows from `first` to `stop` that are not held yet."""
         # rows that are there stay; a gap, or rows above, mean a new beginning
         if not self._first <= first <= self._stop:
             self._first = self._stop = first
@@ -327,7 +327,7 @@ class Warp:
         self.count += count
 
     def _filter(self, stop: int) -> None:
-        """Have the coefficients of the rows before `stop`, filtered when they are first needed."""
+        """Filter the coefficients of the rows before `stop` that are not filtered yet."""
         coefficients = self.out.coefficients
         height = coefficients.shape[0] - 4
         stop = min(max(stop, 3), height)  # the margin above mirrors three rows

@@ -23,7 +23,7 @@ _GAPS = {
 def settle_contact(
     results: Sequence[TriggerResult], calibration: Calibration
 ) -> tuple[list[TriggerResult], GapShape]:
-    """Give all triggers the minimum of the gap that the curvatures of the run choose.
+    """Choose the kind of contact of the run and set the minimum of all triggers by it.
 
     Parameters
     ----------

@@ -48,7 +48,7 @@ class DarkLevel:
 
     @property
     def counts(self) -> bool:
-        """Whether the level of the run, or a part of it, is not that of the dark frames."""
+        """Whether the level differs from that of the dark frames, or changes during the run."""
         off = abs(self.level) > max(_SIGNIFICANT * self.std, _LEAST * self.light)
         return off or self.change is not None
 

@@ -89,7 +89,7 @@ def name_largest_error(
 def _source_of(
     term: str, key: str, settings: RunSettings, before: Calibration, after: Calibration
 ) -> str:
-    """Whether the width of a term was measured in the run, stated by a key, or is the default.
+    """State whether the width of a term was measured, declared by a key, or is the default.
 
     Empty for what is no error of the run: fixture.toml states those of the fixture.
     """

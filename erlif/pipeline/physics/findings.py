@@ -1,4 +1,4 @@
-"""What light and films of a run show beside the films, and what of it enters the error bars."""
+"""Errors that light and films of a run show, and their selection for the error bars."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from erlif.trend import BackgroundEstimate, CourseChange, ErrorEstimate, Trend
 
 @dataclass(frozen=True)
 class LightFindings:
-    """What light and films of a run show beside the films.
+    """Effects found in light and films of a run: background, bleaching, drift, scale.
 
     Attributes
     ----------
@@ -45,7 +45,7 @@ class LightFindings:
     darks: tuple[DarkLevel, ...] = ()
 
     def complete(self, remaining: LightFindings, options: LightOptions) -> LightFindings:
-        """What was corrected as it was found before, and the rest from the finished films."""
+        """Combine corrected effects, as found before, with those of the finished films."""
         even = self if options.background == "correct" else remaining
         patched = self.scale is not None
         bleached = self if options.bleaching == "correct" or patched else remaining
@@ -58,7 +58,7 @@ class LightFindings:
         )
 
     def for_error_bars(self, calibration: Calibration, options: LightOptions) -> LightFindings:
-        """What of it enters the error bars.
+        """Select the effects that enter the error bars.
 
         A shift that the gap shows within the widths is one of those that the error bars are made
         for. A small course is among the errors that the gap shows.

@@ -117,7 +117,7 @@ def _load_line_place(line: Estimate, about: float) -> Estimate:
 def _beside_sheet(
     viscosity: Estimate, settings: RunSettings, frames: xr.Dataset
 ) -> dict[str, Estimate]:
-    """The fitted viscosity beside that of [oil], where this has an error or a law.
+    """Compare the fitted viscosity with that of [oil], if this has an error or a law.
 
     The temperature of the film does not change the viscosity that is fitted, but what is expected
     of the oil.
@@ -144,7 +144,7 @@ def _by_kelvin(law: VogelLaw, frames: xr.Dataset) -> float:
 
 
 def state_physics(film: xr.Dataset, settings: RunSettings, frames: xr.Dataset) -> str:
-    """Which physics carries a film, and how sure that is, without a film with cavities.
+    """State which physics carries a film and how certain that is, without films with cavities.
 
     The film of a free pin, squeeze in closed form, a constant gap and the steady formulas are
     fitted. A guided pin is represented by the largest likelihood that it can have. Where this is
@@ -191,7 +191,7 @@ def _compare_models(
     sideways: Sequence[str],
     progress: Progress = silent,
 ) -> ModelComparison:
-    """The models of what may carry a film; a spring takes positions."""
+    """Compare the models of the film; a spring needs positions."""
     if "joint_load" not in frames:
         raise ConfigError(
             'Expected the load for a fit of the film: add load = "50 lbf" to [joint] in run.toml, '
@@ -217,7 +217,7 @@ def _compare_models(
 
 
 def _given_errors(settings: RunSettings, film: xr.Dataset, frames: xr.Dataset) -> GivenErrors:
-    """Errors of what the settings, which have a joint, give: stated, else assumed or measured."""
+    """Collect the errors of given quantities: stated, else assumed or measured."""
     (joint, oil), options = joint_and_oil(settings), settings.prediction
     law = swinging_joint(settings).joint.viscosity
     drift = float(oil.drift_std or 0.0) / 100

@@ -66,7 +66,7 @@ def find_errors(
 
 
 def with_errors(calibration: Calibration, errors: ErrorEstimate, *, corrected: bool) -> Calibration:
-    """The calibration with the errors that a run leaves.
+    """Return the calibration with the errors that remain after a run.
 
     Parameters
     ----------

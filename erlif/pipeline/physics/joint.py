@@ -145,7 +145,7 @@ def joint_and_oil(settings: RunSettings) -> tuple[JointSettings, OilSettings]:
 
 
 def missing_load() -> ConfigError:
-    """The refusal of a joint whose load neither log nor settings give."""
+    """Make the error for a joint whose load is neither logged nor in the settings."""
     return ConfigError(
         "Expected the load: the encoder log has no load_N and [joint] no load. Add load = "
         '"50 lbf" to [joint] in run.toml.'

@@ -68,7 +68,7 @@ def choose_frames(pairs: FramePairs) -> frozenset[int]:
 def measure_lights(
     chain: FrameChain, patch: Region | None, *, workers: int | None = None
 ) -> dict[int, FrameResult]:
-    """Light of the frames that `choose_frames` names.
+    """Measure the light of the frames that `choose_frames` names.
 
     Parameters
     ----------
@@ -92,7 +92,7 @@ def measure_lights(
 
 
 def kept_lights(frames: Sequence[FrameResult], pairs: FramePairs) -> dict[int, FrameResult]:
-    """The same from what was kept while the films were measured."""
+    """Light of the frames of `choose_frames`, as kept while the films were measured."""
     chosen = choose_frames(pairs)
     return {one.frame: one for one in frames if one.frame in chosen}
 
@@ -195,7 +195,7 @@ def describe_background(
 def _note_background(
     estimate: BackgroundEstimate, calibration: Calibration, *, corrected: bool
 ) -> Note:
-    """What was found, in one line."""
+    """Make the note on the background that was found."""
     one, two = (
         f"camera {n} {100 * share:.1f} ± {100 * std:.1f} %"
         for n, (share, std) in enumerate(zip(estimate.share, estimate.std, strict=True), 1)
@@ -393,7 +393,7 @@ def is_beyond_widths(
     course: CourseChange | None,
     pulses: int,
 ) -> bool:
-    """Whether a run shows a change that the widths of its errors do not hold.
+    """Whether a change found in the run exceeds the widths of its errors.
 
     Parameters
     ----------
@@ -460,7 +460,7 @@ def describe_course(course: CourseChange | None, calibration: Calibration) -> li
 def correct_light(
     chain: FrameChain, calibration: Calibration, findings: LightFindings, options: LightOptions
 ) -> tuple[FrameChain, Calibration]:
-    """Chain and calibration with which the films are measured, where corrections are asked for."""
+    """Apply the requested corrections to the chain and the calibration."""
     if options.background == "correct" and findings.background is not None:
         chain = subtract(chain, findings.background)
         calibration = with_background(calibration, findings.background.error)

@@ -27,7 +27,7 @@ _LOOSEST = 0.1 * LOAD_LINE_STD
 
 
 class LoadLine(NamedTuple):
-    """Where the load presses.
+    """Position of the load line in the image, its error and its source.
 
     Attributes
     ----------
@@ -96,7 +96,7 @@ def find_load_line(plane: ObjectPlane, film: xr.Dataset, frames: xr.Dataset) -> 
 def middle_of_swing(
     measured: MeasuredMotion, motion: FrameMotion, radius: float, *, free: bool
 ) -> float | None:
-    """The place about which the measured pin swings, from the line of the displacements.
+    """Middle of the swing of the measured pin, from the line of the displacements. [mm]
 
     A free pin keeps its place in the frame that turns with half the bushing angle; one that is held
     stays on the load line. The mean of the measured directions is that of these, less the line.
@@ -149,7 +149,7 @@ def place_positions(
     calibration: Calibration,
     frames: xr.Dataset,
 ) -> tuple[dict[str, Any], list[Note]]:
-    """The positions of the pin about the load line that is found in them, and a note on it.
+    """Refer the positions of the pin to the load line found in them, and note its source.
 
     Parameters
     ----------

@@ -69,7 +69,7 @@ _OF_FILM = (
 
 @dataclass(frozen=True)
 class PredictionInputs:
-    """What a prediction is made from.
+    """Input of a prediction.
 
     Attributes
     ----------
@@ -205,7 +205,7 @@ def read_film(path: Path) -> PredictionInputs:
 
 
 def _read_run(run_dir: Path, allow_outside: bool) -> PredictionInputs:
-    """The source of a run directory, with its film where that was made."""
+    """Read the input of a prediction from a run directory, with its film if there is one."""
     run = open_run(run_dir, find_start=fit_start, allow_outside=allow_outside)
     swinging_joint(run.settings)
     cycle = locate_run(run)
@@ -237,7 +237,7 @@ def _read_run(run_dir: Path, allow_outside: bool) -> PredictionInputs:
 
 
 def _predicted_triggers(source: PredictionInputs, prediction: Prediction) -> xr.Dataset:
-    """Everything of the triggers, and the record of how it was made."""
+    """Dataset of the predicted triggers, with the record of its inputs."""
     settings = source.settings
     start = prediction.triggers.film_predicted_min.attrs
     # coordinates of the film are those of the grid already; the position gave the load line

@@ -70,7 +70,7 @@ def swings(settings: RunSettings) -> bool:
 
 
 class SwingingJoint(NamedTuple):
-    """What moves a joint that swings.
+    """Speed of the crank, linkage and joint of an oscillating motion.
 
     Attributes
     ----------
@@ -122,7 +122,7 @@ def swinging_joint(settings: RunSettings, what: str = "the prediction") -> Swing
 
 
 def frames_of_run(run: Run, cycle: xr.Dataset) -> xr.Dataset:
-    """What the prediction needs of every frame.
+    """Collect the variables of every frame that the prediction needs.
 
     Parameters
     ----------
@@ -358,7 +358,7 @@ def note_correlation(film: xr.Dataset) -> list[Note]:
 
 
 def note_difference(film: xr.Dataset, options: PredictionOptions) -> list[Note]:
-    """Warnings where the measured minimum leaves the predicted one beyond its error.
+    """Warn where the measured minimum film departs from the predicted one beyond its error.
 
     The course over the run is judged by the random error of the minimum, as calibration and other
     shared errors shift all triggers nearly alike; the level by the whole error, unless the start
@@ -414,14 +414,14 @@ def note_difference(film: xr.Dataset, options: PredictionOptions) -> list[Note]:
 
 
 def describe_sideways(options: PredictionOptions) -> str:
-    """How the pin is held, in words."""
+    """Describe the sideways support of the pin in words."""
     if isinstance(options.sideways, str):
         return f"pin {options.sideways}" + (" sideways" if options.sideways == "free" else "")
     return f"pin held sideways by {options.sideways * 1e-3:.4g} N/mm"
 
 
 def _why_transient(settings: RunSettings) -> str:
-    """Why a steady formula does not describe this joint."""
+    """State why a steady formula does not describe this joint."""
     crank_speed, linkage, joint = swinging_joint(settings)
     low, high = linkage.limits()
     swing, stroke = np.degrees(high - low), joint.stroke * 1e3
@@ -433,7 +433,7 @@ def _why_transient(settings: RunSettings) -> str:
 
 
 def _describe_assumptions(settings: RunSettings, predicted: xr.Dataset, regime: str) -> str:
-    """What the transient prediction rests on, one a line."""
+    """List the assumptions of the transient prediction, one per line."""
     attrs, pressure = predicted["film_predicted_min"].attrs, settings.prediction.cavitation_pressure
     source = "fitted to the measured minima" if attrs["start_film_fitted"] else "as given"
     lines = [

@@ -355,7 +355,7 @@ def _pressure_by_trigger(
 
 
 def state_given(pressure: xr.Dataset) -> str:
-    """Which errors of viscosity and clearance the pressure has, in words; as `state_limits`."""
+    """State which errors of viscosity and clearance the pressure includes; as `state_limits`."""
     joint, oil = joint_and_oil(settings_of(pressure))
     std = {
         "viscosity": float(oil.viscosity_std or 0.0),
@@ -389,7 +389,7 @@ def state_given(pressure: xr.Dataset) -> str:
 
 
 def state_limits(pressure: xr.Dataset) -> str:
-    """What the noise allows, in words.
+    """State in words at which triggers the pressure is measured, and what limits the others.
 
     Parameters
     ----------
@@ -459,7 +459,7 @@ def _list_triggers(which: Mask) -> tuple[int, str]:
 
 
 def _state_refusal(pressure: xr.Dataset, refused: Mask) -> str:
-    """Why the pressure is not known at some triggers, and what would help."""
+    """State why the pressure is unknown at some triggers, and the remedy."""
     random, shared = (
         pressure.peak_std_random.values[refused],
         pressure.peak_std_shared.values[refused],
@@ -502,7 +502,7 @@ def _state_refusal(pressure: xr.Dataset, refused: Mask) -> str:
 
 
 def state_balance(pressure: xr.Dataset) -> str:
-    """The load that the pressure makes beside the logged one, in words; as `state_limits`."""
+    """Compare the load from the pressure with the logged one, in words; as `state_limits`."""
     measured = pressure.pressure_measured.values > 0
     load, std = (pressure[name].values for name in ("load_from_pressure", "load_from_pressure_std"))
     logged = pressure["joint_load"].values
@@ -589,7 +589,7 @@ def weigh_loads(ratio: Array, cov: Array) -> _Balance:
 
 
 def _name_causes(pressure: xr.Dataset, ratio: float, *, shifted: bool) -> list[str]:
-    """Everything that makes a load differ by this ratio, or at single triggers alone."""
+    """List possible causes of a load that differs by this ratio, or at single triggers."""
     pin = describe_sideways(settings_of(pressure).prediction)
     stated = "prediction.sideways" in str(pressure.attrs.get("settings_stated", "")).split(", ")
     mount = f"{pin} in [prediction]"

@@ -74,7 +74,7 @@ def add_systematics(
 
 
 def _less_certain(before: Calibration, after: Calibration) -> float:
-    """Error of a later curve beyond that of the earlier one, over the films of both. [1]"""
+    """Additional error of the later curve, rms over the films of the earlier one. [1]"""
     films = np.linspace(*before.thickness_range, _FILMS)
     one, two = (replace(each, systematics=None).log_ratio_std(films) for each in (before, after))
     return math.sqrt(max(float((two**2 - one**2).mean()), 0.0))
@@ -108,7 +108,7 @@ def _light_of_median(
 
 
 def _error_of_dry_joint(chain: FrameChain, sample: Sequence[Bands], energy_std: float) -> Array:
-    """Covariance of what the frames of a dry joint leave of its light, (camera, camera). [1]
+    """Covariance of the residual error of the subtracted dry joint, (camera, camera). [1]
 
     Their mean energy over that of the run is an error common to both cameras. By chance it differs
     with the number of pages as well, in each camera for itself.
@@ -130,7 +130,7 @@ def _error_of_dry_joint(chain: FrameChain, sample: Sequence[Bands], energy_std: 
 
 
 def without_background(calibration: Calibration) -> Calibration:
-    """The calibration with what the light of a run does not measure."""
+    """Remove the background from the systematics of the calibration."""
     systematics = calibration.systematics
     prior = None if systematics is None else systematics.prior
     return replace(calibration, systematics=prior if prior is not None and prior.terms else None)
@@ -196,7 +196,7 @@ def update_systematics(
     pulses: int,
     pairs: int = 2,
 ) -> Calibration:
-    """The calibration with what light and films of a run show of its systematics.
+    """Update the systematics of the calibration by the findings of a run.
 
     What was subtracted leaves its uncertainty. What was not leaves its second moment, with the
     width of the settings as prior; of a term that the settings exclude, only what is significant
@@ -250,7 +250,7 @@ def update_systematics(
 
 
 def _with_darks(systematics: Systematics, darks: Sequence[DarkLevel]) -> Systematics:
-    """The systematics with wrong dark levels; a background that is known contains them."""
+    """Add the errors of wrong dark levels that the background does not contain yet."""
     for dark in darks:
         place = systematics.places("background")[dark.camera - 1]
         offset = np.zeros((2, 2))
@@ -329,7 +329,7 @@ def _with_bleaching(
 
 
 def _rise_given(systematics: Systematics, change: float, std: float) -> float:
-    """Root mean square of the change over the run, given its width and what the run shows. [1]"""
+    """Rms change of the ratio over the run, from its prior width and its measurement. [1]"""
     width = systematics.rise
     if width == 0:
         return 0.0

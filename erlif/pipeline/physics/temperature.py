@@ -50,7 +50,7 @@ def read_warming(run: Run, calibration: Calibration) -> Array | None:
 def without_warming(
     chain: FrameChain, warmer: Array | None, options: TemperatureOptions
 ) -> FrameChain:
-    """The chain whose ratios are those at the temperature of the fixture.
+    """Correct the ratios of a chain to the temperature of the fixture.
 
     Parameters
     ----------
@@ -70,7 +70,7 @@ def without_warming(
 
 
 def error_of_warming(warmer: Array, options: TemperatureOptions) -> Array:
-    """Covariance of what the correction leaves of the change of the ratio by temperature.
+    """Covariance of the residual change of the ratio after the temperature correction.
 
     Parameters
     ----------

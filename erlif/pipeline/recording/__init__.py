@@ -1,1 +1,1 @@
-"""What belongs to a recording as a whole: cameras, pulses, clock, registration."""
+"""Properties of a recording as a whole: cameras, pulses, clock, registration."""

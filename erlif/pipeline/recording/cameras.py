@@ -108,7 +108,7 @@ def characterise_cameras(recording: Run | Fixture) -> Characterised:
 
 
 class FrameLook(NamedTuple):
-    """What a few frames of a camera show before they are corrected.
+    """Histogram, mean and highest counts of a few uncorrected frames of a camera.
 
     Attributes
     ----------

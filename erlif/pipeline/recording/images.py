@@ -97,7 +97,7 @@ def restore_images(
 
 @dataclass(frozen=True)
 class _Stored:
-    """What a film stores of the stages before its maps."""
+    """Results of the stages before the maps, as a film stores them."""
 
     settings: RunSettings  # settings of the run
     camera_map: CameraMap  # camera map, with the mean drift taken up

@@ -14,7 +14,7 @@ WHOLE_TURN = 300.0
 
 @dataclass(frozen=True)
 class Cycle:
-    """What the angles of an encoder log show of the cycle.
+    """Cycle as seen in the angles of an encoder log.
 
     Attributes
     ----------

@@ -113,7 +113,7 @@ def complete_noise(
 
 
 def find_unknowns(references: References) -> NoiseUnknowns:
-    """What settings, darks and flats leave open."""
+    """Find the noise parameters that settings, darks and flats do not determine."""
     return NoiseUnknowns(
         ~references.gain_known.values,
         ~references.read_noise_known.values,
@@ -122,7 +122,7 @@ def find_unknowns(references: References) -> NoiseUnknowns:
 
 
 def _estimate_noise(chain: FrameChain, unknown: NoiseUnknowns) -> NoiseEstimate | None:
-    """What is unknown; None where only the response is, and the frames do not determine it."""
+    """Estimate the unknown noise; None if only the response is unknown and undetermined."""
     rows, columns = chain.pairs.shape
     frames = chain.pairs.spread(_FRAMES_LARGE if rows * columns > _LARGE else _FRAMES_SMALL)
     with one_thread_per_frame():
@@ -137,7 +137,7 @@ def _estimate_noise(chain: FrameChain, unknown: NoiseUnknowns) -> NoiseEstimate 
 
 
 def _views(chain: FrameChain, frames: Sequence[int]) -> Iterator[NoiseView]:
-    """The ratio of each frame, and what shot noise and dark variance of unit size give in it."""
+    """Yield the ratio of each frame with its variances for unit shot noise and dark variance."""
     size = cell_size(chain.pairs.shape)
     flat = chain.references.flat.values[:, None]
     for frame in frames:
@@ -152,7 +152,7 @@ def _views(chain: FrameChain, frames: Sequence[int]) -> Iterator[NoiseView]:
 
 
 def _note_estimates(estimate: NoiseEstimate, unknown: NoiseUnknowns) -> list[Note]:
-    """What was estimated of each camera, and what was assumed."""
+    """Make the notes on the estimated noise of each camera and on the assumptions."""
     notes = []
     for n, noise in enumerate(estimate.cameras):
         if not unknown.noise[n]:
@@ -180,7 +180,7 @@ def _note_estimates(estimate: NoiseEstimate, unknown: NoiseUnknowns) -> list[Not
 
 
 def _describe_response(estimate: NoiseEstimate, unknown: NoiseUnknowns) -> Note:
-    """What is known of the response of the pixels without a flat."""
+    """Make the note on the pixel response of cameras without a flat."""
     cameras = "both cameras" if unknown.response[0] else "camera 2"
     spread = estimate.cameras[1].response_spread
     text = (
@@ -207,7 +207,7 @@ _RING[2, 2] = 1
 
 
 def note_noise(chain: FrameChain, sample: Sequence[Bands]) -> Iterator[Note]:
-    """Noise of the ratio that is too low for the cameras.
+    """Warn of noise of the ratio that is too low for the cameras.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What a film lacks because a table of run.toml, or a column of the log, is absent."""
+"""Variables missing from a film because run.toml lacks a table, or the log a column."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def _absent(table: str, settings: RunSettings) -> str:
 def _lacking(
     settings: RunSettings, triggers: xr.Dataset
 ) -> Iterator[tuple[str, tuple[str, ...], str]]:
-    """Missing table, the variables that need it, and what to add."""
+    """Yield each missing table, the variables that need it, and the remedy."""
     moving = "sliding_speed" in triggers or "rocker_speed" in triggers
     if settings.mechanism is None and not moving:
         theory = _THEORY if settings.joint is not None else ()

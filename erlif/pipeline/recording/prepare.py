@@ -1,4 +1,4 @@
-"""What a recording determines as a whole: references, camera map, sharpness and noise."""
+"""Preparation of a recording as a whole: references, camera map, sharpness and noise."""
 
 from __future__ import annotations
 
@@ -98,7 +98,7 @@ def _prepare(
     stored: CameraMap | None,
     tables_only: bool,
 ) -> NoiseCompletion:
-    """The chain of cameras that are characterised."""
+    """Make the chain of characterised cameras: registration, sharpness and noise."""
     settings = recording.settings
 
     # where nothing is left to be estimated, the references are all that is needed

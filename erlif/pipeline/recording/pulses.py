@@ -67,7 +67,7 @@ def read_energies(log: EncoderLog) -> Array | None:
 
 
 def complete_energies(chain: FrameChain, calibration: Calibration) -> FrameChain:
-    """The chain with the energy of each pulse by the light of its film, where a log has none.
+    """Estimate the energy of each pulse from the light of its film, if the log has none.
 
     Only the light of a dry joint is scaled by it. The film of the mean energy is good enough: where
     the dry joint has 3 % of the light, a pulse that is 10 % off is known to 0.3 %.
@@ -220,7 +220,7 @@ def _is_disordered(samples: Sequence[PulseSample]) -> bool:
 
 
 def _describe_unknown(fault: PulseFault, numbers: list[int]) -> Note:
-    """Images of camera 2 that show another pulse, without an exchange that would mend it."""
+    """Warn of images of camera 2 that show another pulse where no exchange corrects them."""
     shown = sorted({numbers[n] for n in fault.partners if n >= 0})
     of_pulse = "no frame of camera 1 shows that pulse"
     if shown:
@@ -286,7 +286,7 @@ def _describe_repeated(frames: list[int], count: int, pairs: FramePairs) -> Note
 
 
 def _describe_order(fault: PulseFault, numbers: list[int], pairs: FramePairs) -> str:
-    """What is wrong with the order of camera 2, and how to mend it."""
+    """Describe a wrong order of camera 2 and how to correct it."""
     described = (
         "the frames of camera 2 are in reverse order. Number them in the order of the pulses."
     )

@@ -80,7 +80,7 @@ def register_cameras(
 
 @dataclass(frozen=True)
 class FixtureMap:
-    """What is kept of the camera map of the fixture, which is large.
+    """Parts of the camera map of the fixture that are kept; the whole map is large.
 
     Attributes
     ----------

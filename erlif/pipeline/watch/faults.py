@@ -1,4 +1,4 @@
-"""What is wrong with a recording that goes on, in words."""
+"""Faults of a recording in progress, in words."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _ENDS, _FALLEN = 20, 0.75
 
 
 def describe_pulses(pairs: Iterable[tuple[int, PulseSample]]) -> str:
-    """That most of some pairs are of two different pulses, in words; else empty.
+    """State that most of the pairs show two different pulses; empty if they do not.
 
     Parameters
     ----------
@@ -47,7 +47,7 @@ def describe_pulses(pairs: Iterable[tuple[int, PulseSample]]) -> str:
 
 
 def describe_fall(pairs: Sequence[LivePair]) -> str:
-    """That the light of a camera has fallen since the start, in words; else empty.
+    """State that the light of a camera has fallen since the start; empty if it has not.
 
     Parameters
     ----------

@@ -73,12 +73,12 @@ class Follower:
         self._changed = threading.Condition()
         self._ended = threading.Event()
         self.status = ""
-        """What the page states of the end; empty while the run is recorded."""
+        """Text of the page about the end of the run; empty while the run is recorded."""
         self.closed = False
         """Whether nothing more follows."""
 
     def jobs(self) -> Sequence[Callable[[], None]]:
-        """What the threads beside that of the arrivals do, again and again until the end."""
+        """Functions that further threads call repeatedly until the end."""
         return ()
 
     @contextmanager
@@ -108,7 +108,7 @@ class Follower:
             self._notify()
 
     def wait(self, version: int, timeout: float) -> int:
-        """The version, as soon as it is newer than `version`, or after `timeout` seconds."""
+        """Wait up to `timeout` seconds for a version newer than `version`; return the version."""
         with self._changed:
             self._changed.wait_for(lambda: self._version > version, timeout)
             return self._version
@@ -136,7 +136,7 @@ class Follower:
         return (self.directory / "run.toml").exists()
 
     def faults(self) -> dict[str, str]:
-        """What keeps pairs from being used or needs a look: subject to a sentence."""
+        """Faults that keep pairs from use or need attention: subject to sentence."""
         return self._faults | describe_missing(self._missing)
 
     def _repeat(self, job: Callable[[], None]) -> None:
@@ -144,7 +144,7 @@ class Follower:
             job()
 
     def _find(self) -> None:
-        """Look for new files when a change is reported, and from time to time."""
+        """Find new files when a change is reported, and at intervals."""
         while not self._ended.is_set():
             try:
                 self._follow_changes()
@@ -176,7 +176,7 @@ class Follower:
                 self._take(self._arrivals.look([self.directory / name for name in names]))
 
     def _look_at_all(self) -> None:
-        """Look for changes that nothing reported, and for what is missing."""
+        """Search the directory for unreported changes and for missing frames."""
         begun = time.monotonic()
         self._take(self._arrivals.look())
         ended = time.monotonic()
@@ -200,7 +200,7 @@ class Follower:
         self._shape = (rows, columns)
 
     def _pairs_of(self, arrivals: Sequence[Arrival]) -> FramePairs:
-        """Some of the pairs that have arrived."""
+        """Frame pairs of some of the arrivals."""
         pages = tuple(one.pages[0] for one in arrivals), tuple(one.pages[1] for one in arrivals)
         depths = self.settings.camera1.bit_depth, self.settings.camera2.bit_depth
         return FramePairs(self.directory, pages, self._shape, depths)

@@ -91,7 +91,7 @@ class LiveMap(NamedTuple):
 
 @dataclass(frozen=True)
 class LiveFilm:
-    """How a pair becomes its film, as far as the pairs so far determine it.
+    """Task that computes the film of single pairs during the recording.
 
     Attributes
     ----------
@@ -202,6 +202,6 @@ def run_of(directory: Any, settings: RunSettings, pairs: FramePairs) -> Run:
 
 
 def _for_single_pairs(settings: RunSettings) -> RunSettings:
-    """The settings without what follows from a log or from the whole of a run."""
+    """Settings without corrections that need a log or the whole run."""
     light = LightOptions(background=settings.light.background)
     return settings.model_copy(update={"light": light, "temperature": TemperatureOptions()})

@@ -98,7 +98,7 @@ class SetupWatch(Follower):
     # threads
 
     def _look(self) -> None:
-        """Look at the counts of the newest pair."""
+        """Check the counts of the newest pair."""
         with self._changed:
             frame = len(self._arrived) - 1
             if frame == self._looked:
@@ -172,7 +172,7 @@ class SetupWatch(Follower):
 def _with_references(
     checks: Sequence[CameraCheck], counts: Sequence[Counts], correct: FrameCorrection
 ) -> list[CameraCheck]:
-    """The same with what darks and flats determine."""
+    """Add dark level, sharpness and share of measurable pixels to the checks of a pair."""
     pair = measure_light(counts, correct.tables, energy=1.0)
     return [
         check._replace(
@@ -201,7 +201,7 @@ _BLURRED, _OVERLAP = 0.9, 0.95
 
 
 class CameraCheck(NamedTuple):
-    """What one frame shows of its camera.
+    """Levels, saturation and sharpness of one frame of a camera.
 
     Attributes
     ----------
@@ -234,7 +234,7 @@ class CameraCheck(NamedTuple):
 
 
 class MapCheck(NamedTuple):
-    """How camera 2 lies on camera 1.
+    """Position of camera 2 relative to camera 1, and quality of the registration.
 
     Attributes
     ----------
@@ -255,7 +255,7 @@ class MapCheck(NamedTuple):
 
     @classmethod
     def of(cls, camera_map: CameraMap) -> MapCheck:
-        """What a map shows."""
+        """Summarise a camera map."""
         x, y = (
             float(np.nanmedian(axis))
             for axis in (camera_map.displacement_x, camera_map.displacement_y)
@@ -265,7 +265,7 @@ class MapCheck(NamedTuple):
 
 
 def check_counts(counts: Counts, full_scale: int) -> CameraCheck:
-    """What the counts of a frame show by themselves.
+    """Check the counts of a frame without darks and flats.
 
     Parameters
     ----------
@@ -303,7 +303,7 @@ def check_counts(counts: Counts, full_scale: int) -> CameraCheck:
 def advise(
     cameras: Sequence[CameraCheck], found: MapCheck | None, best: Sequence[float]
 ) -> list[str]:
-    """What to turn, in sentences.
+    """Advise on the adjustment of the cameras, in sentences.
 
     Parameters
     ----------

@@ -48,7 +48,7 @@ STOP = "stop"
 
 @dataclass(frozen=True)
 class WatchState:
-    """What is known of a run that is watched, at one moment.
+    """State of a watched run at one moment.
 
     Attributes
     ----------
@@ -145,7 +145,7 @@ class Watch(Follower):
     # what is seen
 
     def state(self) -> WatchState:
-        """What is known now."""
+        """Present state of the run."""
         with self._changed:
             since = time.monotonic() - _HELD
             alarms = {name: text for name, (when, text) in self._raised.items() if when > since}

@@ -1,4 +1,4 @@
-"""What can be found out about a run or a fixture before anything is computed."""
+"""Checks of a run or a fixture before anything is computed."""
 
 from erlif.review.check.directory import Examination, check, examine
 

@@ -1,4 +1,4 @@
-"""Whether the calibration of a run exists, fits the run, and is as new as its fixture."""
+"""Checks of the calibration of a run: existence, match with the run, and age."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _MARGIN = 0.1  # widening of the range on both sides for noise, of the range of 
 
 
 def note_calibration(run: Run, cameras: RatioSurvey, *, allow_outside: bool) -> Iterator[Note]:
-    """Whether the calibration fits the bands, the ratios and the fixture.
+    """Check the calibration against the bands, the ratios and the fixture.
 
     Raises
     ------
@@ -40,7 +40,7 @@ def note_calibration(run: Run, cameras: RatioSurvey, *, allow_outside: bool) -> 
 
 
 def _note_one(run: Run, cameras: RatioSurvey, name: str, *, allow_outside: bool) -> Iterator[Note]:
-    """The same of one calibration that the settings name."""
+    """Check one calibration that the settings name."""
     settings, path = run.settings, run.directory / name
     has_fixture = (path.parent / "fixture.toml").is_file()
     if not path.exists():

@@ -1,4 +1,4 @@
-"""Both cameras together: overlap, registration, and whether they show the same laser pulses."""
+"""Both cameras together: overlap, registration, and agreement of the laser pulses."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ class PairPicture:
 
 @dataclass(frozen=True)
 class RatioSurvey:
-    """What registration and ratio show before the film is computed.
+    """Registration, ratio and light of a few pairs, before the film is computed.
 
     Attributes
     ----------
@@ -216,7 +216,7 @@ def note_registration(survey: RatioSurvey) -> Iterator[Note]:
 
 
 def note_textures(survey: RatioSurvey) -> Iterator[Note]:
-    """Whether the flats show a texture of the joint, which both cameras see."""
+    """Warn if the flats show a texture of the joint, common to both cameras."""
     references, camera_map = survey.chain.correct.references, survey.chain.camera_map
     if not bool(references.has_flat.values.all()):
         return

@@ -34,7 +34,7 @@ _UNLIT = 0.1  # light over that of the median frame, below which a pulse counts 
 
 @dataclass(frozen=True)
 class FrameCounts:
-    """What is kept of one frame pair; each field holds camera 1 and camera 2.
+    """Levels, saturation and sharpness of one frame pair, each of camera 1 and camera 2.
 
     Attributes
     ----------
@@ -178,7 +178,7 @@ def note_light(survey: CountSurvey, darks: Sequence[float]) -> Iterator[Note]:
 
 
 def find_copies(survey: CountSurvey) -> list[tuple[int, ...]]:
-    """Groups of frame pairs of which a camera shows the same counts.
+    """Find groups of frame pairs in which a camera has the same counts.
 
     Parameters
     ----------

@@ -62,7 +62,7 @@ Step = Callable[[], Iterator[Note]]
 
 @dataclass
 class Examination:
-    """What was found in a directory.
+    """Findings about the directory of a run or a fixture.
 
     Attributes
     ----------
@@ -229,7 +229,7 @@ def _note_frames(recording: Run | Fixture) -> Note:
 
 @dataclass
 class _Parts:
-    """The parts of an audit; each adds what it has found, which those after it use."""
+    """Parts of an audit in their order; later parts use the results of earlier ones."""
 
     recording: Run | Fixture
     run: Run | None
@@ -266,7 +266,7 @@ class _Parts:
         yield from note_bits(self.survey.histograms)
 
     def pairing(self) -> Iterator[Note]:
-        """Names of the files, and images that are copies."""
+        """Report the pairing of the files, and images that are copies."""
         yield from skipped_notes(self.recording.pairs)
         yield from note_numbers(self.recording.pairs)
         odd = {frame for frames in find_copies(self.survey) for frame in frames}
@@ -292,12 +292,12 @@ class _Parts:
         yield from note_textures(self.cameras)
 
     def pulses(self) -> Iterator[Note]:
-        """Whether both cameras show the same pulses."""
+        """Check that both cameras show the same pulses."""
         counted = [one.frame for one in self.survey.frames]
         yield from note_pulses(self.cameras, self.recording.pairs, counted=counted)
 
     def log(self, run: Run) -> Iterator[Note]:
-        """Triggers, cycles, steps, conditions and order, and what the film will lack."""
+        """Report triggers, cycles, steps, conditions, order, and omissions from the film."""
         self.found.steps = Steps.of(run.log)
         yield from run.log_notes
         located = locate_run(run)
@@ -316,7 +316,7 @@ class _Parts:
         yield from note_omissions(run.settings, triggers)
 
     def calibration(self, run: Run) -> Iterator[Note]:
-        """Whether it exists, fits, and is as new as its fixture."""
+        """Check that the calibration exists, fits, and is as new as its fixture."""
         yield from note_calibration(run, self.cameras, allow_outside=self.allow_outside)
 
 

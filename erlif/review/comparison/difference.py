@@ -325,7 +325,7 @@ def difference_map(one: xr.Dataset, other: xr.Dataset, *, triggers: tuple[int, i
 
 
 def _significant(significance: Array) -> npt.NDArray[np.uint8]:
-    """Where a difference is more than chance among that many cells."""
+    """Mark the cells in which a difference is significant, controlling false discoveries."""
     signs = np.zeros(significance.shape, np.uint8)
     known = np.isfinite(significance)
     if known.any():

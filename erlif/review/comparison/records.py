@@ -1,4 +1,4 @@
-"""What a comparison takes from a film: statistics with the parts of their errors kept apart."""
+"""Film statistics for a comparison, with the parts of their errors kept apart."""
 
 from __future__ import annotations
 

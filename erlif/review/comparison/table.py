@@ -111,7 +111,7 @@ def _describe_chart(comparison: xr.Dataset) -> list[str]:
 
 
 def _which_differ(comparison: xr.Dataset) -> str:
-    """Which runs differ, in one sentence."""
+    """State in one sentence which runs differ."""
     # a pair is named once, with all statistics that differ
     sentences = []
     for k in range(comparison.sizes["pair"]):

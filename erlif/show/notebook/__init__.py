@@ -1,4 +1,4 @@
-"""What the attribute `erlif` of datasets and arrays offers in a notebook.
+"""Attribute `erlif` of datasets and arrays in a notebook.
 
 ``import erlif`` is enough: `film.erlif` then exists for each dataset of xarray. It shows a film,
 opens its groups, makes masks of flags and sums up a region.

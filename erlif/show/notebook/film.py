@@ -28,7 +28,7 @@ from erlif.show.notebook.region import Interval, summarise_region
 
 
 class FilmAccessor:
-    """What `film.erlif` offers; `film` comes from `erlif.process` or `erlif.open_film`.
+    """Attribute `film.erlif` of a film from `erlif.process` or `erlif.open_film`.
 
     As the last line of a cell, `film.erlif` shows run, load, oil, statistics and some maps.
 
@@ -177,7 +177,7 @@ _TITLE_PARTS = 2  # coordinates in a title
 
 
 class MapAccessor:
-    """What `array.erlif` offers.
+    """Attribute `array.erlif` of a map.
 
     Parameters
     ----------
@@ -327,7 +327,7 @@ def _size(film: xr.Dataset) -> str:
 
 
 def _rows(film: xr.Dataset) -> list[tuple[str, str]]:
-    """What is shown of a film by name and value."""
+    """Rows of the summary of a film: name and value."""
     rows = [
         ("minimum film thickness", _range(film, "film_min", "um", 2)),
         ("mean film thickness", _range(film, "film_mean", "um", 2)),

@@ -164,7 +164,7 @@ class FigureSource:
         return kept
 
     def _calibration_files(self) -> list[Path]:
-        """Where the calibration can lie: as run.toml names it, and beside the fixture."""
+        """Possible paths of the calibration: as in run.toml, and beside the fixture."""
         named = stored.settings_of(self.film).calibrations
         files = [] if self.run_dir is None else [self.run_dir / name for name in named[:1]]
         if self.fixture_dir is not None:
@@ -235,7 +235,7 @@ DRAWN: dict[str, Callable[[FigureSource], AnyFigure]] = {
 
 
 def reason_missing(name: str, source: FigureSource) -> str | None:
-    """Give the reason why a figure cannot be drawn; None if it can."""
+    """State why a figure cannot be drawn; None if it can."""
     if name in ("processed_images", "ratio_image"):
         if source.run_dir is None:
             return "it needs the frames, and the run directory is neither given nor beside the film"
@@ -273,7 +273,7 @@ def reason_missing(name: str, source: FigureSource) -> str | None:
 
 
 def _reason_without_prediction(film: xr.Dataset) -> str:
-    """Why a film has no transient prediction."""
+    """State why a film has no transient prediction."""
     settings = stored.settings_of(film)
     if not isinstance(settings.mechanism, CrankRockerSettings):
         return "a transient film is predicted for the joint of a crank-rocker alone"
@@ -284,7 +284,7 @@ def _reason_without_prediction(film: xr.Dataset) -> str:
 
 
 def _describe_steady(film: xr.Dataset) -> str:
-    """Why there is no figure of the speed."""
+    """State why there is no figure of the speed."""
     if "sliding_speed" not in film:
         return "the film has no speed"
     speed = 1e3 * float(film.sliding_speed[0])
@@ -292,7 +292,7 @@ def _describe_steady(film: xr.Dataset) -> str:
 
 
 def _reason_without_trend(film: xr.Dataset) -> str | None:
-    """Why the film cannot be drawn against speed over load; None if it can."""
+    """State why the film cannot be drawn against speed over load; None if it can."""
     if "speed_exponent" not in film:
         lacking = [] if "joint_load" in film else ["joint_load"]
         if "rocker_speed" not in film and "sliding_speed" not in film:

@@ -1,4 +1,4 @@
-"""What is written above a figure, and in place of a map without a valid pixel."""
+"""Titles of figures, and text in place of a map without a valid pixel."""
 
 from __future__ import annotations
 

@@ -134,7 +134,7 @@ def _mark_minimum(ax: Axes, film: xr.Dataset, trigger: int) -> list[Artist]:
 
 
 def _name_visible(ax: Axes, profile: xr.Dataset, artists: list[Artist]) -> None:
-    """Leave a band that the line hides out of the legend."""
+    """Remove a band that the line hides from the legend."""
     for name, band in zip(("thickness_std", "thickness_std_shared"), artists[1:3], strict=True):
         if not style.is_visible(ax, 2 * profile[name].values, pt(_LINE)):
             band.set_label(None)

@@ -211,7 +211,7 @@ def _draw_small_map(
 
 
 def _small_titles(film: xr.Dataset, chosen: npt.NDArray[np.intp]) -> tuple[str, dict[int, str]]:
-    """What stands above the maps of a sheet, and its value for each of them."""
+    """Quantity in the titles of the maps of a sheet, and its value for each map."""
     for name, link in (("crank_angle", driven_link(film)), ("encoder_angle", "encoder")):
         if name in film:
             angles = film[name].values[chosen]

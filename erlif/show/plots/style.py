@@ -121,7 +121,7 @@ R = TypeVar("R")
 
 
 def styled(draw: Callable[P, R]) -> Callable[P, R]:
-    """Let a function draw in the look of erlif without a change to the settings of the caller.
+    """Decorate a function to draw in the look of erlif; settings of the caller are kept.
 
     What the caller has set, by a style sheet or by itself, is kept. Text in axes of the caller has
     the size of their labels.

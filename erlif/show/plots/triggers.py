@@ -1,4 +1,4 @@
-"""How the triggers of a film are drawn: against which quantity, and with which markers."""
+"""Drawing of triggers: abscissa, markers, error bars and lines."""
 
 from __future__ import annotations
 
@@ -116,7 +116,7 @@ def bars_of(film: xr.Dataset, name: str = "film_min") -> Bars:
 
 
 def limit_to_turn(ax: Axes) -> None:
-    """Let an axis of angles end with a whole turn."""
+    """Set the limits of an axis of angles to one turn."""
     ax.set_xlim(0, 360)
     ax.set_xticks(range(0, 361, 120 if is_page() else 60))
 

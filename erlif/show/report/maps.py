@@ -30,7 +30,7 @@ _FEWEST = 32  # pixels along the longer side of the smallest map
 
 @dataclass(frozen=True)
 class MapCoding:
-    """How the maps of a film are written.
+    """Coding of the maps of a film: kept pixels and thickness of one count.
 
     Attributes
     ----------
@@ -150,7 +150,7 @@ def describe_coding(coding: MapCoding) -> dict[str, float]:
 
 @dataclass(frozen=True)
 class KeptMaps:
-    """What a page holds of the maps of a film.
+    """Maps of a film that a page contains.
 
     Attributes
     ----------

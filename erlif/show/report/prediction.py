@@ -52,7 +52,7 @@ def _start_is_fitted(film: xr.Dataset) -> bool:
 
 
 def carrying_sentences(film: xr.Dataset) -> list[str]:
-    """What is assumed to carry the film, how far the measured film agrees, and how to test it."""
+    """Describe the assumed mount of the pin, the agreement of the film, and how to test it."""
     if "film_predicted_min" not in film:
         return []
     options = settings_of(film).prediction

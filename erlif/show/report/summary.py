@@ -111,7 +111,7 @@ def summarise_briefly(film: xr.Dataset) -> str:
 
 
 def describe_briefly(film: xr.Dataset, shares: Array) -> dict[str, str]:
-    """What is known of a film in a few rows, the first that a reader wants.
+    """Describe a film in its few most important rows.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Who may use the viewer: the page that was opened with the token, on this machine."""
+"""Access to the viewer: only by the page opened with the token, on this machine."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is seen, as files for other programs: CSV and TIFF."""
+"""Export of the displayed data to other programs: CSV and TIFF."""
 
 from __future__ import annotations
 

@@ -39,7 +39,7 @@ READING: dict[str, Callable[[queries.Request], queries.Found]] = {
 
 @dataclass(frozen=True)
 class Shared:
-    """What all requests of a page share.
+    """Objects that all requests of a page share.
 
     Attributes
     ----------

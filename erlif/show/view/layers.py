@@ -1,4 +1,4 @@
-"""What a map of the viewer can show: title, unit and colours of each layer."""
+"""Layers of a map in the viewer: title, unit and colours."""
 
 from __future__ import annotations
 

@@ -27,7 +27,7 @@ _THREADS = 16
 
 
 class LiveSource(Protocol):
-    """What the page shows of a run that is watched."""
+    """Protocol of the source of a page about a watched run."""
 
     def describe(self) -> dict[str, Any]:
         """Name of the run, size of a pixel [mm], and limits of the alarms."""
@@ -47,7 +47,7 @@ class LiveSource(Protocol):
 
 
 def readings_of(source: LiveSource) -> dict[str, Callable[[Request], Found]]:
-    """What the page can ask for, by its name in the address.
+    """Functions that serve the requests of the page, by their name in the address.
 
     Parameters
     ----------

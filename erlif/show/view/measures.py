@@ -1,4 +1,4 @@
-"""What is measured on maps: profiles along a line, statistics of a rectangle, differences."""
+"""Measurements on maps: profiles along a line, statistics of a rectangle, differences."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the page asks for, and what it receives: one function for each kind of request."""
+"""Requests of the page and their replies: one function for each kind of request."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the numbers of a log must fulfil, whatever the mechanism; rows without a number."""
+"""Checks of the numbers of a log for any mechanism, and of rows with missing numbers."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which column of a log holds what, and its numbers in the units of erlif.
+"""Assignment of the columns of a log to quantities, and conversion to the units of erlif.
 
 `choose_column` to `find_unit` serve every log; what follows is that of an encoder.
 """
@@ -242,7 +242,7 @@ def unit_suffix(name: str) -> str:
 
 @dataclass(frozen=True)
 class ColumnChoice:
-    """What [encoder] states about the columns of the log.
+    """Columns and units of the log as [encoder] states them.
 
     Attributes
     ----------
@@ -371,7 +371,7 @@ def convert_column(
 def convert_columns(
     table: LogTable, columns: Mapping[str, LogColumn], choice: ColumnChoice, *, dim: str
 ) -> tuple[xr.Dataset, list[str]]:
-    """All columns of a log by their names in erlif; further columns keep their own.
+    """Convert all columns of a log; known ones get the names of erlif, others keep theirs.
 
     Parameters
     ----------

@@ -124,7 +124,7 @@ def propose_log(paths: Iterable[Path], frames: int, *, unnamed: bool = False) ->
 
 
 def _find_by_unit(table: LogTable, named: dict[str, LogColumn]) -> Iterator[tuple[str, LogColumn]]:
-    """Columns of quantities that no name shows, where one column alone has such a unit."""
+    """Yield quantities recognised by their unit, where a single column has this unit."""
     for quantity, result in _BY_UNIT.items():
         scales = (
             (column, find_scale(quantity, find_unit(column, quantity, {})))
@@ -158,7 +158,7 @@ def _describe(
     *,
     by_frame: bool,
 ) -> LogProposal:
-    """What the recognised columns of a log hold."""
+    """Make the proposal of a log from its recognised columns."""
     values, without_unit = xr.Dataset(), []
     for quantity, column in columns.items():
         try:

@@ -181,7 +181,7 @@ CLOCK = "clock time"
 
 
 class Scale(NamedTuple):
-    """How the numbers of one unit become those of the log: factor times number plus offset.
+    """Conversion of a unit to that of the log: factor times number plus offset.
 
     Attributes
     ----------

@@ -187,7 +187,7 @@ class _Cells:
     modes: Array
 
     def fit_motion(self, values: Array, touching: Mask) -> Array:
-        """Modes that leave a rest of the gap whose pressures, over `own`, carry no load."""
+        """Fit the modes to values of the touching cells, weighted by cell area over `own`."""
         inside = self.modes[:, touching] * (self.area / self.own)[touching]
         matrix = inside @ self.modes[:, touching].T
         return np.asarray(
@@ -206,7 +206,7 @@ class _Cells:
         return factor
 
     def largest_error(self, residual: Array, pressure: Array) -> float:
-        """Gap where cells touch, overlap elsewhere, in units of the largest pressure."""
+        """Largest gap of touching cells or overlap of others, relative to the largest pressure."""
         size = np.where(pressure > 0, np.abs(residual), np.maximum(-residual, 0.0))
         wrong, peak = float((size / self.own).max()), float(pressure.max())
         if peak == 0:  # bodies apart from each other have no error, others have yet to touch

@@ -339,7 +339,7 @@ class HarmonicSolver:
         return component
 
     def _held(self, harmonic: int) -> Mask:
-        """Unknowns that are zero: planes of symmetry, clamps, the axis, rigid motions."""
+        """Mask of fixed unknowns: symmetry planes, clamps, the axis, rigid motions."""
         section, basis = self.section, self.basis
         r, z = basis.doflocs
         tolerance = 1e-9 * section.surface
@@ -365,7 +365,7 @@ class HarmonicSolver:
         return held
 
     def _rigid(self, harmonic: int, r: Array, z: Array, component: Array, line: Any) -> Mask:
-        """Points that keep a free body in place; their reactions vanish in equilibrium."""
+        """Mask of the unknowns that fix a free body; their reactions vanish in equilibrium."""
         section = self.section
         held = np.zeros(r.size, dtype=bool)
         inner = line(r, section.radii[0])

@@ -155,7 +155,7 @@ class Convolution:
         return self.multiply(pressure, tuple(slice(0, size) for size in self.shape))
 
     def multiply(self, values: Array, window: tuple[slice, ...]) -> Array:
-        """The same for values of any extent, of which a window is wanted, on the doubled grid.
+        """Multiply values of any extent on the doubled grid and return the wanted window.
 
         Rows of the padding are zero before, and not wanted after, so that their transforms are
         left out.

@@ -550,7 +550,7 @@ def _multiply(matrices: Array, pressure: Array) -> Array:
 
 
 def _share(elastic: ElasticJoint, load: float, position: float) -> tuple[Array, Array]:
-    """Forces on the loaded parts of the pin, and the sums that the pressure has to carry."""
+    """Forces on the loaded parts of the pin, and force and moment that the pressure balances."""
     if elastic.pin.loaded.shape[1] == 1:
         if position:
             raise ModelError(

@@ -1,4 +1,4 @@
-"""One crank-rocker with everything that a designer asks of it, tolerances of its links included."""
+"""Properties of one crank-rocker for its designer, with the tolerances of its links."""
 
 from dataclasses import dataclass, replace
 from typing import Literal, TypeAlias

@@ -92,14 +92,14 @@ _Point: TypeAlias = tuple[Array, float]
 
 @dataclass(frozen=True)
 class _Limits:
-    """What a design must keep beside its targets."""
+    """Limits that a design must satisfy besides its targets."""
 
     transmission: float
     size: tuple[float, float]
     width: float
 
     def score(self, links: Links) -> Values:
-        """Least transmission angle, or minus the excess over the limits where one is broken."""
+        """Minimum transmission angle, or minus the excess over the limits if one is violated."""
         angle = least_transmission(links)
         sides = zip(space(links, self.width), self.size, strict=True)
         excess = sum(np.maximum(side / limit - 1, 0.0) for side, limit in sides)
@@ -239,7 +239,7 @@ def synthesise_crank_rocker(
 
 
 def _best_scale(given: dict[str, float], *, longest_link: float | None, **wanted: Any) -> Synthesis:
-    """The best transmission angle of the family that one length and two targets leave."""
+    """Search the free length for the best transmission angle, given one length and two targets."""
     ((name, length),) = given.items()
     free = "rocker" if name == "ground" else "ground"
     longest = 10 * length if longest_link is None else longest_link
@@ -284,7 +284,7 @@ def _refuse_impossible(targets: dict[str, float], size: tuple[float, float]) -> 
 
 
 def _branches(targets: dict[str, float]) -> Iterator[list[_Target]]:
-    """Smooth equations that together cover the targets."""
+    """Yield the combinations of smooth equations that together cover the targets."""
     choices: list[list[_Target]] = []
     if "swing" in targets:
         choices.append([_Target("swing", measures.swing, targets["swing"])])
@@ -300,7 +300,7 @@ def _branches(targets: dict[str, float]) -> Iterator[list[_Target]]:
 
 
 def _solve(domain: Domain, branch: list[_Target], limits: _Limits) -> list[Array]:
-    """Places where one branch is solved or nearest to it; for a family, the best place."""
+    """Find where one branch of equations is solved or nearly so; for a family, the best place."""
     unknown = len(domain.unknown)
     if not unknown:
         return [np.empty(0)]
@@ -452,7 +452,7 @@ def _nearest(minima: list[tuple[float, float, Array]]) -> Array:
 def _starts(
     domain: Domain, branch: list[_Target], deviations: Callable[[Array], Array]
 ) -> tuple[list[Array], list[Array]]:
-    """Where the first target is met and the second changes its sign, and minima of the sum."""
+    """Starting points: sign changes of the second target where the first is met, and minima."""
     if len(domain.unknown) == 1:
         axis = _axis(LINE)
         sums = (deviations(axis[None]) ** 2).sum(axis=0)
@@ -510,7 +510,7 @@ def _is_same(one: LinkageDesign, other: LinkageDesign) -> bool:
 def _departures(
     design: LinkageDesign, targets: dict[str, float], limits: _Limits
 ) -> tuple[str, ...]:
-    """Targets and limits that a design misses."""
+    """Describe the targets and limits that a design misses."""
     departures = []
     for name, wanted in targets.items():
         got = getattr(design, name)

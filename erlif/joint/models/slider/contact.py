@@ -105,7 +105,7 @@ class Wall:
     def _meet(
         self, worn: Array, force: Array, bears: float, place: Array
     ) -> tuple[Array, Array, Array]:
-        """Overlap by cells, load that the wall does not carry, and energy less work."""
+        """Compute overlap of the cells, load not carried, and energy less work."""
         overlap = place @ self.normal - self.clearance - worn
         pressed = np.maximum(overlap, 0.0)
         missing = force - bears * pressed @ self.normal.T
@@ -231,7 +231,7 @@ class RoundBore:
     def rest(
         self, force_x: float, force_y: float, _cp: float, _sp: float, _turned: float
     ) -> tuple[float, float]:
-        """Eccentricity at which the contact carries a force."""
+        """Displacement of the pin at which the contact carries a force, (x, y). [m]"""
         force = hypot(force_x, force_y)
         reach = self.clearance + (force / self.stiffness) ** (2 / 3)
         return reach * force_x / (force or 1.0), reach * force_y / (force or 1.0)
@@ -296,7 +296,7 @@ class WornBore:
     def rest(
         self, force_x: float, force_y: float, cp: float, sp: float, turned: float
     ) -> tuple[float, float]:
-        """Eccentricity at which the contact carries a force."""
+        """Displacement of the pin at which the contact carries a force, (x, y). [m]"""
         force = np.array([[-(force_x * cp + force_y * sp), force_x * sp - force_y * cp]])
         worn = self.worn - self.wall.clearance
         if self.pin:

@@ -39,7 +39,7 @@ QUADRATURES = ("drive_work", "friction_loss", "impact_loss", "rubbing")
 
 
 class Links:
-    """What both joints share: lengths, bodies, drive and spring, as plain numbers."""
+    """Data of both kinds of joint: lengths, bodies, drive and spring, as plain numbers."""
 
     def __init__(
         self,
@@ -82,7 +82,7 @@ class SimplifiedJoint(Links):
     slowest_impact = 1.0  # not used: the joint has no law of contact
 
     def gap(self, _state: Array) -> float:
-        """A positive number: the pin never leaves its place."""
+        """Return a positive number: the pin of this joint never separates."""
         return 1.0
 
     def approach(self, _state: Array) -> float:
