@@ -115,7 +115,9 @@ def describe_tests(results: Sequence[EnduranceResult]) -> list[str]:
     test     galling  onset (95 %)                 load at failure  survived
     example  stage 6  4379.9 s (4377.7 to 4383.1)   123.8 ± 0.6 kN  106.6 kN
     """
-    rows = [("test", "galling", "onset (95 %)", "load at failure", "survived")]
+    rows: list[tuple[str, ...]] = [
+        ("test", "galling", "onset (95 %)", "load at failure", "survived")
+    ]
     warnings = []
     for one in results:
         failure, onset = one.failure, one.onset

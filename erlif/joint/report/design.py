@@ -62,8 +62,8 @@ def summarise_design(design: BearingDesign, *, brief: bool = False) -> str:
     Joint: boom of a loader
     """
     shown = [step for step in design.assessment.steps if not step.missing]
-    steps = [("step", "source", "present", "allowed", "margin  ", "state")]
-    apart = []
+    steps: list[tuple[str, ...]] = [("step", "source", "present", "allowed", "margin  ", "state")]
+    apart: list[tuple[str, ...]] = []
     for step in shown:
         # a star marks a margin that is not that of the value beside it
         marks = ("*" if step.basis else "") + ("?" if "doubtful" in outcome(step) else "")

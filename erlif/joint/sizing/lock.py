@@ -160,7 +160,8 @@ def _of_lock(equation: Callable[[JointState, Lock], Result | None]) -> Equation:
 def screw(state: JointState, lock: Lock) -> Result:
     """Eq. 15."""
     joint, force = state.joint, _force_on(state.joint, lock) / 1e3
-    texts = {"bushing": lock.friction_bushing, "seat": lock.friction_seat, "force": force}
+    texts: dict[str, Any] = {"bushing": lock.friction_bushing, "seat": lock.friction_seat}
+    texts["force"] = force
     if lock.screw_diameter is None or lock.screw_yield is None:
         return Result(force, variant="unknown", values=texts)
     least = _least_sizes(joint, lock)["screw_diameter"]
