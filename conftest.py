@@ -6,9 +6,6 @@ import sys
 
 import pytest
 
-# public names of folders: collected as modules they would take the place of the folders
-collect_ignore = ["erlif/plots.py", "erlif/readers.py"]
-
 
 @pytest.fixture(autouse=True)
 def _close_figures():

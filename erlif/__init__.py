@@ -11,7 +11,12 @@ The stages, in the order of the pipeline: `ingest`, `correction`, `registration`
 test logs.
 """
 
+import sys
+from collections.abc import Sequence
 from importlib import import_module
+from importlib.abc import Loader, MetaPathFinder
+from importlib.machinery import ModuleSpec
+from types import ModuleType
 
 import lazy_loader
 
@@ -22,6 +27,24 @@ ensure_kernel_cache()
 
 # the names stand in __init__.pyi, for this module and for editors alike
 __getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+
+
+class _PublicModules(MetaPathFinder, Loader):
+    """Imports `erlif.settings`, which lies elsewhere, as the module that the attribute is."""
+
+    def find_spec(
+        self, fullname: str, path: Sequence[str] | None, target: ModuleType | None = None
+    ) -> ModuleSpec | None:
+        package, _, name = fullname.rpartition(".")
+        public = package == __name__ and name in __all__
+        found = public and isinstance(__getattr__(name), ModuleType)
+        return ModuleSpec(fullname, self) if found else None
+
+    def exec_module(self, module: ModuleType) -> None:
+        sys.modules[module.__name__] = __getattr__(module.__name__.rpartition(".")[2])
+
+
+sys.meta_path.append(_PublicModules())
 
 
 def _add_accessors() -> None:

@@ -3,10 +3,20 @@
 import subprocess
 import sys
 from pathlib import Path
+from types import ModuleType
+
+import pytest
 
 import erlif
 
 ROOT = Path(__file__).parents[1]
+
+MODULES = {
+    name: module.__name__
+    for name in erlif.__all__
+    if isinstance(module := getattr(erlif, name), ModuleType)
+}
+"""Where the modules lie that are public as `erlif.name`."""
 
 
 def test_functions_stay_functions_when_every_module_is_loaded():
@@ -27,6 +37,24 @@ def test_every_public_name_resolves():
     for package in (erlif, erlif.joint):
         for name in package.__all__:
             assert getattr(package, name) is not None
+
+
+@pytest.mark.parametrize("first", ["import_module('erlif.' + name)", "getattr(erlif, name)"])
+def test_a_public_module_is_the_same_imported_and_as_attribute(first):
+    code = (
+        "import sys, erlif\n"
+        "from importlib import import_module\n"
+        "assert 'matplotlib' not in sys.modules\n"
+        f"for name, place in {MODULES}.items():\n"
+        f"    assert {first} is import_module(place), name\n"
+        "    assert import_module('erlif.' + name) is getattr(erlif, name), name\n"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True)
+
+
+def test_type_checkers_find_a_public_module_where_it_lies():
+    stubs = {path.stem: path.read_text().split()[1] for path in (ROOT / "erlif").glob("[!_]*.pyi")}
+    assert stubs.items() <= MODULES.items()
 
 
 def test_processing_loads_no_library_that_it_does_not_need():

@@ -17,7 +17,7 @@ Command = TypeVar("Command", bound=Callable[..., Any])
 PATH = click.Path(path_type=Path)
 
 
-class QuantityOption(click.ParamType[Any]):
+class QuantityOption(click.ParamType):  # type: ignore[type-arg] # generic since click 8.4 only
     """A number with a unit, such as "51 cm", or one of a few words."""
 
     def __init__(self, unit: str, name: str, *words: str) -> None:

@@ -33,7 +33,7 @@ _DELAY = 10.0
 _SHARE_OUTSIDE = 0.01
 
 
-class PictureSize(click.ParamType[tuple[int, int]]):
+class PictureSize(click.ParamType):  # type: ignore[type-arg] # generic since click 8.4 only
     """Columns x rows, such as 320x256."""
 
     name = "WIDTHxHEIGHT"

@@ -75,7 +75,10 @@ def test_pages_of_libtiff_are_read(tmp_path, compression, predictor, dtype):
 )
 def test_pages_of_imagecodecs_are_read(tmp_path, options):
     counts = GREY >> 2 if options.get("bitspersample") == 10 else GREY
-    tifffile.imwrite(tmp_path / "a.tif", counts, photometric="minisblack", **options)
+    try:
+        tifffile.imwrite(tmp_path / "a.tif", counts, photometric="minisblack", **options)
+    except NotImplementedError:
+        pytest.skip("imagecodecs before 2026.3 unpacks such pixels, but does not pack them")
     np.testing.assert_array_equal(read(tmp_path / "a.tif"), counts)
 
 

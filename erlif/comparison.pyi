@@ -1,0 +1,1 @@
+from erlif.review.comparison import *

@@ -1,0 +1,1 @@
+from erlif.io.files import *

@@ -1,0 +1,1 @@
+from erlif.show.notebook import *
