@@ -137,7 +137,7 @@ class StageFriction:
 
 
 @dataclass(frozen=True)
-class Record:
+class BlockRecord:
     """A stage whose samples are averaged into blocks.
 
     Attributes
@@ -167,7 +167,7 @@ class Record:
     scale: Array
 
     @classmethod
-    def of(cls, stage: StageFriction, longest: float) -> Record:
+    def of(cls, stage: StageFriction, longest: float) -> BlockRecord:
         """Average a stage; the longest stage lasts `longest` without its pauses. [s]"""
         time, friction, parts = _kept(stage)
         per_block = parts.pop()
@@ -196,21 +196,21 @@ class Record:
         """Turn columns (block, n) into ones with uncorrelated noise of equal variance."""
         return whiten(factor, columns / self.scale[:, None])
 
-    def with_rise(self, onset: float, constant: float) -> Record:
+    def with_rise(self, onset: float, constant: float) -> BlockRecord:
         """Make a record whose background holds a rise of any size."""
         return self._with(self.average(rises(self.samples, np.array([onset]), constant)))
 
-    def with_decay(self, onset: float, constant: float) -> Record:
+    def with_decay(self, onset: float, constant: float) -> BlockRecord:
         """Return a record with a decaying rise of free amplitude in its background."""
         lag = self.time - onset
         return self._with(np.where(lag < 0, 0.0, np.exp(-np.maximum(lag, 0.0) / constant)))
 
-    def without_samples(self, start: float, end: float) -> Record:
+    def without_samples(self, start: float, end: float) -> BlockRecord:
         """Make a record whose blocks in a span have no weight: each has a column of its own."""
         inside = (self.time >= start) & (self.time <= end)
         return self._with(np.eye(self.time.size)[:, inside])
 
-    def _with(self, columns: Array) -> Record:
+    def _with(self, columns: Array) -> BlockRecord:
         background = np.column_stack([self.background, columns])
         more = background.shape[1] - self.background.shape[1]
         usual = np.append(self.usual, np.full(more, np.inf))
@@ -280,7 +280,7 @@ class Candidate:
     rise: float
 
 
-def fits(records: Sequence[Record], candidate: Candidate | None) -> list[StageFit]:
+def fits(records: Sequence[BlockRecord], candidate: Candidate | None) -> list[StageFit]:
     """Collect what the noise is fitted to: the stages, the candidate as a column of its stage."""
     stages = []
     for k, record in enumerate(records):

@@ -193,7 +193,7 @@ _NEWTON_STEPS = 8
 
 
 @dataclass(frozen=True)
-class Spread:
+class NoiseSpread:
     """A variance, and the number of independent values that it is worth.
 
     Attributes
@@ -214,10 +214,10 @@ class Spread:
 
 
 # Nothing is known of the variance.
-UNKNOWN = Spread(1.0, 0.0)
+UNKNOWN = NoiseSpread(1.0, 0.0)
 
 
-def pool_spreads(spreads: Sequence[Spread]) -> list[Spread]:
+def pool_spreads(spreads: Sequence[NoiseSpread]) -> list[NoiseSpread]:
     """Estimate the variance of each stage from the other stages.
 
     Variances of stages scatter about a common one. How much they do follows from the scatter of
@@ -226,22 +226,22 @@ def pool_spreads(spreads: Sequence[Spread]) -> list[Spread]:
 
     Parameters
     ----------
-    spreads : sequence of Spread
+    spreads : sequence of NoiseSpread
         Variance of each stage.
 
     Returns
     -------
-    list of Spread
+    list of NoiseSpread
         For each stage that of the others; `UNKNOWN` where there are fewer than two of them.
 
     Examples
     --------
     Stages that are alike are worth all of their samples, unlike ones hardly any:
 
-    >>> alike = pool_spreads([Spread(2.0, 50.0)] * 4)[0]
+    >>> alike = pool_spreads([NoiseSpread(2.0, 50.0)] * 4)[0]
     >>> print(f"{alike.variance:.2f} of {alike.freedom:.0f}")
     2.03 of 150
-    >>> unlike = pool_spreads([Spread(2.0**k, 50.0) for k in range(-4, 5, 2)])[0]
+    >>> unlike = pool_spreads([NoiseSpread(2.0**k, 50.0) for k in range(-4, 5, 2)])[0]
     >>> unlike.freedom < 5
     True
     """
@@ -252,7 +252,7 @@ def pool_spreads(spreads: Sequence[Spread]) -> list[Spread]:
     return pooled
 
 
-def combine_spreads(spreads: Sequence[Spread]) -> Spread:
+def combine_spreads(spreads: Sequence[NoiseSpread]) -> NoiseSpread:
     """Estimate the common variance of stages, worth less the more unlike they are."""
     half = np.array([spread.freedom / 2 for spread in spreads])
     logs = np.log([spread.variance for spread in spreads]) - digamma(half) + np.log(half)
@@ -262,7 +262,7 @@ def combine_spreads(spreads: Sequence[Spread]) -> Spread:
     most = float(2 * half.sum())
     freedom = min(2 * _inverse_trigamma(unlike), most) if unlike > 0 else most
     level = float(np.mean(logs) + digamma(freedom / 2) - np.log(freedom / 2))
-    return Spread(float(np.exp(level)), freedom)
+    return NoiseSpread(float(np.exp(level)), freedom)
 
 
 def _inverse_trigamma(value: float) -> float:

@@ -13,8 +13,8 @@ import numpy as np
 from scipy.special import stdtr
 
 from erlif.core.arrays import Array
-from erlif.joint.endurance.blocks import LogClock, Record, forms, without
-from erlif.joint.endurance.noise import Noise, Spread, whiten
+from erlif.joint.endurance.blocks import BlockRecord, LogClock, forms, without
+from erlif.joint.endurance.noise import Noise, NoiseSpread, whiten
 
 # Noise after the onset over that before it. [1]
 GROWTHS = (1.0, 1.4, 2.0, 2.8)
@@ -72,9 +72,9 @@ class Onset:
 
 
 def locate_onset(
-    record: Record,
+    record: BlockRecord,
     noise: Noise,
-    spread: Spread,
+    spread: NoiseSpread,
     deviation: float,
     stage: int,
 ) -> Onset:
@@ -82,11 +82,11 @@ def locate_onset(
 
     Parameters
     ----------
-    record : Record
+    record : BlockRecord
         The stage.
     noise : Noise
         Noise of the test.
-    spread : Spread
+    spread : NoiseSpread
         What is known of the variance from the other stages.
     deviation : float
         Standard deviation of the noise, in which drift and running-in are of their usual size. [1]
@@ -138,7 +138,7 @@ def locate_onset(
     )
 
 
-def _level_before(record: Record, factor: Array, deviation: float, earliest: float) -> float:
+def _level_before(record: BlockRecord, factor: Array, deviation: float, earliest: float) -> float:
     """Friction at the last block before the onset: the background, fitted to all before it.
 
     A median of these would hold the running-in, which an early onset has not left behind.
@@ -156,9 +156,9 @@ def _level_before(record: Record, factor: Array, deviation: float, earliest: flo
 
 
 def _log_density(
-    record: Record,
+    record: BlockRecord,
     factor: Array,
-    spread: Spread,
+    spread: NoiseSpread,
     deviation: float,
     onsets: Array,
     *,
@@ -168,7 +168,7 @@ def _log_density(
 
     All are arrays (growth, form, onset). Amplitude, background and variance are integrated out:
     level, amplitude and the logarithm of the variance have flat priors, drift and running-in those
-    of `Record.usual`; an amplitude is positive.
+    of `BlockRecord.usual`; an amplitude is positive.
     """
     shapes = np.stack([record.average(form) for form in forms(record.samples, onsets)])
     ends = shapes[:, -1, :]

@@ -18,9 +18,9 @@ from scipy.special import ndtr, ndtri, owens_t, stdtr
 
 from erlif.core.arrays import Array
 from erlif.joint.endurance.blocks import (
+    BlockRecord,
     Candidate,
     LogClock,
-    Record,
     StageFriction,
     find_pauses,
     fits,
@@ -28,7 +28,7 @@ from erlif.joint.endurance.blocks import (
     without,
 )
 from erlif.joint.endurance.disturbances import local_scale
-from erlif.joint.endurance.noise import Noise, Spread, fit_noise, pool_spreads, whiten
+from erlif.joint.endurance.noise import Noise, NoiseSpread, fit_noise, pool_spreads, whiten
 from erlif.joint.endurance.onset import COLLINEAR, Onset, locate_onset
 
 # Time constants of the rise in the search for an onset; 0 is a step. [s]
@@ -115,7 +115,7 @@ def find_onset(
     if not usable:
         return OnsetSearch(None, 1.0, Noise(1.0, 1.0), left_out, least_rise=least_rise)
     longest = max(_duration(stages[k].time) for k in usable)
-    records = [Record.of(stages[k], longest) for k in usable]
+    records = [BlockRecord.of(stages[k], longest) for k in usable]
 
     # the rise itself must not count as noise: noise and candidate are found in turn
     interval = float(np.median(np.concatenate([np.diff(record.time) for record in records])))
@@ -188,7 +188,9 @@ def _transient(interval: float) -> float:
     return float(np.clip(time, least * interval, most * interval))
 
 
-def _most_likely(records: Sequence[Record], noise: Noise, spreads: Sequence[Spread]) -> _Found:
+def _most_likely(
+    records: Sequence[BlockRecord], noise: Noise, spreads: Sequence[NoiseSpread]
+) -> _Found:
     """Search all stages for the best rise."""
     scans = [_scan(record, noise, spread) for record, spread in zip(records, spreads, strict=True)]
     place = max(range(len(scans)), key=lambda k: scans[k].statistic)
@@ -215,7 +217,9 @@ def _most_likely(records: Sequence[Record], noise: Noise, spreads: Sequence[Spre
     )
 
 
-def _with_scale(record: Record, noise: Noise, candidate: Candidate | None, place: int) -> Record:
+def _with_scale(
+    record: BlockRecord, noise: Noise, candidate: Candidate | None, place: int
+) -> BlockRecord:
     """Return a stage whose samples are weighted down where they scatter more."""
     known = record
     if candidate is not None and candidate.record == place:
@@ -233,16 +237,16 @@ def _excess(scans: Sequence[_Scan]) -> list[float]:
     return [max(1.0, float(np.sqrt(np.mean(one[np.isfinite(one)] ** 2)))) for one in pooled]
 
 
-def _spread(record: Record, noise: Noise) -> Spread:
+def _spread(record: BlockRecord, noise: Noise) -> NoiseSpread:
     """Variance of a stage about its background."""
     columns = np.column_stack([record.background, record.friction])
     whitened = record.whiten(noise.factor(record.time), columns)
     triangle = np.asarray(np.linalg.qr(whitened, mode="r"))
     freedom = max(record.time.size - record.background.shape[1], 1)
-    return Spread(max(float(triangle[-1, -1] ** 2) / freedom, np.finfo(float).tiny), freedom)
+    return NoiseSpread(max(float(triangle[-1, -1] ** 2) / freedom, np.finfo(float).tiny), freedom)
 
 
-def _scan(record: Record, noise: Noise, spread: Spread) -> _Scan:
+def _scan(record: BlockRecord, noise: Noise, spread: NoiseSpread) -> _Scan:
     # the usual size of drift and running-in is known in units of the noise
     scan = _scan_with(record, noise, spread, np.inf)
     if not np.isfinite(scan.deviation):
@@ -251,9 +255,9 @@ def _scan(record: Record, noise: Noise, spread: Spread) -> _Scan:
 
 
 def _scan_with(
-    record: Record,
+    record: BlockRecord,
     noise: Noise,
-    spread: Spread,
+    spread: NoiseSpread,
     deviation: float,
     *,
     onsets: Array | None = None,

@@ -14,7 +14,7 @@ from erlif.io.conversion import table_csv
 from erlif.io.files import write_file
 from erlif.review.comparison import NO_CHANCE, describe_comparison
 from erlif.show.report.layout import (
-    Table,
+    PageTable,
     arrange_figures,
     compose_page,
     embed_image,
@@ -154,7 +154,7 @@ def _table(columns: dict[str, list[str]]) -> Markup:
         for name, values in shown.items()
     }
     rows = list(zip(*shown.values(), strict=True))
-    pairs = Table(rows, tuple(shown), numbers=range(3, len(shown)))
+    pairs = PageTable(rows, tuple(shown), numbers=range(3, len(shown)))
     table = render_part("macros.html", "scrolling", one=pairs, label="Table of the pairs")
     text = "Differences are the second run less the first; std is one standard deviation."
     return Markup("<p>{}</p>").format(text) + table

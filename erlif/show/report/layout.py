@@ -31,7 +31,7 @@ _OWN = "erlif.show.report"
 TABLES = read_table(_OWN, "tables.toml")
 
 
-class Table(NamedTuple):
+class PageTable(NamedTuple):
     """A table of a page, as the macro `table` draws it.
 
     Attributes

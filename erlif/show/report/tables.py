@@ -17,7 +17,7 @@ from erlif.show.plots.files import FigureSource
 from erlif.show.plots.maps import flag_swatch
 from erlif.show.report.layout import (
     TABLES,
-    Table,
+    PageTable,
     decimals,
     download_link,
     file_name,
@@ -55,7 +55,7 @@ def with_digits(value: float, digits: int) -> str:
     return f"{value:.{digits}f}".replace("-", "−") if math.isfinite(value) else _UNKNOWN
 
 
-def results_table(film: xr.Dataset, shares: Array) -> Table:
+def results_table(film: xr.Dataset, shares: Array) -> PageTable:
     """Make the table of the results; `shares` as `erlif.io.files.flag_shares` returns them."""
     # the same words as on the terminal, with the signs of print
     described = describe_film(film, shares)
@@ -76,7 +76,7 @@ def results_table(film: xr.Dataset, shares: Array) -> Table:
     if "joint_load" in film:
         rows.append(("Load", f"{with_span(film['joint_load'].values)} N"))
 
-    return Table(rows, caption="Results (± is one standard deviation, random and shared)")
+    return PageTable(rows, caption="Results (± is one standard deviation, random and shared)")
 
 
 def theory_sentences(film: xr.Dataset) -> dict[str, list[str]]:
@@ -113,7 +113,7 @@ def _theory_rows(film: xr.Dataset) -> list[tuple[str, str]]:
     ]
 
 
-def calibration_table(source: FigureSource) -> Table:
+def calibration_table(source: FigureSource) -> PageTable:
     """Make the table of the calibration."""
     calibration = source.calibration
     low, high = calibration.thickness_range
@@ -135,10 +135,10 @@ def calibration_table(source: FigureSource) -> Table:
     ]
     if math.isfinite(calibration.reduced_chi_square):
         rows.append(("Reduced χ²", f"{calibration.reduced_chi_square:.2f}"))
-    return Table(rows, caption="Calibration")
+    return PageTable(rows, caption="Calibration")
 
 
-def registration_table(registration: xr.Dataset, frames: xr.Dataset) -> Table:
+def registration_table(registration: xr.Dataset, frames: xr.Dataset) -> PageTable:
     """Make the table of the registration from the groups of a film."""
     quality = float(registration.attrs["registration_quality"])
     std = float(np.nanmedian(registration.displacement_std.values))
@@ -159,10 +159,10 @@ def registration_table(registration: xr.Dataset, frames: xr.Dataset) -> Table:
     skipped = int(np.isnan(frames.drift_x.values).sum())
     if skipped:
         rows.append(("Frame pairs without drift, or left out", f"{skipped}"))
-    return Table(rows, caption="Registration")
+    return PageTable(rows, caption="Registration")
 
 
-def flag_table(shares: Array) -> Table:
+def flag_table(shares: Array) -> PageTable:
     """Make the table of the flags that occur; `shares` in the order of `Flag`."""
     swatch = Markup('<span class="swatch" style="background:{}"></span>{}')
     rows = []
@@ -171,7 +171,7 @@ def flag_table(shares: Array) -> Table:
             name = swatch.format(flag_swatch(flag), flag.title)
             rows.append((name, TABLES["flags"][flag.name], describe_share(float(share))))
     caption = "Flagged pixels (one pixel may have several flags)"
-    return Table(rows, ("Flag", "Reason", "Share"), caption, numbers=[2])
+    return PageTable(rows, ("Flag", "Reason", "Share"), caption, numbers=[2])
 
 
 def _write_cells(film: xr.Dataset, name: str, column: dict[str, Any]) -> list[str]:
@@ -227,7 +227,9 @@ def trigger_section(film: xr.Dataset, valid: Array, *, most: float = float("inf"
         text = trigger_csv(film, valid, np.arange(0, count, held))
     return render(
         "triggers.html",
-        triggers=Table(list(zip(*columns.values(), strict=True)), tuple(columns), numbers=numbers),
+        triggers=PageTable(
+            list(zip(*columns.values(), strict=True)), tuple(columns), numbers=numbers
+        ),
         link=download_link(text, name=file_name(settings_of(film).name, "triggers.csv")),
         every=every,
         held=held,

@@ -408,7 +408,7 @@ def send_pixel(request: Request) -> dict[str, str]:
 
 
 @dataclass(frozen=True)
-class Export:
+class MapExport:
     """A file for the user.
 
     Attributes
@@ -424,10 +424,10 @@ class Export:
 
 
 # What a request is served.
-Found: TypeAlias = Mapping[str, Any] | bytes | Export
+Found: TypeAlias = Mapping[str, Any] | bytes | MapExport
 
 
-def export(request: Request) -> Export:
+def export(request: Request) -> MapExport:
     """Write what is seen as a file.
 
     Parameters
@@ -438,7 +438,7 @@ def export(request: Request) -> Export:
 
     Returns
     -------
-    Export
+    MapExport
         Maps have all pixels of the visible window, whatever the detail on the screen.
 
     Raises
@@ -454,13 +454,13 @@ def export(request: Request) -> Export:
     return _name_file(request, what, "csv", table_csv(_COLUMNS[what](request)).encode())
 
 
-def _name_file(request: Request, what: str, suffix: str, content: bytes) -> Export:
+def _name_file(request: Request, what: str, suffix: str, content: bytes) -> MapExport:
     """A file whose name has no characters that a system refuses."""
     run = "".join(c if c.isascii() and c.isalnum() else "_" for c in request.film().name)
-    return Export(f"{run[:40]}_{what}.{suffix}", content)
+    return MapExport(f"{run[:40]}_{what}.{suffix}", content)
 
 
-def _export_map(request: Request, kind: str) -> Export:
+def _export_map(request: Request, kind: str) -> MapExport:
     chosen = _read_chosen(request)
     left, top, right, bottom = request.numbers("window", 4)
     window = Window.within(chosen.reader.shape, (left, top, right, bottom))

@@ -7,7 +7,7 @@ import pytest
 from erlif.joint.endurance.noise import (
     UNKNOWN,
     Noise,
-    Spread,
+    NoiseSpread,
     combine_spreads,
     fit_noise,
     pool_spreads,
@@ -67,14 +67,14 @@ def test_variances_of_a_known_scatter_give_its_degrees_of_freedom(freedom):
     """Variances drawn as 2e-4 over chi-square by its degrees of freedom: the prior of Smyth."""
     rng = np.random.default_rng(3)
     true = 2e-4 * freedom / rng.chisquare(freedom, 2000)
-    pooled = combine_spreads([Spread(one * rng.chisquare(50) / 50, 50) for one in true])
+    pooled = combine_spreads([NoiseSpread(one * rng.chisquare(50) / 50, 50) for one in true])
     assert pooled.freedom == pytest.approx(freedom, rel=0.1)
     assert pooled.variance == pytest.approx(2e-4, rel=0.05)
 
     # stages that are alike are worth their samples
-    alike = [Spread(rng.chisquare(80) / 80, 80) for _ in range(1000)]
+    alike = [NoiseSpread(rng.chisquare(80) / 80, 80) for _ in range(1000)]
     assert combine_spreads(alike).freedom > 500
 
 
 def test_one_other_stage_does_not_show_how_unlike_stages_are():
-    assert pool_spreads([Spread(1.0, 50), Spread(2.0, 50)]) == [UNKNOWN, UNKNOWN]
+    assert pool_spreads([NoiseSpread(1.0, 50), NoiseSpread(2.0, 50)]) == [UNKNOWN, UNKNOWN]

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from erlif.joint.endurance.blocks import Record, StageFriction
+from erlif.joint.endurance.blocks import BlockRecord, StageFriction
 from erlif.joint.endurance.noise import UNKNOWN, Noise
 from erlif.joint.endurance.onset import locate_onset
 
@@ -13,7 +13,7 @@ TIME = np.arange(0.0, 200.0, 2.0)
 
 def locate(true, noise):
     noisy = true + noise * np.random.default_rng(8).standard_normal(TIME.size)
-    record = Record.of(StageFriction(TIME, noisy), 200.0)
+    record = BlockRecord.of(StageFriction(TIME, noisy), 200.0)
     return locate_onset(record, WHITE, UNKNOWN, noise, 3)
 
 

@@ -4,7 +4,7 @@ from markupsafe import Markup
 
 from erlif.show.report.layout import (
     PageFigure,
-    Table,
+    PageTable,
     arrange_figures,
     compose_page,
     download_link,
@@ -48,7 +48,7 @@ def test_no_row_of_figures_is_half_empty(read_page):
 
 
 def test_cells_links_and_names_of_files_stay_text(read_page):
-    one = Table([("<a>", "1")], ("name", "value"), "title", numbers=[1])
+    one = PageTable([("<a>", "1")], ("name", "value"), "title", numbers=[1])
     page = read_page(render("pairs.html", pairs=one))
     assert (page.texts["caption"], page.texts["tbody"]) == ("title", "<a>1")
     classes = [cell.get("class") for cell in (*page.all("th"), *page.all("td"))]

@@ -19,7 +19,7 @@ MOST_ITERATIONS = 2000
 
 
 @dataclass(frozen=True)
-class Contact:
+class CellContact:
     """Solution of a contact problem.
 
     Attributes
@@ -52,7 +52,7 @@ def solve_active_set(
     motion: Array | None = None,
     start: Array | None = None,
     tolerance: float = 1e-5,
-) -> Contact:
+) -> CellContact:
     """Find the pressure of a frictionless contact of given load or given motion.
 
     Parameters
@@ -78,7 +78,7 @@ def solve_active_set(
 
     Returns
     -------
-    Contact
+    CellContact
         Pressure, deflection and motion; without pressure where a given motion leaves a gap
         everywhere.
 
@@ -127,7 +127,7 @@ def solve_active_set(
             known, keep = False, False  # the deflection was updated; compute it once more
             continue
         if error <= tolerance:
-            return Contact(pressure, deflection, amplitudes, step, error)
+            return CellContact(pressure, deflection, amplitudes, step, error)
         if not touching.any():  # a given motion starts from the cells that overlap
             pressure = np.maximum(-residual, 0.0) / cells.own
             continue

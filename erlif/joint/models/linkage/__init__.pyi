@@ -1,5 +1,5 @@
 from .design import LinkageDesign as LinkageDesign
-from .design import Sensitivity as Sensitivity
+from .design import LinkSensitivity as LinkSensitivity
 from .design import link_sensitivity as link_sensitivity
 from .design import measure_linkage as measure_linkage
 from .motor import DrivePower as DrivePower

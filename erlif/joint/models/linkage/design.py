@@ -151,7 +151,7 @@ def measure_linkage(
 
 
 @dataclass(frozen=True)
-class Sensitivity:
+class LinkSensitivity:
     """Derivatives of the measures of a crank-rocker, in the order crank, coupler, rocker, ground.
 
     Attributes
@@ -207,7 +207,7 @@ class Sensitivity:
         }
 
 
-def link_sensitivity(linkage: CrankRocker) -> Sensitivity:
+def link_sensitivity(linkage: CrankRocker) -> LinkSensitivity:
     """Differentiate the measures of a crank-rocker by the lengths of its links.
 
     Parameters
@@ -217,7 +217,7 @@ def link_sensitivity(linkage: CrankRocker) -> Sensitivity:
 
     Returns
     -------
-    Sensitivity
+    LinkSensitivity
         Derivatives by crank, coupler, rocker and ground.
 
     Notes
@@ -250,11 +250,11 @@ def link_sensitivity(linkage: CrankRocker) -> Sensitivity:
             sides.append(_measures(measures.Links(*(float(length) for length in changed))))
         return [(high - low) / (2 * step) for high, low in zip(*sides, strict=True)]
 
-    return Sensitivity(*np.array([slope(index) for index in range(4)]).T)
+    return LinkSensitivity(*np.array([slope(index) for index in range(4)]).T)
 
 
 def _measures(links: measures.Links) -> list[float]:
-    """Values in the order of `Sensitivity`."""
+    """Values in the order of `LinkSensitivity`."""
     fastest = max(measures.speed_ratio(links, rising=rising) for rising in (True, False))
     others = (measures.time_ratio(links), measures.least_transmission(links))
     return [float(value) for value in (measures.swing(links), fastest, *others)]

@@ -38,7 +38,7 @@ _SLOWEST_SLIP = 1e-3
 QUADRATURES = ("drive_work", "friction_loss", "impact_loss", "rubbing")
 
 
-class Links:
+class SliderLinks:
     """Data of both kinds of joint: lengths, bodies, drive and spring, as plain numbers."""
 
     def __init__(
@@ -76,7 +76,7 @@ class Links:
         return now | dict(zip(QUADRATURES, integrals, strict=True))
 
 
-class SimplifiedJoint(Links):
+class SimplifiedJoint(SliderLinks):
     """Rod with a fixed lever to the pin centre: perfect joint, or lengthened by the clearance."""
 
     slowest_impact = 1.0  # not used: the joint has no law of contact
@@ -191,7 +191,7 @@ class SimplifiedJoint(Links):
         return self.with_energies(now, state[2:])
 
 
-class GeneralJoint(Links):
+class GeneralJoint(SliderLinks):
     """Pin that moves in its bushing and touches it by a law of contact.
 
     The coordinates are the crank angle and the eccentricity, pin centre less bushing centre: a
