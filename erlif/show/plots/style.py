@@ -110,10 +110,6 @@ _KEYS: dict[str, Any] = {"handlelength": 1.8, "handleheight": 1.0, "columnspacin
 # level 6, the default, takes half as long again for 2 % smaller files
 _PNG_COMPRESSION = 4
 
-# tables for setting new text; a PDF places each glyph itself, and subsetting them takes longer
-# than the rest of a font
-_TEXT_LAYOUT = ("GDEF", "GPOS", "GSUB", "kern")
-
 AnyFigure = Figure | SubFigure
 
 P = ParamSpec("P")
@@ -690,21 +686,5 @@ def _draw_bytes(figure: Figure, kind: str, dpi: float | None) -> bytes:
             options["metadata"] = {**(options["metadata"] or {}), "Title": title}
         options["pil_kwargs"] = {"compress_level": _PNG_COMPRESSION}
     content = io.BytesIO()
-    with _without_text_layout():
-        figure.savefig(content, **options)
+    figure.savefig(content, **options)
     return content.getvalue()
-
-
-@contextmanager
-def _without_text_layout() -> Iterator[None]:
-    """Embed fonts without the tables for setting new text."""
-    from fontTools.subset import Options  # type: ignore[import-untyped]
-
-    # matplotlib takes fontTools' defaults and has no setting for them; a version that does not know
-    # this list embeds all tables, which takes longer
-    dropped = getattr(Options, "_drop_tables_default", [])
-    Options._drop_tables_default = [*dropped, *_TEXT_LAYOUT]
-    try:
-        yield
-    finally:
-        Options._drop_tables_default = dropped
