@@ -27,7 +27,7 @@ import numpy as np
 import xarray as xr
 
 from erlif.joint.models.edges import (
-    ElasticJoint,
+    EdgeJoint,
     Undercut,
     edge_exponent,
     lundberg_profile,
@@ -42,7 +42,7 @@ from erlif.models.contact import conformal_radius, hertz_ellipse, hertz_line, wi
 
 POUND = 4.4482216
 STEEL = 200e9 / 2 / (1 - 0.3**2)
-THESIS = ElasticJoint(0.03336, 0.03359, 0.0533, length=0.2373, pin_length=0.3508)
+THESIS = EdgeJoint(0.03336, 0.03359, 0.0533, length=0.2373, pin_length=0.3508)
 OPTIMUM = Undercut(depth=0.020, width=0.008, lip=0.0093)
 TESTED = Undercut(depth=0.010, width=0.0051, lip=0.00787)
 

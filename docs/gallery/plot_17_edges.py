@@ -14,10 +14,10 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import erlif
-from erlif.joint.models import ElasticJoint, Undercut, prepare_joint, solve_joint
+from erlif.joint.models import EdgeJoint, Undercut, prepare_joint, solve_joint
 from erlif.models import contact
 
-joint = ElasticJoint(0.03336, 0.03359, 0.0533, length=0.2373, pin_length=0.3508)
+joint = EdgeJoint(0.03336, 0.03359, 0.0533, length=0.2373, pin_length=0.3508)
 pound, steel = 4.4482, 109.9e9
 mesh = {"growth": 1.6, "largest_cell": 8e-3, "harmonics": [0, 1, 2, 5, 14, 40, 110]}
 fine = {"smallest_cell": 0.1e-3, **mesh}

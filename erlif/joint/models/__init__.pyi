@@ -9,7 +9,7 @@ from . import slider as slider
 from . import slider_dynamics as slider_dynamics
 from . import slider_wear as slider_wear
 from . import wear as wear
-from .edges import ElasticJoint as ElasticJoint
+from .edges import EdgeJoint as EdgeJoint
 from .edges import Undercut as Undercut
 from .edges import edge_exponent as edge_exponent
 from .edges import lundberg_profile as lundberg_profile

@@ -9,23 +9,28 @@ import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.patches import Patch
 
 from erlif.joint.sizing import FRICTION, BearingDesign, JointState
 from erlif.show.plots import style
-from erlif.show.plots.style import MEAN, MUTED, ONE_COLUMN, OUTWARD, RETURN, TWO_COLUMNS, styled
+from erlif.show.plots.style import (
+    MEAN,
+    MUTED,
+    ONE_COLUMN,
+    OUTWARD,
+    RETURN,
+    TWO_COLUMNS,
+    Curve,
+    styled,
+)
 
 _TALL = 0.72  # height by width of the figure of four panels
 _BAR = 0.16  # inch: height of a bar with its space
 _MOST = 1.3  # share of what is allowed at which bars end
-_ABOVE = 1.4  # free share above the curves, for the legend
 _NEAR = 2.5  # times the highest pressure up to which the allowed one is drawn
 _FLAT = math.radians(60.0)  # half contact angle beyond which a flat arc has no meaning
 _ALIKE = 0.9  # mean over largest load from which one point stands for both
 _DECADE = 10.0 ** (1 / 2)  # room on either side of the points of the pv diagram
-_OVER: dict[str, Any] = {"loc": "lower right", "bbox_to_anchor": (1.0, 1.0)}  # of a legend
-_INVALID: dict[str, Any] = {"facecolor": "white", "edgecolor": OUTWARD, "hatch": "//////"}
-_POINT: dict[str, Any] = {"marker": "o", "linestyle": "", "color": OUTWARD}
+_KINDS = {"limit": OUTWARD, "recommendation": MUTED, "exceeded": RETURN}  # colours of bars
 _LIMIT: dict[str, Any] = {"color": "black", "linewidth": 0.8}
 
 
@@ -59,25 +64,20 @@ def design_margins(design: BearingDesign, *, ax: Axes | None = None) -> list[Art
     bars: list[Artist] = []
     for row, step in enumerate(steps):
         used = math.inf if step.margin <= -1 else 1 / (1 + step.margin)  # the wrong sign
-        colour = RETURN if not step.holds else OUTWARD if step.kind == "limit" else MUTED
-        # a step outside of its validity is hatched
-        face = {"color": colour} if step.valid else {"color": "white", "hatch": _INVALID["hatch"]}
-        bars += ax.barh(row, min(used, _MOST), 0.7, edgecolor=colour, linewidth=0.6, **face)
+        kind = step.kind if step.holds else "exceeded"
+        colour = _KINDS[kind]
+        look: dict[str, Any] = {"color": colour, "label": kind}
+        if not step.valid:
+            look = {"color": "white", "hatch": "//////", "label": "equation not valid"}
+        bars += ax.barh(row, min(used, _MOST), 0.7, edgecolor=colour, linewidth=0.6, **look)
         if used > _MOST:
             ax.text(_MOST, row, "▸", va="center", ha="left", color=colour, clip_on=False)
     ax.axvline(1.0, **_LIMIT)
     titles = [f"{step.title} ({step.basis})" if step.basis else step.title for step in steps]
     ax.set_yticks(range(len(steps)), titles)
     ax.set(xlim=(0, _MOST), ylim=(len(steps) - 0.4, -0.6))
-    ax.set_xlabel("part of the limit that is used")
-    shown: list[tuple[bool, dict[str, Any], str]] = [
-        (any(s.kind == "limit" for s in steps), {"color": OUTWARD}, "limit"),
-        (any(s.kind != "limit" for s in steps), {"color": MUTED}, "recommendation"),
-        (not all(s.holds for s in steps), {"color": RETURN}, "exceeded"),
-        (not all(s.valid for s in steps), _INVALID, "equation not valid"),
-    ]
-    handles = [Patch(label=name, **look) for wanted, look, name in shown if wanted]
-    ax.legend(handles=handles, ncols=4, columnspacing=1.0, **_OVER)
+    ax.set_xlabel("part of the limit that is used", loc="right")
+    style.legend_above(ax)
     return bars
 
 
@@ -101,35 +101,27 @@ def design_pressure(design: BearingDesign, *, ax: Axes | None = None) -> list[Ar
     contact = state.contact
     reach = math.pi if contact is not None and contact.half_angle > math.pi / 2 else math.pi / 2
     angle = np.linspace(-reach, reach, 721)
-    degrees, lines = np.degrees(angle), []
-
-    highest = assessment.step("pressure_cosine").present
+    curves: list[tuple[Any, str, str, str]] = []
     if contact is not None:
         persson = state.pressure_over_arc(angle) / 1e6
-        lines += ax.plot(degrees, persson, color=OUTWARD, label="eq. 9, Persson")
-        highest = max(highest, contact.peak / 1e6)
+        curves.append((persson, OUTWARD, "eq. 9, Persson", "-"))
         if contact.hertz_half_angle < _FLAT:
             edge = math.sin(contact.hertz_half_angle)
             inside = np.clip(1 - (np.sin(angle) / edge) ** 2, 0, None)
             flat = contact.hertz_peak / 1e6 * np.sqrt(inside) * (np.abs(angle) < math.pi / 2)
-            lines += ax.plot(degrees, flat, color=RETURN, linestyle=":", label="eq. 8, Hertz")
-            highest = max(highest, contact.hertz_peak / 1e6)
+            curves.append((flat, RETURN, "eq. 8, Hertz", ":"))
 
-    front = np.abs(angle) <= math.pi / 2
-    cosine = assessment.step("pressure_cosine").present * np.clip(np.cos(angle), 0, None)
-    lines += ax.plot(degrees, cosine, color=MEAN, linestyle="--", label="eq. 7, cosine")
-    mean = np.where(front, assessment.step("pressure_projected").present, 0.0)
-    lines += ax.plot(degrees, mean, color=MUTED, linestyle="-.", label="eq. 6, projected")
-
-    allowed = assessment.step("pressure_cosine").allowed[1]
-    if allowed < _NEAR * highest:
-        ax.axhline(allowed, color="black", linewidth=0.8, label="hardness / safety")
-        highest = max(highest, allowed)
-    ax.set(xlabel="angle from the load [degree]", ylabel="pressure [MPa]")
-    ax.set(xlim=(degrees[0], degrees[-1]), ylim=(0, _ABOVE * highest))
-    ax.set_xticks(np.linspace(degrees[0], degrees[-1], 5))
-    style.frame_legend(ax, loc="upper center", ncols=2, columnspacing=1.0)
-    return list(lines)
+    cosine = assessment.step("pressure_cosine")
+    mean = assessment.step("pressure_projected").present * (np.abs(angle) <= math.pi / 2)
+    over_arc = cosine.present * np.clip(np.cos(angle), 0, None)
+    curves.append((over_arc, MEAN, "eq. 7, cosine", "--"))
+    curves.append((mean, MUTED, "eq. 6, projected", "-."))
+    if cosine.allowed[1] < _NEAR * max(values.max() for values, *_ in curves):
+        ax.axhline(cosine.allowed[1], label="hardness / safety", **_LIMIT)
+    degrees = np.degrees(angle)
+    limits = {"xticks": np.linspace(degrees[0], degrees[-1], 5), "xmargin": 0, "ylim": (0, None)}
+    drawn = [Curve(degrees, y, colour, name, {"form": form}) for y, colour, name, form in curves]
+    return style.draw_curves(ax, drawn, "angle from the load [degree]", "pressure [MPa]", **limits)
 
 
 @styled
@@ -152,11 +144,11 @@ def design_pv(design: BearingDesign, *, ax: Axes | None = None) -> list[Artist]:
     """
     ax = style.given_or_new(ax)
     joint, ring = design.joint, design.joint.bushing
-    ax.set(xlabel="projected pressure [MPa]", ylabel="sliding speed [mm/s]")
     speed = design.assessment.step("speed").present
+    labels = "projected pressure [MPa]", "sliding speed [mm/s]"
     if not speed > 0:
         style.state_empty(ax, "no motion")
-        return []
+        return style.draw_curves(ax, (), *labels)
 
     largest = design.assessment.step("pressure_projected").present
     mean = largest * joint.moving_force / joint.force
@@ -165,39 +157,33 @@ def design_pv(design: BearingDesign, *, ax: Axes | None = None) -> list[Artist]:
     ]
     strength = min(halves) if ring.yield_stress is not None else math.inf
 
-    pressures = [largest, mean, *([strength] if math.isfinite(strength) else [])]
-    speeds = [speed, 20.0]
-    if ring.pressure is not None:
-        pressures.append(ring.pressure / 1e6)
-    if ring.speed is not None:
-        speeds.append(ring.speed * 1e3)
-    across = (min(pressures) / _DECADE, max(pressures) * _DECADE)
-    up = (min(speeds) / _DECADE, max(speeds) * _DECADE * _ABOVE)
+    pressures = np.array([largest, mean, strength, (ring.pressure or math.inf) / 1e6])
+    speeds = np.array([speed, 20.0, (ring.speed or 0.02) * 1e3])
+    pressures = pressures[np.isfinite(pressures)]
+    across = np.array([pressures.min() / _DECADE, pressures.max() * _DECADE])
+    up = (speeds.min() / _DECADE, speeds.max() * _DECADE)
 
     if math.isfinite(strength):
-        ax.plot([strength] * 2, [up[0], 20.0], color=MUTED, label="eq. 5: yield / 2 to 0.02 m/s")
-        ax.plot([across[0], strength], [20.0] * 2, color=MUTED)
+        corner = [strength, strength, across[0]], [up[0], 20.0, 20.0]
+        ax.plot(*corner, color=MUTED, label="eq. 5: yield / 2 to 0.02 m/s")
     if ring.pressure is not None:
         ax.axvline(ring.pressure / 1e6, label="limits of the bushing", **_LIMIT)
     if ring.speed is not None:
         ax.axhline(ring.speed * 1e3, **_LIMIT)
     if ring.pv is not None:
         # W/mm2 over MPa is m/s
-        x = np.array(across)
-        ax.plot(x, ring.pv / 1e6 / x * 1e3, color=RETURN, linestyle="--", label="pv limit")
+        limit = ring.pv / 1e6 / across * 1e3
+        style.draw_line(ax, across, limit, RETURN, form="--", label="pv limit")
 
     # loads that are alike would hide each other
     alike = mean > _ALIKE * largest
     name = "largest and mean load" if alike else "largest load"
-    points: list[Artist] = list(ax.plot(largest, speed, label=name, **_POINT))
+    points = [Curve(largest, speed, OUTWARD, name, {"form": "o"})]
     if not alike:
-        square = _POINT | {"marker": "s", "color": MEAN, "markerfacecolor": "white"}
-        points += ax.plot(mean, speed, label="mean load", **square)
-    ax.set(xscale="log", yscale="log", xlim=across, ylim=up)
-    for axis in (ax.xaxis, ax.yaxis):
-        style.plain_log_axis(axis)
-    style.frame_legend(ax, loc="best")
-    return points
+        square = {"form": "s", "markerfacecolor": "white"}
+        points.append(Curve(mean, speed, MEAN, "mean load", square))
+    scales: dict[str, Any] = {"xscale": "log", "yscale": "log", "xlim": across, "ylim": up}
+    return style.draw_curves(ax, points, *labels, **scales)
 
 
 @styled
@@ -219,25 +205,23 @@ def design_temperature(design: BearingDesign, *, ax: Axes | None = None) -> list
     """
     ax = style.given_or_new(ax)
     joint, step = design.joint, design.assessment.step("temperature")
-    ax.set(xlabel="friction", ylabel="temperature [°C]")
+    labels = "friction", "temperature [°C]"
     if step.missing:
         style.state_empty(ax, "conductivity or motion\nnot known")
-        return []
+        return style.draw_curves(ax, (), *labels)
 
     outside, limit = joint.outside_temperature, step.allowed[1]
     friction = np.array([0.0, max(FRICTION[1], 1.1 * joint.friction)])
     slope = (step.present - outside) / joint.friction if joint.friction > 0 else 0.0
     ax.axvspan(*FRICTION, color="#F2F2F2", zorder=-2, label="range of the guide")
     surface = outside + slope * friction
-    lines: list[Artist] = [*ax.plot(friction, surface, color=OUTWARD, label="surface")]
-    lines += ax.plot(joint.friction, step.present, label="this joint", **_POINT)
     ax.axhline(limit, label="limit", **_LIMIT)
     ax.axhline(outside, color=MUTED, linewidth=0.6, linestyle=":", label="outside")
-    low, high = sorted((outside, max(limit, surface[1])))
-    ax.set(xlim=friction, ylim=(low - 0.1 * (high - low), high + 0.1 * (high - low) + 1.0))
-    # above the axes, where it covers neither the curve nor the shading
-    ax.legend(ncols=3, columnspacing=0.8, handlelength=1.5, **_OVER)
-    return lines
+    curves = (
+        Curve(friction, surface, OUTWARD, "surface"),
+        Curve(joint.friction, step.present, OUTWARD, "this joint", {"form": "o"}),
+    )
+    return style.draw_curves(ax, curves, *labels, xlim=friction, ymargin=0.1)
 
 
 @styled
@@ -257,28 +241,22 @@ def design_wear(design: BearingDesign, *, ax: Axes | None = None) -> list[Artist
     """
     ax = style.given_or_new(ax)
     step = design.assessment.step("wear")
-    ax.set(xlabel="time in motion [h]", ylabel="worn depth [mm]")
+    labels = "time in motion [h]", "worn depth [mm]"
     if step.missing:
         style.state_empty(ax, "wear rate, life or motion\nnot known")
-        return []
+        return style.draw_curves(ax, (), *labels)
 
     life = (design.joint.life or 0.0) / 3600
     limit = step.allowed[1]
     end = 1.25 * life
-    lines = ax.plot([0, end], [0, 1.25 * step.present], color=OUTWARD, label="worn depth")
+    line = Curve([0, end], [0, 1.25 * step.present], OUTWARD, "worn depth")
     ax.axvline(life, color=MUTED, linewidth=0.6, linestyle=":", label="life")
-    highest = max(1.25 * step.present, 1e-9)
-    if math.isfinite(limit):
-        reached = step.number("life to the largest wear")
-        if limit < _NEAR * highest:
-            ax.axhline(limit, label="largest wear", **_LIMIT)
-            highest = max(highest, limit)
-        elif math.isfinite(reached):
-            hours = f"{float(f'{reached:.2g}'):.10g}"
-            ax.set_title(f"largest wear, {limit:g} mm, after {hours} h", fontsize="medium")
-    ax.set(xlim=(0, end), ylim=(0, _ABOVE * highest))
-    style.frame_legend(ax, loc="upper left", ncols=3, columnspacing=1.0)
-    return list(lines)
+    if limit < _NEAR * 1.25 * step.present:
+        ax.axhline(limit, label="largest wear", **_LIMIT)
+    elif math.isfinite(limit) and step.present > 0:
+        hours = float(f"{step.number('life to the largest wear'):.2g}")
+        ax.plot([], [], " ", label=f"largest wear, {limit:g} mm, after {hours:.10g} h")
+    return style.draw_curves(ax, [line], *labels, xlim=(0, end), ylim=(0, None))
 
 
 @styled

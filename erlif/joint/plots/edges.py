@@ -14,7 +14,7 @@ from matplotlib.patches import StepPatch
 
 from erlif.core.arrays import Array
 from erlif.show.plots import style
-from erlif.show.plots.style import MEAN, MINIMUM, MUTED, OUTWARD, RETURN, pt, styled
+from erlif.show.plots.style import MEAN, MINIMUM, MUTED, OUTWARD, RETURN, Curve, pt, styled
 
 _MEGA, _MILLI = 1e-6, 1e3
 
@@ -56,8 +56,7 @@ def contact_pressure_map(found: xr.Dataset, *, ax: Axes | None = None) -> QuadMe
     colours = style.colour_map("lajolla")
     mesh = ax.pcolormesh(lines, _lines(place), shown, cmap=colours, vmin=0.0)
     touching = place[(pressure > _REST * pressure.max()).any(axis=1)]
-    reach = 1.3 * np.abs(touching).max() if touching.size else np.inf
-    reach = min(reach, np.abs(place).max())
+    reach = min(1.3 * np.abs(touching).max(initial=0.0) or np.inf, np.abs(place).max())
     ax.set_ylim(-reach, reach)
     (loaded,) = np.nonzero((pressure > 0).any(axis=0))
     if loaded.size:
@@ -111,9 +110,7 @@ def axial_pressure(
     if hertz is not None:
         level = ax.axhline(hertz * _MEGA, color=MUTED, linestyle="--", label="Hertz's line contact")
         artists.append(level)
-    ax.set(xlabel="axial place z [mm]", ylabel="pressure [MPa]")
-    ax.set_ylim(bottom=0.0)
-    style.legend_above(ax, ncols=1 + len(artists) // 2)
+    style.draw_curves(ax, (), "axial place z [mm]", "pressure [MPa]", ylim=(0.0, None))
     return artists
 
 
@@ -206,21 +203,21 @@ def undercut_pressure(found: xr.Dataset, *, ax: Axes | None = None) -> list[Line
     >>> line.get_label()
     '20'
     """
-    ax = style.given_or_new(ax)
     chosen = found.patch_pressure.sel(width=float(found.best_width))
     colours = style.colour_map("batlow")(np.linspace(0.05, 0.8, found.sizes["depth"]))
-    lines: list[Line2D] = []
-    for colour, (depth, line) in zip(colours, chosen.groupby("depth"), strict=True):
-        lip, mean = found.lip.values * _MILLI, line.values.ravel() * _MEGA
-        look: dict[str, Any] = {"form": "o-", "size": 2.5, "label": f"{float(depth) * _MILLI:g}"}
-        lines += style.draw_line(ax, lip, mean, colour, **look)
+    look: dict[str, Any] = {"form": "o-", "size": 2.5}
+    curves = [
+        Curve(found.lip * _MILLI, line * _MEGA, colour, f"{float(line.depth) * _MILLI:g}", look)
+        for colour, line in zip(colours, chosen.transpose("depth", "lip"), strict=True)
+    ]
     best = chosen.sel(depth=float(found.best_depth), lip=float(found.best_lip))
     look = {"form": "o", "size": 7.0, "markerfacecolor": "none"}
-    place = float(found.best_lip) * _MILLI, float(best) * _MEGA
-    lines += style.draw_line(ax, *place, MINIMUM, **look)
+    curves.append(Curve(found.best_lip * _MILLI, best * _MEGA, MINIMUM, None, look))
     patch = float(found.patch_pressure.attrs["patch"]) * _MILLI
-    ax.set(xlabel="lip D3 [mm]", ylabel=f"largest mean over {patch:g} mm [MPa]")
-    style.legend_above(ax, title="depth D1 [mm]", ncols=3, handles=lines[:-1])
+    labels = "lip D3 [mm]", f"largest mean over {patch:g} mm [MPa]"
+    ax = style.given_or_new(ax)
+    lines = style.draw_curves(ax, curves, *labels)
+    style.legend_above(ax, title="depth D1 [mm]")
     return lines
 
 

@@ -10,14 +10,13 @@ import numpy as np
 from matplotlib import rcParams
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.lines import Line2D
 
 from erlif.core.arrays import Array
 from erlif.core.errors import EnduranceError
 from erlif.core.units import count_of
 from erlif.joint.endurance import DesignComparison, EnduranceResult, FailureLoad
 from erlif.show.plots import style
-from erlif.show.plots.style import MUTED, OUTWARD, RETURN, TWO_COLUMNS, AnyFigure, pt, styled
+from erlif.show.plots.style import MUTED, OUTWARD, RETURN, TWO_COLUMNS, AnyFigure, Curve, pt, styled
 
 _MINUTE = 60.0
 _ROW = 1.15  # inch, height of a panel
@@ -56,17 +55,7 @@ def load_profile(result: EnduranceResult, *, ax: Axes | None = None) -> list[Art
     >>> line.axes.get_ylabel()
     'load [kN]'
     """
-    ax = style.given_or_new(ax)
-    load = result.test["load"].values / 1e3
-    artists = _draw(result, load, ax, "load [kN]")
-    for stage in result.loaded:
-        middle = 0.5 * (stage.start + stage.end) / _MINUTE
-        above = (middle, stage.load / 1e3)
-        style.write_beside(ax, str(stage.number), above, (0, pt(2)), ha="center")
-    ax.margins(y=0.3)  # for the numbers of the stages
-    if np.nanmin(load) > -_NOTHING * np.nanmax(load):
-        ax.set_ylim(bottom=0.0)
-    return artists
+    return quantity_over_test(result, "load", ax=ax)
 
 
 @styled
@@ -115,12 +104,40 @@ def quantity_over_test(
     >>> line.axes.get_ylabel()
     'vibration [g]'
     """
+    ax, values = style.given_or_new(ax), result.test[name].values
+    if name == "friction":  # without a load it has no meaning
+        values = _in_stages(result, name)
+    time = result.test["time"].values / _MINUTE
+    line = Curve(time, values / _SCALES.get(name, 1.0), OUTWARD, None, {"width": 0.7})
+    for stage in result.loaded:
+        start, end = stage.start / _MINUTE, stage.end / _MINUTE
+        ax.axvspan(start, end, color=_LOADS, linewidth=0, zorder=0, label="stage under load")
+        if name == "load":
+            above = (0.5 * (start + end), stage.load / _SCALES["load"])
+            style.write_beside(ax, str(stage.number), above, (0, pt(2)), ha="center")
+    marks = _mark_onset(ax, result, _MINUTE)
+    # a jump just before the end must not lie on the frame
+    right = time[-1] + _MARGIN * (time[-1] - time[0])
+    labels = "time [min]", _label(result, name)
+    lines = style.draw_curves(ax, [line], *labels, xlim=(time[0], right))
+    style.legend_above(ax, ncols=1)
+    ax.ticklabel_format(useOffset=False)
     if name == "load":
-        return load_profile(result, ax=ax)
-    # friction without a load has no meaning
-    within = name == "friction"
-    values = _in_stages(result, name) if within else result.test[name].values
-    return _draw(result, values, ax, _label(result, name))
+        ax.margins(y=0.3)  # for the numbers of the stages
+        if np.nanmin(values) > -_NOTHING * np.nanmax(values):
+            ax.set_ylim(bottom=0.0)
+    return [*lines, *marks]
+
+
+def _mark_onset(ax: Axes, result: EnduranceResult, unit: float) -> list[Artist]:
+    """Mark the onset of galling and its interval, where there is one, in a unit of time. [s]"""
+    if result.onset is None:
+        return []
+    onset = result.onset
+    ax.axvspan(onset.earliest / unit, onset.latest / unit, color=RETURN, alpha=0.3, linewidth=0)
+    minutes = f"at {onset.time / _MINUTE:.2f} min = {onset.time:.1f} s"
+    label = f"galling {_PAUSE if onset.pause else minutes}, with its 95 % interval"
+    return [ax.axvline(onset.time / unit, color=RETURN, linewidth=pt(0.8), label=label)]
 
 
 def _label(result: EnduranceResult, name: str) -> str:
@@ -131,7 +148,8 @@ def _label(result: EnduranceResult, name: str) -> str:
     return name if unit == "1" else f"{name} [{unit}]"
 
 
-_UNITS = {"torque": "N m", "temperature": "°C"}
+_UNITS = {"load": "kN", "torque": "N m", "temperature": "°C"}
+_SCALES = {"load": 1e3}  # of the units in the log
 _PAUSE = "in a pause of the log"
 
 # panels of the figure of all that a test has logged
@@ -161,10 +179,8 @@ def endurance_figure(result: EnduranceResult, *, figure: AnyFigure | None = None
     panels = style.rows_or_columns(figure, len(names), sharex=True)
     for ax, name in zip(panels, names, strict=True):
         quantity_over_test(result, name, ax=ax)
-        if ax is not panels[-1]:
-            ax.set_xlabel("")
     style.letter_panels(*panels)
-    style.legend_of_figure(figure, _keys(result))
+    style.legend_of_figure(figure)
     return figure
 
 
@@ -210,8 +226,7 @@ def failure_figure(result: EnduranceResult, *, figure: AnyFigure | None = None) 
     for ax, name in zip(panels, ("torque", "friction"), strict=True):
         values = result.test[name].values[stage.samples]
         style.draw_line(ax, time[near], values[near], OUTWARD, form=".-", width=0.6, size=2)
-        ax.axvspan(onset.earliest, onset.latest, color=RETURN, alpha=0.25, linewidth=0)
-        ax.axvline(onset.time, color=RETURN, linewidth=pt(0.8))
+        _mark_onset(ax, result, 1.0)
         ax.set_ylabel(_label(result, name))
         ax.ticklabel_format(useOffset=False)
 
@@ -222,9 +237,7 @@ def failure_figure(result: EnduranceResult, *, figure: AnyFigure | None = None) 
         style.draw_line(panels[1], span, (level, level), "black", form="--", width=0.8)
     interval = f"95 %: {onset.earliest:.1f} to {onset.latest:.1f} s"
     panels[0].set_title(interval, loc="right", color=RETURN)
-    # the first and the last point are whole
-    margin = _MARGIN * (time[-1] - time[near][0])
-    panels[1].set(xlabel="time [s]", xlim=(time[near][0] - margin, time[-1] + margin))
+    panels[1].set(xlabel="time [s]", xmargin=_MARGIN)  # the first and the last point are whole
     return figure
 
 
@@ -312,57 +325,36 @@ def write_endurance_figures(
     >>> write_endurance_figures.__name__
     'write_endurance_figures'
     """
-    written = []
     with style.in_style(None):
-        for name, kind in zip(
-            name_figures(result, overview=overview), ["", *_kinds(result)], strict=True
-        ):
-            if kind == "failure":
-                figure: AnyFigure = failure_figure(result)
-            elif kind:
-                figure = _one_panel(result, kind)
-            else:
-                figure = endurance_figure(result)
-            written.append(style.save_figure(figure, folder / name))
-    return written
+        figures = [endurance_figure(result), *(_one_panel(result, k) for k in _kinds(result))]
+        names = name_figures(result, overview=overview)
+        return [
+            style.save_figure(figure, folder / name)
+            for figure, name in zip(figures, names, strict=True)
+        ]
 
 
 @styled
 def _one_panel(result: EnduranceResult, kind: str) -> AnyFigure:
     """A quantity over the time of the test; friction twice, so that its running-in is seen."""
-    twice = kind == "friction" and result.onset is not None
-    figure = style.new_figure(height=_ROW * 3.2, text=0.4) if twice else style.new_figure()
-    panels = style.rows_or_columns(figure, 1 + twice, sharex=True)
+    if kind == "failure":
+        return failure_figure(result)
+    onset = result.onset if kind == "friction" else None
+    count = 1 if onset is None else 2
+    figure = style.new_figure(height=_ROW * (1.2 + count), text=0.4)
+    panels = style.rows_or_columns(figure, count, sharex=True)
     for ax in panels:
         quantity_over_test(result, kind, ax=ax)
-    if twice:
-        panels[0].set_xlabel("")
-        _limit_to_before(result, panels[1])
-    figure.suptitle(result.name)
-    style.legend_of_figure(figure, _keys(result))
-    return figure
-
-
-def _limit_to_before(result: EnduranceResult, ax: Axes) -> None:
-    """Limits of friction before the onset."""
-    onset = result.onset
-    before = result.test["time"].values < (np.inf if onset is None else onset.earliest)
-    friction = _in_stages(result, "friction")[before]
-    low, high = np.nanmin(friction), np.nanmax(friction)
-    margin = _EDGE * (high - low)
-    ax.set_ylim(low - margin, high + margin)
-    ax.set_title("limits of the friction before galling", loc="right")
-
-
-def _keys(result: EnduranceResult) -> list[Artist]:
-    """Keys of the marks: stages, and the onset in both units of time."""
-    keys: list[Artist] = [style.swatch(_LOADS, "stage under load")]
-    onset = result.onset
     if onset is not None:
-        minutes = f"at {onset.time / _MINUTE:.2f} min = {onset.time:.1f} s"
-        when = _PAUSE if onset.pause else minutes
-        keys.append(Line2D([], [], color=RETURN, label=f"galling {when}, with its 95 % interval"))
-    return keys
+        panels[0].set_xlabel("")
+        friction = _in_stages(result, kind)[result.test["time"].values < onset.earliest]
+        low, high = np.nanmin(friction), np.nanmax(friction)
+        margin = _EDGE * (high - low)
+        panels[1].set_ylim(low - margin, high + margin)
+        panels[1].set_title("limits of the friction before galling", loc="right")
+    figure.suptitle(result.name)
+    style.legend_of_figure(figure, ncols=1)
+    return figure
 
 
 def _in_stages(result: EnduranceResult, name: str) -> Array:
@@ -371,26 +363,6 @@ def _in_stages(result: EnduranceResult, name: str) -> Array:
     for stage in result.loaded:
         kept[stage.samples] = result.test[name].values[stage.samples]
     return kept
-
-
-def _draw(result: EnduranceResult, values: Array, ax: Axes | None, label: str) -> list[Artist]:
-    """A line over the time of the test, the stages shaded, the onset marked."""
-    ax = style.given_or_new(ax)
-    time = result.test["time"].values / _MINUTE
-    artists: list[Artist] = list(style.draw_line(ax, time, values, OUTWARD, width=0.7))
-    for stage in result.loaded:
-        ax.axvspan(stage.start / _MINUTE, stage.end / _MINUTE, color=_LOADS, linewidth=0, zorder=0)
-    if result.onset is not None:
-        onset = result.onset
-        ax.axvspan(
-            onset.earliest / _MINUTE, onset.latest / _MINUTE, color=RETURN, alpha=0.3, linewidth=0
-        )
-        artists.append(ax.axvline(onset.time / _MINUTE, color=RETURN, linewidth=pt(0.8)))
-    # a jump just before the end must not lie on the frame
-    ax.ticklabel_format(useOffset=False)
-    right = time[-1] + _MARGIN * (time[-1] - time[0])
-    ax.set(xlim=(time[0], right), xlabel="time [min]", ylabel=label)
-    return artists
 
 
 @styled
@@ -445,15 +417,12 @@ def loads_of_designs(
         for which, face in ((failed, colour), (~failed, "white")):
             look: dict[str, Any] = {"form": "o", "size": 3, "markerfacecolor": face}
             artists += style.draw_line(ax, loads[which], rows[which], colour, **look)
-    ax.set(xlabel="load [kN]", ylim=(row - 1.2, -0.8))
+    ax.set(xlabel="load [kN]", ylim=(row - 1.2, -0.8), xmargin=0.15)
     ax.set_yticks(ticks, [compared.first, compared.second])
     ax.ticklabel_format(axis="x", useOffset=False)
-    ax.margins(x=0.15)
-    marks = [
-        Line2D([], [], linestyle="none", marker="o", color=MUTED, markerfacecolor=face, label=label)
-        for face, label in ((MUTED, "failed"), ("white", "survived (censored)"))
-    ]
-    ax.legend(handles=marks, loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2)
+    for face, label in ((MUTED, "failed"), ("white", "survived (censored)")):
+        style.draw_line(ax, [], [], MUTED, form="o", markerfacecolor=face, label=label)
+    style.legend_above(ax)
     return artists
 
 
@@ -488,7 +457,7 @@ def designs_figure(
     panels = figure.subplots(2, 1, height_ratios=(height - 4 * _TABLE_ROW, pt(lines)))
     loads_of_designs(compared, first, second, ax=panels[0])
     panels[1].axis("off")
-    table = panels[1].table(rows, bbox=(0, 0, 1, 1), cellLoc="left")
+    table = panels[1].table(rows, bbox=(0, 0, 1, 1), cellLoc="left", colWidths=(0.3, 0.7))
     table.auto_set_font_size(False)
     table.set_fontsize(rcParams["font.size"])
     for cell in table.get_celld().values():

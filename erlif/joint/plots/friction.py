@@ -48,18 +48,17 @@ def friction_over_reversals(series: ReversalSeries, *, ax: Axes | None = None) -
     ax = style.given_or_new(ax)
     pairs = series.pairs
     known = "sliding_distance" in pairs
-    x = pairs["sliding_distance"].values if known else pairs["time"].values / _MINUTE
-    value, std = pairs["friction"].values, pairs["friction_std"].values
+    x = (pairs["sliding_distance"] if known else pairs["time"] / _MINUTE).values
     look: dict[str, Any] = {"color": OUTWARD, "markersize": pt(2.5), "linewidth": pt(0.7)}
-    drawn = ax.errorbar(x, value, std, fmt="o", label="pair of stretches", **look)
+    look |= {"fmt": "o", "label": "pair of stretches"}
+    drawn = ax.errorbar(x, pairs["friction"].values, pairs["friction_std"].values, **look)
 
     middle, half = series.friction, series.friction_std
     ax.axhspan(middle - half, middle + half, color=RETURN, alpha=0.25, linewidth=0)
     mean = ax.axhline(middle, color=RETURN, linewidth=pt(0.8), label="mean ± 1 std")
 
-    ax.set_xlabel("sliding distance [m]" if known else "time [min]")
-    ax.set_ylabel("apparent friction coefficient")
-    ax.margins(y=0.1)
+    along = "sliding distance [m]" if known else "time [min]"
+    ax.set(xlabel=along, ylabel="apparent friction coefficient", ymargin=0.1)
     ax.locator_params(axis="x", nbins=5)  # their labels do not meet
     style.legend_above(ax)
     return [drawn[0], mean]

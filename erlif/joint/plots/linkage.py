@@ -27,6 +27,8 @@ POSITIONS = 48
 _TURN = np.linspace(0.0, 2 * np.pi, 361)  # rad
 _HEIGHT = 0.66  # of the width of the figure
 _MARGIN = 0.08  # about the linkage, of its length
+_OVER_A_TURN: dict[str, Any] = {"xlabel": "crank angle [°]", "xlim": (0, 360)}
+_OVER_A_TURN["xticks"] = range(0, 361, 90)
 _GOOD = 40.0  # degrees, the customary least transmission angle
 
 
@@ -97,7 +99,7 @@ def linkage_positions(
     linkage = design.linkage
     places = 1e3 * pin_places(linkage, _TURN)
     middle = places[:, 1:3].mean(axis=1)
-    paths = ((places[:, 1], MUTED, "paths of the pins"), (places[:, 2], MUTED, None))
+    paths = ((places[:, pin], MUTED, "paths of the pins") for pin in (1, 2))
     for path, colour, name in (*paths, (middle, MEAN, "path of the coupler's middle")):
         x, y = path.T
         style.draw_line(ax, x, y, colour, form=":", width=0.9, zorder=1, label=name)
@@ -122,7 +124,7 @@ def linkage_positions(
     ax.margins(_MARGIN)
     ax.set(xlabel="along the ground link [mm]", ylabel="across [mm]")
     ax.set_aspect("equal", adjustable="datalim")
-    style.legend_above(ax)
+    style.legend_above(ax, ncols=1)
     view = LinkageView(linkage, drawn)
     view.show(_rising(linkage) if crank_angle is None else crank_angle)
     return view
@@ -162,11 +164,10 @@ def transmission_over_crank(design: LinkageDesign, *, ax: Axes | None = None) ->
     for edges in ((0.0, _GOOD), (180.0 - _GOOD, 180.0)):
         ax.axhspan(*edges, color="#F2F2F2", zorder=-1)
     ax.axhline(90.0, color=MUTED, linewidth=pt(0.6), linestyle=":")
-    _over_a_turn(ax, "transmission angle [°]")
-    ax.set_ylim(max(low, 0.0), min(high, 180.0))
     if low < _GOOD or high > 180 - _GOOD:
         # the bands themselves are named once, and only where they are seen
         ax.patches[-1].set_label(f"beyond {_GOOD:g}° to {180 - _GOOD:g}°")
+    ax.set(**_OVER_A_TURN, ylabel="transmission angle [°]", ylim=(max(low, 0.0), min(high, 180.0)))
     return [*line, *extremes]
 
 
@@ -189,16 +190,9 @@ def rocker_over_crank(design: LinkageDesign, *, ax: Axes | None = None) -> list[
     known = np.isfinite(design.crank_speed)
     rate = np.asarray(design.linkage.rocker_speed(_TURN, crank_speed=1.0))
     speed = rate * (design.crank_speed * 30 / np.pi if known else 1.0)
-    line = ax.plot(np.degrees(_TURN), speed, color=MINIMUM)
     ax.axhline(0.0, color=MUTED, linewidth=pt(0.6), linestyle=":")
-    _over_a_turn(ax, "rocker speed [rpm]" if known else "rocker speed / crank speed")
-    return list(line)
-
-
-def _over_a_turn(ax: Axes, label: str) -> None:
-    """Axes over the crank angle."""
-    ax.set(xlim=(0, 360), xlabel="crank angle [°]", ylabel=label)
-    ax.set_xticks(range(0, 361, 90))
+    ax.set(**_OVER_A_TURN, ylabel="rocker speed [rpm]" if known else "rocker speed / crank speed")
+    return [*ax.plot(np.degrees(_TURN), speed, color=MINIMUM)]
 
 
 @styled
@@ -228,8 +222,8 @@ def linkage_view(design: LinkageDesign, *, figure: AnyFigure | None = None) -> L
     rocker_over_crank(design, ax=panels["s"])
     transmission_over_crank(design, ax=panels["t"])
     style.letter_panels(*(panels[name] for name in "pst"))
-    look: dict[str, Any] = {"color": RETURN, "linewidth": pt(0.9), "zorder": 3}
-    marks = [panels[name].axvline(0.0, **look, label="as drawn in (a)") for name in "st"]
+    look: dict[str, Any] = {"color": RETURN, "linewidth": pt(0.9), "label": "as drawn in (a)"}
+    marks = [panels[name].axvline(0.0, zorder=3, **look) for name in "st"]
     for name in "st":
         style.legend_above(panels[name])
     figure.suptitle(_name(design))

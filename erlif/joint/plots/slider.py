@@ -13,7 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
 from erlif.show.plots import style
-from erlif.show.plots.style import MEAN, MINIMUM, MUTED, OUTWARD, RETURN, styled
+from erlif.show.plots.style import MEAN, MINIMUM, MUTED, OUTWARD, RETURN, Curve, styled
 
 _DASHES = ("-", "--", "-.", ":", (0, (5, 1)))
 _LOOKS = tuple(zip((MINIMUM, OUTWARD, RETURN, MEAN, MUTED), _DASHES, strict=True))
@@ -44,18 +44,13 @@ def joint_force(simulations: Mapping[str, xr.Dataset], *, ax: Axes | None = None
     >>> line.axes.get_ylabel()
     'joint force [N]'
     """
-    ax = style.given_or_new(ax)
-    lines: list[Line2D] = []
-    for (name, simulation), (colour, dashes) in zip(
-        simulations.items(), cycle(_LOOKS), strict=False
-    ):
-        degrees, force = np.degrees(simulation.crank_angle.values), simulation.force.values
-        lines += style.draw_line(ax, degrees, force, colour, form=dashes, width=0.9, label=name)
-    ax.set(xlabel="crank angle [°]", ylabel="joint force [N]")
-    ax.set_ylim(bottom=0)
-    ax.margins(x=0)
-    style.legend_above(ax)
-    return lines
+    looks = zip(simulations.items(), cycle(_LOOKS), strict=False)
+    curves = [
+        Curve(np.degrees(one.crank_angle), one.force, colour, name, {"form": dashes, "width": 0.9})
+        for (name, one), (colour, dashes) in looks
+    ]
+    ax, limits = style.given_or_new(ax), {"ylim": (0, None), "xmargin": 0}
+    return style.draw_curves(ax, curves, "crank angle [°]", "joint force [N]", **limits)
 
 
 @styled
@@ -83,27 +78,28 @@ def joint_wear(worn: xr.Dataset, *, ax: Axes | None = None) -> list[Line2D]:
     >>> lines[-1].get_label()
     '100 cycles'
     """
-    ax = style.given_or_new(ax)
     degrees = np.degrees(worn.angle.values)
 
     # the state before the first cycle is no wear
     last = worn.sizes["cycle"] - 1
     chosen = sorted({round(last * k / _PROFILES) for k in range(1, _PROFILES + 1)} - {0})
-    lines: list[Line2D] = []
+    curves = []
     for k, at in enumerate(chosen, 1):
-        look: dict[str, Any] = {"form": _DASHES[len(chosen) - k], "width": 0.9}
-        look |= {"alpha": 0.35 + 0.65 * k / len(chosen), "label": f"{int(worn.cycle[at]):,} cycles"}
-        lines += style.draw_line(ax, degrees, 1e3 * worn.depth.values[at], OUTWARD, **look)
+        look = {"form": _DASHES[len(chosen) - k], "alpha": 0.35 + 0.65 * k / len(chosen)}
+        name, depth = f"{int(worn.cycle[at]):,} cycles", 1e3 * worn.depth.values[at]
+        curves.append(Curve(degrees, depth, OUTWARD, name, look | {"width": 0.9}))
 
     # a pin that does not wear has no line
     if np.any(worn.pin_depth.values[-1] > 0):
-        depth = 1e3 * worn.pin_depth.values[-1]
-        lines += style.draw_line(ax, degrees, depth, RETURN, width=0.9, label="pin")
-    ax.set(xlim=(-180, 180), xticks=range(-180, 181, 90))
-    ax.set(xlabel="place on the bushing, 0 in tension [°]", ylabel="worn depth [mm]")
-    ax.set_ylim(bottom=0)
-    style.legend_above(ax, ncols=2)
-    return lines
+        curves.append(Curve(degrees, 1e3 * worn.pin_depth.values[-1], RETURN, "pin"))
+    labels = "place on the bushing, 0 in tension [°]", "worn depth [mm]"
+    limits: dict[str, Any] = {
+        "xlim": (-180, 180),
+        "xticks": range(-180, 181, 90),
+        "ylim": (0, None),
+    }
+    limits["xticks"] = range(-180, 181, 90)
+    return style.draw_curves(style.given_or_new(ax), curves, *labels, **limits)
 
 
 @styled
@@ -138,7 +134,7 @@ def extrapolation_error(
     """
     ax = style.given_or_new(ax)
     factors = found.extrapolation.values
-    drawn: list[Artist] = []
+    curves = []
     for name, label, colour, mark, dash, size in (
         ("worn_volume", "volume", OUTWARD, "o", "-", 3.0),
         ("greatest_depth", "depth", RETURN, "s", "--", 6.0),  # both are often alike
@@ -147,15 +143,14 @@ def extrapolation_error(
         limit = float(found[f"{name}_limit"] if fine is None else fine[name])
         error = 100 * np.abs(found[name].values - limit) / abs(limit)
         bound = 100 * found[f"{name}_bound"].values / abs(limit)
-        look: dict[str, Any] = {"size": size, "label": f"{label}: error"}
-        look["markerfacecolor"] = "none" if dash == "--" else colour
-        drawn += style.draw_line(ax, factors, error, colour, form=mark, **look)
-        look = {"width": 0.9, "label": f"{label}: bound"}
-        drawn += style.draw_line(ax, factors, bound, colour, form=dash, **look)
+        face = "none" if dash == "--" else colour
+        look = {"form": mark, "size": size, "markerfacecolor": face}
+        curves.append(Curve(factors, error, colour, f"{label}: error", look))
+        look = {"form": dash, "width": 0.9}
+        curves.append(Curve(factors, bound, colour, f"{label}: bound", look))
 
-    ax.set(xscale="log", yscale="log", xlabel="extrapolation factor [cycles]", ylabel="error [%]")
+    labels = "extrapolation factor [cycles]", "error [%]"
+    drawn = style.draw_curves(ax, curves, *labels, xscale="log", yscale="log")
     ax.set_xticks(factors, [f"{factor:g}" for factor in factors])
     ax.minorticks_off()
-    style.plain_log_axis(ax.yaxis)
-    style.legend_above(ax, ncols=2)
     return drawn

@@ -135,8 +135,8 @@ def _result(design: BearingDesign) -> Markup:
         "result",
         verdict=_signs(found.head),
         **{name: [_signs(line) for line in lines] for name, lines in texts.items()},
-        sizes=layout.Table(sizes, caption=words.dimension_title(design), numbers=[1]),
-        given=layout.Table(given, caption="Load, motion and materials"),
+        sizes=layout.PageTable(sizes, caption=words.dimension_title(design), numbers=[1]),
+        given=layout.PageTable(given, caption="Load, motion and materials"),
     )
 
 
@@ -158,7 +158,7 @@ def _step_table(design: BearingDesign) -> Markup:
         "steps",
         steps=design.assessment.steps,
         link=layout.download_link(file, name=layout.file_name(design.name, "steps.csv")),
-        rows=layout.Table(rows, head, numbers=(1, 3, 4)),
+        rows=layout.PageTable(rows, head, numbers=(1, 3, 4)),
     )
 
 
@@ -210,7 +210,7 @@ def _reasons(design: BearingDesign) -> Markup:
         limit = "" if math.isnan(step.margin) else f"{words.margin(step.margin)}, "
         ending = _signs(limit + words.outcome(step))
         title = Markup("{} ({}): {}").format(step.title, step.equation, ending)
-        steps.append((step, title, layout.Table(rows)))
+        steps.append((step, title, layout.PageTable(rows)))
     return _render("reasons", steps=steps)
 
 
@@ -229,7 +229,7 @@ def _sensitivity(design: BearingDesign) -> Markup:
         "sensitivity",
         weakest=weakest,
         margin=_signs(words.margin(weakest.margin)),
-        rows=layout.Table(rows, ("Number", "Change", "Margin, per cent"), numbers=(1, 2)),
+        rows=layout.PageTable(rows, ("Number", "Change", "Margin, per cent"), numbers=(1, 2)),
     )
 
 
@@ -248,7 +248,7 @@ def _substitutes(design: BearingDesign) -> Markup:
     if not rows:
         return Markup()
     head = ("Bushing", "Margin", "Weakest limit of the sliding surface", "Hardness", "Not known")
-    return _render("bushings", rows=layout.Table(rows, head, numbers=[1]))
+    return _render("bushings", rows=layout.PageTable(rows, head, numbers=[1]))
 
 
 def _materials(design: BearingDesign) -> Markup:
@@ -265,7 +265,7 @@ def _materials(design: BearingDesign) -> Markup:
         rows.append((part, one.name, *strength, *numbers))
     # one material may serve several parts
     sources = {one.name: one.source for one in parts.values()}
-    table = layout.Table(rows, words.TABLES["columns"]["materials"], numbers=range(2, 7))
+    table = layout.PageTable(rows, words.TABLES["columns"]["materials"], numbers=range(2, 7))
     return _render("materials", rows=table, sources=sources.items())
 
 

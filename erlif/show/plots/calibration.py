@@ -21,7 +21,6 @@ from erlif.show.plots.style import MUTED, ONE_COLUMN, OUTWARD, RETURN, AnyFigure
 _SHADE: dict[str, Any] = {"facecolor": "#EDEDED", "edgecolor": MUTED, "linestyle": ":", "zorder": 0}
 
 _PANELS = (2.1, 1)  # heights of curve and residuals
-_ABOVE = 1.6  # lines of text above the curve
 _GRID = 400  # points of a curve
 
 # Parameters and their units; the last two only where the wall reflects.
@@ -29,10 +28,10 @@ _PARAMETERS = (("K", ""), ("p", " µm⁻¹"), ("q", " µm⁻¹"), ("a", " µm⁻
 
 
 def _draw_points(
-    ax: Axes, x: Array, y: Array, std: Array | None, *, size: float = 1.8, label: str | None = None
+    ax: Axes, x: Array, y: Array, std: Array | None, *, label: str | None = None
 ) -> Line2D:
     """Draw points with bars of one standard deviation."""
-    points: dict[str, Any] = {"color": OUTWARD, "markersize": pt(size), "label": label}
+    points: dict[str, Any] = {"color": OUTWARD, "markersize": pt(1.7), "label": label}
     bars: dict[str, Any] = {"ecolor": MUTED, "elinewidth": pt(0.5), "capsize": 0}
     line: Line2D = ax.errorbar(x, y, std, fmt="o", zorder=2, **points, **bars).lines[0]
     return line
@@ -83,11 +82,9 @@ def fixture_profile(
     if calibration is not None:
         artists.append(_draw_range(calibration, ax.axhspan, label="calibrated range"))
     label = "CMM" if profile.uncertainty is None else f"CMM, {style.ONE_STD}"
-    points = _draw_points(
-        ax, profile.position, profile.thickness, profile.uncertainty, size=1.6, label=label
-    )
-    ax.set(xlabel="profile x [mm]", ylabel="thickness by CMM [µm]")
-    ax.margins(x=0.01)
+    columns = profile.position, profile.thickness, profile.uncertainty
+    points = _draw_points(ax, *columns, label=label)
+    ax.set(xlabel="profile x [mm]", ylabel="thickness by CMM [µm]", xmargin=0.01)
     style.legend_above(ax)
     return [points, *artists]
 
@@ -116,10 +113,9 @@ def profile_figure(profile: Profile, *, calibration: Calibration | None = None) 
     fixture_profile(profile, calibration=calibration, ax=above)
     line = np.polynomial.Polynomial.fit(profile.position, profile.thickness, 1)
     departure = profile.thickness - line(profile.position)
-    _draw_points(below, profile.position, departure, profile.uncertainty, size=1.6, label="")
+    _draw_points(below, profile.position, departure, profile.uncertainty)
     below.axhline(0.0, color="0.4", linewidth=pt(0.5), zorder=1)
     below.set(xlabel="profile x [mm]", ylabel="less a straight line [µm]")
-    above.set_xlabel("")
     style.letter_panels(above, below)
     return figure
 
@@ -132,11 +128,6 @@ def _grid(calibration: Calibration) -> Array:
         low = max(min(low, float(calibration.curve.curve_thickness.min())), 0.0)
         high = max(high, float(calibration.curve.curve_thickness.max()))
     return np.linspace(low, high, _GRID)
-
-
-def _band(calibration: Calibration, thickness: Array) -> Array:
-    """Standard deviation of the fitted ratio, relative to the ratio. [1]"""
-    return calibration.log_ratio_std(thickness)
 
 
 @styled
@@ -164,7 +155,7 @@ def ratio_against_thickness(calibration: Calibration, *, ax: Axes | None = None)
 
     # the band is symmetric in the logarithm of the ratio, in which the fit was made
     t = _grid(calibration)
-    ratio, share = calibration.predict(t), _band(calibration, t)
+    ratio, share = calibration.predict(t), calibration.log_ratio_std(t)
     _draw_range(calibration, ax.axvspan, label="calibrated range")
     low, high = ratio * np.exp(-share), ratio * np.exp(share)
     band = style.draw_band(ax, t, low, high, RETURN, alpha=0.35)
@@ -179,15 +170,15 @@ def ratio_against_thickness(calibration: Calibration, *, ax: Axes | None = None)
         artists.append(_draw_points(ax, *columns, label=f"fixture, {style.ONE_STD}"))
 
     one, two = calibration.bands
-    ax.set(xlabel="thickness [µm]", ylabel=f"ratio {two:g} nm / {one:g} nm [1]")
-    ax.margins(x=0.01)
+    ylabel = f"ratio {two:g} nm / {one:g} nm [1]"
+    ax.set(xlabel="thickness [µm]", ylabel=ylabel, xmargin=0.01)
     if style.is_visible(ax, ratio * np.sinh(share) * 2, pt(1.0)):
         band.set_label(f"fit, {style.ONE_STD}")
-    style.frame_legend(ax, loc="lower right")
+    style.legend_above(ax)
 
-    # the parameters stand above the steep part of the curve
-    style.make_room(ax, _ABOVE)
-    style.write_inside(ax, _parameters(calibration), (0.04, 0.97), ha="left", va="top")
+    # a curve that rises ever less leaves the lower right free
+    place: dict[str, Any] = {"transform": ax.transAxes, "ha": "right", "va": "bottom"}
+    ax.text(0.97, 0.05, _parameters(calibration), fontsize=pt(6.5), **place)
     return artists
 
 
@@ -228,7 +219,7 @@ def ratio_residuals(calibration: Calibration, *, ax: Axes | None = None) -> list
     """
     ax = style.given_or_new(ax)
     t = _grid(calibration)
-    percent = 100 * _band(calibration, t)
+    percent = 100 * calibration.log_ratio_std(t)
     _draw_range(calibration, ax.axvspan)
     look: dict[str, Any] = {"alpha": 0.35, "label": f"fit, {style.ONE_STD}"}
     band = style.draw_band(ax, t, -percent, percent, RETURN, **look)
@@ -247,8 +238,7 @@ def ratio_residuals(calibration: Calibration, *, ax: Axes | None = None) -> list
             100 * curve[name].values / fitted for name in ("curve_residual", "curve_ratio_std")
         )
         artists.append(_draw_points(ax, curve.curve_thickness.values, residual, std))
-    ax.set(xlabel="thickness [µm]", ylabel="residual [% of ratio]")
-    ax.margins(x=0.01)
+    ax.set(xlabel="thickness [µm]", ylabel="residual [% of ratio]", xmargin=0.01)
     style.legend_above(ax)
     return artists
 
@@ -273,13 +263,7 @@ def calibration_figure(calibration: Calibration, *, figure: AnyFigure | None = N
     figure = style.given_figure(figure, ONE_COLUMN, style.STACK * ONE_COLUMN)
     panels = style.rows_or_columns(figure, 2, sharex=True, ratios=_PANELS)
     style.draw_panels(panels, (ratio_against_thickness, ratio_residuals), calibration)
-    if not style.is_page():
-        panels[0].set_xlabel("")
-
-    # what both panels show is named once
-    named = panels[0].get_legend_handles_labels()[1]
-    found = zip(*panels[1].get_legend_handles_labels(), strict=True)
-    style.legend_above(panels[1], handles=[key for key, label in found if label not in named])
+    style.legend_of_figure(figure)
     write_title(figure, f"calibration with {calibration.fixture}")
     return figure
 

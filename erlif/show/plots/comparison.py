@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import cycle
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +14,6 @@ from matplotlib.axes import Axes
 from matplotlib.container import Container
 from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
-from matplotlib.lines import Line2D
 
 from erlif.core.arrays import Array
 from erlif.core.errors import ErlifError
@@ -21,7 +21,6 @@ from erlif.core.variables import FILM
 from erlif.show.plots import style
 from erlif.show.plots.maps import image_height, pixel_edges
 from erlif.show.plots.style import MEAN, MINIMUM, MUTED, OUTWARD, RETURN, TWO_COLUMNS, styled
-from erlif.show.plots.trend import plain_ticks
 from erlif.trend import SLOWEST
 
 _COLOURS = (OUTWARD, RETURN, MEAN, "#CC79A7", "#E69F00", "#56B4E9", MINIMUM, MUTED)
@@ -76,32 +75,35 @@ def film_against_duty(
             "Expected runs with speed and load; one of them has none. Compare runs whose log has "
             "them."
         )
-    ax = style.given_or_new(ax)
+    ax = style.given_or_new(ax, height=style.ONE_COLUMN)
     ax.set(xscale="log", yscale="log")
     scale, unit = _prefixed(comparison.duty.values, str(comparison.duty.attrs["units"]))
     artists: list[Artist | Container] = []
-    for k, name in enumerate(comparison.run.values):
-        run = comparison.isel(run=k)
-        value, duty = run[statistic].values, run.duty.values
-        use = np.isfinite(value) & (value > 0) & (duty > 0)
-        exponent = run.sel(statistic=statistic)
-        colour = _COLOURS[k % len(_COLOURS)]
-        look: dict[str, Any] = {"fmt": _MARKERS[k % len(_MARKERS)], "color": colour}
-        look |= {"markerfacecolor": "white" if k % 2 else colour, "elinewidth": 0.7}
-        power = _power(float(exponent.exponent), float(exponent.exponent_std))
-        look["label"] = f"{k + 1}  {name}{power}"
-        error = run[f"{statistic}_std"].values
-        artists.append(ax.errorbar(scale * duty[use], value[use], error[use], **look))
+    theories: list[Artist | Container] = []
+    looks = zip(cycle(_COLOURS), cycle(_MARKERS), strict=False)
+    for k, (colour, marker) in zip(range(comparison.sizes["run"]), looks, strict=False):
+        run = comparison.isel(run=k).sel(statistic=statistic)
+        # the scales are logarithmic
+        use = (run[statistic].values > 0) & (run.duty.values > 0)
+        columns = scale * run.duty, run[statistic], run[f"{statistic}_std"]
+        x, film, error = (one.values[use] for one in columns)
+        look: dict[str, Any] = {"fmt": marker, "color": colour, "elinewidth": 0.7}
+        look["markerfacecolor"] = "white" if k % 2 else colour
+        look["label"] = f"{k + 1}  {run.run.item()}{_power(run.exponent, run.exponent_std)}"
+        artists.append(ax.errorbar(x, film, error, **look))
+
+        # of each run as points: a transient film is no function of duty
+        if statistic == "film_min" and "film_theory" in comparison:
+            look = {"label": "theory, in the colour of the run", "zorder": 1}
+            theory = scale * run.duty, run.film_theory
+            theories += style.draw_line(ax, *theory, colour, form="x", size=3, **look)
 
     joint = comparison.sel(statistic=statistic)
-    common, std = float(joint.joint_exponent), float(joint.joint_exponent_std)
-    if np.isfinite(common):
+    if np.isfinite(joint.joint_exponent):
         ends = np.geomspace(*_range_of_fit(comparison), 50)
-        label = f"all runs{_power(common, std)}"
-        film = np.exp(float(joint.joint_log_scale)) * ends**common
+        label = f"all runs{_power(joint.joint_exponent, joint.joint_exponent_std)}"
+        film = np.exp(float(joint.joint_log_scale)) * ends ** float(joint.joint_exponent)
         artists += ax.plot(scale * ends, film, color="black", linewidth=0.8, label=label, zorder=4)
-    if statistic == "film_min" and "film_theory" in comparison:
-        artists += _draw_theory(ax, comparison, scale)
 
     # the name of a variable is no name of a quantity
     meaning = str(comparison.duty.attrs["long_name"])
@@ -109,20 +111,16 @@ def film_against_duty(
         meaning = meaning.replace(name, "speed")
     ax.set_xlabel(f"{meaning} [{unit}]".replace("-1", "⁻¹"))
     ax.set_ylabel(f"{FILM[statistic].attrs['long_name']} [µm]")
-    plain_ticks(ax)
-    # runs first; matplotlib lists lines before points with bars
-    handles, labels = ax.get_legend_handles_labels()
-    order = sorted(range(len(labels)), key=lambda k: labels[k].startswith(("all runs", "theory")))
-    ordered = [handles[k] for k in order], [labels[k] for k in order]
-    ax.legend(*ordered, loc="upper center", bbox_to_anchor=(0.5, -0.2))
-    return artists
+    style.plain_log_ticks(ax)
+    style.legend_below(ax, ncols=1)
+    return [*artists, *theories]
 
 
-def _power(value: float, std: float) -> str:
+def _power(value: xr.DataArray, std: xr.DataArray) -> str:
     """A fitted power as part of a label."""
     if not np.isfinite(value):
         return ""
-    return f", n = {value:.3f} ± {std:.3f}".replace("-", "−")
+    return f", n = {float(value):.3f} ± {float(std):.3f}".replace("-", "−")
 
 
 def _range_of_fit(comparison: xr.Dataset) -> tuple[float, float]:
@@ -130,17 +128,6 @@ def _range_of_fit(comparison: xr.Dataset) -> tuple[float, float]:
     speed, duty = comparison.speed.values, comparison.duty.values
     fast = speed >= SLOWEST * np.nanmax(speed, axis=1)[:, None]
     return float(np.nanmin(duty[fast])), float(np.nanmax(duty[fast]))
-
-
-def _draw_theory(ax: Axes, comparison: xr.Dataset, scale: float) -> list[Line2D]:
-    """Predicted minimum film of each run, as points: a transient film is no function of duty."""
-    lines: list[Line2D] = []
-    for k in range(comparison.sizes["run"]):
-        run = comparison.isel(run=k)
-        look: dict[str, Any] = {"color": _COLOURS[k % len(_COLOURS)], "markersize": 3.0}
-        look["label"] = "_theory" if k else "theory, in the colour of the run"
-        lines += ax.plot(scale * run.duty.values, run.film_theory.values, "x", zorder=1, **look)
-    return lines
 
 
 def _prefixed(values: Array, unit: str) -> tuple[float, str]:
@@ -179,7 +166,7 @@ def difference_map_of_runs(comparison: xr.Dataset, *, ax: Axes | None = None) ->
     limits = style.even_limits(values, within=99, least=_LEAST_LIMIT)
     look: dict[str, Any] = {"colours": "vik", "bad": "none"}
     image = style.draw_image(ax, values, limits, extent=pixel_edges(cells), **look)
-    hatched = style.hatch_missing(ax, "too few valid pixels")
+    style.hatch_missing(ax, "" if np.isfinite(values).all() else "too few valid pixels")
     _outline(ax, cells)
     style.add_colour_bar(image, ax, "difference [µm]")
 
@@ -188,13 +175,7 @@ def difference_map_of_runs(comparison: xr.Dataset, *, ax: Axes | None = None) ->
     ax.set(xlabel="x [mm]", ylabel="y [mm]")
     runs = f"{attrs['map_second_run']}\nless {attrs['map_first_run']}"
     ax.set_title(f"{runs}\n{attrs['map_first']}", fontsize="medium")
-
-    keys: list[Artist] = [
-        Line2D([], [], color="black", linewidth=0.8, label="edge of a significant difference")
-    ]
-    if not np.isfinite(values).all():
-        keys.append(hatched)
-    style.legend_below(ax, keys)
+    style.legend_below(ax)
     return image
 
 
@@ -212,7 +193,8 @@ def _outline(ax: Axes, cells: xr.Dataset) -> None:
     ends += [end for row, column in below for end in ([column, row], [column + 1, row], gap)]
     x, y = np.reshape(ends, (-1, 2)).T
     dx, dy = (right - left) / columns, (bottom - top) / rows
-    ax.plot(left + x * dx, top + y * dy, color="black", linewidth=0.8)
+    label = "edge of a significant difference"
+    ax.plot(left + x * dx, top + y * dy, color="black", linewidth=0.8, label=label)
 
 
 @styled
@@ -252,8 +234,8 @@ def control_chart_of(
             "Compare runs with a reference patch, or name several calibrations."
         )
     ax = style.given_or_new(ax)
-    value, std = comparison[f"{quantity}_ratio"].values, comparison[f"{quantity}_ratio_std"].values
-    centre, limit = float(comparison[f"{quantity}_centre"]), float(comparison[f"{quantity}_limit"])
+    value, std = (comparison[f"{quantity}_{name}"].values for name in ("ratio", "ratio_std"))
+    centre, limit = (float(comparison[f"{quantity}_{name}"]) for name in ("centre", "limit"))
     place = np.arange(value.size)
     artists: list[Artist | Container] = [
         ax.errorbar(place, value, std, fmt="o", color=OUTWARD, elinewidth=0.7)
@@ -261,24 +243,26 @@ def control_chart_of(
 
     # centre and limits of the chart, which the values are judged by
     ax.axhline(centre, color=MUTED, linewidth=0.8, label="mean")
-    dashed: dict[str, Any] = {"color": MUTED, "linewidth": 0.8, "linestyle": (0, (3, 1.5))}
-    for sign, label in ((-1, "limits, 3 std"), (1, "_limit")):
-        ax.axhline(centre + sign * limit, label=label, **dashed)
+    for level, label in ((centre - limit, "limits, 3 std"), (centre + limit, None)):
+        ax.axhline(level, label=label, color=MUTED, linewidth=0.8, linestyle=(0, (3, 1.5)))
 
     # a ring and not another colour of the point, for print in grey
     beyond = np.abs(value - centre) > limit
     if beyond.any():
-        ring: dict[str, Any] = {"color": RETURN, "markerfacecolor": "none", "markersize": 7}
-        artists += ax.plot(place[beyond], value[beyond], "o", label="beyond", **ring)
+        ring: dict[str, Any] = {"size": 7, "markerfacecolor": "none", "label": "beyond"}
+        at = place[beyond], value[beyond]
+        artists += style.draw_line(ax, *at, RETURN, form="o", **ring)
 
-    names = comparison.run.values if quantity == "patch" else comparison.calibration_date.values
-    ax.set_xticks(place, [str(name) or "no date" for name in names], rotation=30, ha="right")
-    where = "on the reference patch"
+    called, where = "run", "on the reference patch"
     if quantity != "patch":
-        where = f"of a film of {float(comparison.calibration_film):.1f} µm"
-    ax.set_ylabel(f"ratio {where} [1]")
-    ax.margins(x=0.1)
-    ax.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=3, columnspacing=1.2)
+        called, where = (
+            "calibration_date",
+            f"of a film of {float(comparison.calibration_film):.1f} µm",
+        )
+    names = [str(name) or "no date" for name in comparison[called].values]
+    ax.set_xticks(place, names, rotation=30, ha="right")
+    ax.set(ylabel=f"ratio {where} [1]", xmargin=0.1)
+    style.legend_above(ax)
     return artists
 
 
@@ -342,9 +326,9 @@ def _draw_differences(ax: Axes, comparison: xr.Dataset, names: npt.NDArray[Any])
         ax.set_xticks(place, labels, rotation=60, ha="right", rotation_mode="anchor")
     ax.set_xlim(-0.6, place.size - 0.4)
     ax.set_ylabel("difference [µm]")
-    title = "* differs, corrected for the number of tests"
-    keys = ax.get_legend_handles_labels()[0]
-    style.legend_below(ax, keys, title=title, title_fontsize="small")
+    # beside the films, the panel of few pairs is narrower than the legend
+    add_legend = style.legend_below if place.size <= _SIDE_BY_SIDE else style.legend_above
+    add_legend(ax, title="* differs, corrected\nfor the number of tests", ncols=1)
 
 
 @styled

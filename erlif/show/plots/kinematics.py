@@ -30,7 +30,6 @@ _LOOKS: dict[str, tuple[str, Any, str]] = {
 }
 
 _MARKER = 2.4  # point
-_LEGEND = 3.2  # lines of text above the films
 _PALE = 0.35  # opacity of such a mean
 
 
@@ -110,27 +109,24 @@ def speed_against_angle(film: xr.Dataset, *, ax: Axes | None = None) -> list[Art
     ax = style.given_or_new(ax, film)
     if settings_of(film).linkage is None:
         return _draw_sliding_speed(ax, film, against_position=True)
-    cycle = linkage_cycle(film)
-
-    # the reading of an encoder on the crank jumps back to zero after 360 degree
-    jump = np.abs(np.diff(cycle.reading, prepend=cycle.reading[:1])) > 180
-    reading = np.where(jump, np.nan, cycle.reading)
-    artists = _draw_joint_speed(ax, film, film.encoder_angle.values, reading, cycle.speed)
+    artists = _draw_joint_speed(ax, film, "encoder_angle")
     artists[0].set_label("kinematics of the linkage")
-    ax.set_xlabel("encoder angle [°]")
-    style.frame_legend(ax, loc="center")
+    style.legend_above(ax)
     return artists
 
 
-def _draw_joint_speed(
-    ax: Axes, film: xr.Dataset, angle: Array, place: Array, speed: Array
-) -> list[Artist]:
-    """Draw the speed of the links at `place`, and of the triggers at `angle`, with both units."""
+def _draw_joint_speed(ax: Axes, film: xr.Dataset, along: str) -> list[Artist]:
+    """Draw the speed of the links and of the triggers along an angle, with both units."""
+    cycle = linkage_cycle(film)
+    place = cycle.crank_angle if along == "crank_angle" else cycle.reading
+    # the reading of an encoder on the crank jumps back to zero after 360 degree
+    jump = np.abs(np.diff(place, prepend=place[:1])) > 180
+    place, speed = np.where(jump, np.nan, place), cycle.speed
     curve = style.draw_line(ax, place, speed, MUTED, width=0.9, zorder=2)
-    points = triggers.draw_strokes(ax, film, angle, film.rocker_speed.values, zorder=3)
+    points = triggers.draw_strokes(ax, film, film[along].values, film.rocker_speed.values, zorder=3)
     if speed.min() < 0:  # the line between both directions, where there are two
         ax.axhline(0, color=MUTED, linewidth=pt(0.4), zorder=1)
-    ax.set_ylabel("joint speed [rad/s]")
+    ax.set(xlabel=f"{along.replace('_', ' ')} [°]", ylabel="joint speed [rad/s]")
 
     # the sliding speed is that of the surface of the pin, whose radius must be known
     joint = settings_of(film).joint
@@ -173,7 +169,7 @@ def _draw_sliding_speed(ax: Axes, film: xr.Dataset, *, against_position: bool) -
         ax.set_ylim(0, 1.1 * speed.max())  # whole markers
     ax.set(xlabel=label, ylabel="sliding speed [mm/s]")
     if against_position and "stroke" in film:
-        style.frame_legend(ax, loc="center")
+        style.legend_above(ax)
     return artists
 
 
@@ -199,11 +195,8 @@ def speed_over_cycle(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist
     ax = style.given_or_new(ax, film)
     if settings_of(film).linkage is None:
         return _draw_sliding_speed(ax, film, against_position=False)
-    cycle = linkage_cycle(film)
-    angle = film.crank_angle.values
-    artists = _draw_joint_speed(ax, film, angle, cycle.crank_angle, cycle.speed)
+    artists = _draw_joint_speed(ax, film, "crank_angle")
     triggers.limit_to_turn(ax)
-    ax.set_xlabel("crank angle [°]")
     return artists
 
 
@@ -256,20 +249,7 @@ def film_over_cycle(
     # a band hidden by the markers is not announced as one
     visible = any(style.is_visible(ax, 2 * half, pt(_MARKER)) for half in reach)
     title = f"bands: {style.ONE_STD}" if visible else f"{style.ONE_STD}: within markers"
-    # matplotlib lists keys as they are drawn; those of the whole region come first
-    found = zip(*ax.get_legend_handles_labels(), strict=True)
-    handles = [handle for handle, _ in sorted(found, key=lambda key: "," in key[1])]
-    if statistic is not None:
-        handles[0].set_label(f"{handles[0].get_label()}, {title}")
-        style.legend_above(ax, handles=handles, ncols=2)
-        return artists
-
-    # the legend has room above all curves, because the thinnest films are at the dead points, close
-    # to the lower edge; up to the end of the axis, so that no end of a dotted line is above it
-    lines = _LEGEND + float(len(handles) > len(names))
-    ax.set_ylim(low, high + style.room_for(ax, lines) * (high - low))
-    place: dict[str, Any] = {"loc": "upper center", "borderaxespad": 0.0}
-    style.frame_legend(ax, handles=handles, ncols=2, title=title, **place)
+    style.legend_above(ax, title=title)
     return artists
 
 
@@ -286,12 +266,12 @@ def _draw_statistic(
         values[order] for values in (film[name].values, film[f"{name}_std"].values, part_of)
     )
     artists: list[Artist] = []
-    keys = {False: label, True: f"{label}, part beyond range"}  # one for each
     for part in _of_one_selection(triggers.in_order(film.isel(trigger=order), place), pale_at):
         x, low, high = place[part], (value - half)[part], (value + half)[part]
         pale = bool(pale_at[part[0]])
         artists.append(style.draw_band(ax, x, low, high, colour))
-        look = {"form": dashes, "width": 0.9, "label": keys.pop(pale, None)}
+        named = f"{label}, part beyond range" if pale else label
+        look: dict[str, Any] = {"form": dashes, "width": 0.9, "label": named}
         artists += style.draw_line(ax, x, value[part], colour, alpha=_alpha(pale), **look)
     points: dict[str, Any] = {"colour": colour, "markersize": pt(_MARKER)}
     for pale in (False, True):
@@ -341,14 +321,11 @@ def cycle_figure(film: xr.Dataset, *, figure: AnyFigure | None = None) -> AnyFig
         film_over_cycle(film, ax=ax, statistic=name)
     if varies:
         speed_over_cycle(film, ax=panels[-1])
-    if not style.is_page():
-        for ax in panels[:-1]:
-            ax.set_xlabel("")
-
-    for n, turn in enumerate(dead_points(film) if varies else []):
+    look: dict[str, Any] = {"color": MUTED, "linewidth": pt(0.6), "linestyle": ":", "zorder": 1}
+    for turn in dead_points(film) if varies else []:
         for ax in panels:
-            line = ax.axvline(turn, color=MUTED, linewidth=pt(0.6), linestyle=":", zorder=1)
-        line.set_label("_" if n else "dead points")
+            ax.axvline(turn, **look)
+        panels[-1].lines[-1].set_label("dead points")
 
     # the markers of the strokes are those of both panels
     if varies and "stroke" in film:

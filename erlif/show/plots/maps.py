@@ -8,11 +8,9 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
-from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.colors import ListedColormap
 from matplotlib.image import AxesImage
-from matplotlib.lines import Line2D
 
 from erlif.core.arrays import AnyArray, Array, FlagImage
 from erlif.core.flags import Flag, describe_share
@@ -22,9 +20,7 @@ from erlif.io.files import check_trigger, describe_trigger, region_of, settings_
 from erlif.show.plots import style
 from erlif.show.plots.naming import reason_empty
 from erlif.show.plots.profiles import profile_residual, sliding_profile
-from erlif.show.plots.style import ONE_COLUMN, TWO_COLUMNS, AnyFigure, styled
-
-Limits = tuple[float, float]
+from erlif.show.plots.style import ONE_COLUMN, TWO_COLUMNS, AnyFigure, Limits, pt, styled
 
 # Width of a map in a figure of one column, relative to the column; the colour bar has the rest.
 MAP_WIDTH = 0.75
@@ -34,11 +30,12 @@ _EVERY = 3  # the limits need no more than every third pixel along each axis
 _LEAST_SPAN = 1e-3  # um; a map of even thickness still needs a colour scale
 _PIXELS = 240  # along x of a small map, about what 300 dpi and the frame of a movie resolve
 _WIDE = 0.43  # of two columns, for a map beside its profile
-_AROUND = 1.05  # inch above and below it, for title, labels and legend
+_AROUND = 1.25  # inch above and below it, for title, labels and legend
+_LEAST = 2.4  # inch, for the labels of two panels one above the other
 _LABELS = 0.75  # inch above and below a single map
 
 
-def common_limits(film: xr.Dataset, triggers: Iterable[int] | None = None) -> Limits:
+def common_limits(film: xr.Dataset, triggers: Iterable[int] | None = None) -> tuple[float, float]:
     """Find the thickness range of all but the 0.5 % thinnest and thickest pixels. [um]"""
     chosen = range(film.sizes["trigger"]) if triggers is None else triggers
     samples = [film.thickness.isel(trigger=k).values[::_EVERY, ::_EVERY].ravel() for k in chosen]
@@ -181,7 +178,7 @@ def thickness_map(
     *,
     trigger: int,
     ax: Axes | None = None,
-    limits: Limits | None = None,
+    limits: tuple[float, float] | None = None,
     region: bool = True,
 ) -> AxesImage:
     """Draw the map of film thickness at one trigger; flagged pixels have the colour of their flag.
@@ -211,17 +208,14 @@ def thickness_map(
     image = joint_image(ax, film, film.thickness.isel(trigger=trigger).values, limits, bad=None)
 
     flags = film.flags.isel(trigger=trigger).values
-    handles = _draw_flags(ax, flags, film)
-    bar = style.add_colour_bar(image, ax, "film thickness [µm]")
+    _draw_flags(ax, flags, film)
+    style.add_colour_bar(image, ax, "film thickness [µm]")
     state_reason(ax, flags, narrow=False)
 
     if region:
-        handles.append(_outline_region(ax, film))
-    ax.set_title(describe_trigger(film, trigger))
-    style.wrap_title(ax)
-    if handles:
-        style.legend_below(ax, handles)
-    style.keep_in_place(ax, bar)
+        _outline_region(ax, film)
+    ax.set_title(describe_trigger(film, trigger), wrap=True)
+    style.legend_below(ax)
     return image
 
 
@@ -239,28 +233,26 @@ def flag_swatch(flag: Flag) -> str:
     return style.FLAG_COLOURS[flag].lower()
 
 
-def _draw_flags(ax: Axes, flags: FlagImage, film: xr.Dataset) -> list[Artist]:
-    """Draw flagged pixels over the map; returns the keys of the flags that occur."""
+def _draw_flags(ax: Axes, flags: FlagImage, film: xr.Dataset) -> None:
+    """Draw flagged pixels over the map, with keys of the flags that occur."""
     shown = first_flag(flags)
     palette = ListedColormap(["none", *style.FLAG_COLOURS.values()])
     ends: dict[str, Any] = {"vmin": -0.5, "vmax": len(style.FLAG_COLOURS) + 0.5}
     ax.imshow(shown, cmap=palette, extent=pixel_edges(film), interpolation="none", **ends)
-    return [
-        style.swatch(colour, f"{flag.title}, {describe_share(share)}")
-        for n, (flag, colour) in enumerate(style.FLAG_COLOURS.items(), 1)
-        if (share := float((shown == n).mean())) > 0
-    ]
+    edge: dict[str, Any] = {"edgecolor": "#404040", "linewidth": pt(0.4)}
+    for n, (flag, colour) in enumerate(style.FLAG_COLOURS.items(), 1):
+        if (share := float((shown == n).mean())) > 0:
+            style.add_key(ax, f"{flag.title}, {describe_share(share)}", facecolor=colour, **edge)
 
 
-def _outline_region(ax: Axes, film: xr.Dataset) -> Line2D:
+def _outline_region(ax: Axes, film: xr.Dataset) -> None:
     """Outline the region of interest, black on white to be visible on every colour."""
     (left, right), (top, bottom) = region_of(film).x, region_of(film).y
     corners = [left, right, right, left, left], [top, top, bottom, bottom, top]
     look: dict[str, Any] = {"linewidth": 1.1, "scalex": False, "scaley": False}
     style.draw_line(ax, *corners, "white", **look)
     look |= {"form": (0, (4, 3)), "label": "region of interest"}
-    (dashes,) = style.draw_line(ax, *corners, "black", **look)
-    return dashes
+    style.draw_line(ax, *corners, "black", **look)
 
 
 @styled
@@ -286,7 +278,8 @@ def thickness_figure(
     """
     check_trigger(film, trigger)
     more = describe_trigger(film, trigger)
-    figure = figure_of_maps(figure, film, width=_WIDE, around=_AROUND, more=more)
+    sizes = {"width": _WIDE, "around": _AROUND, "least": _LEAST}
+    figure = figure_of_maps(figure, film, more=more, **sizes)
     grid: dict[str, Any] = {"mosaic": "mp"}
     if settings_of(film).joint is not None:
         grid = {"mosaic": "mp;mr", "height_ratios": (2.2, 1)}
@@ -297,21 +290,12 @@ def thickness_figure(
     # the profile and the difference below it share the axis
     if "r" in panels:
         profile_residual(film, trigger=trigger, ax=panels["r"])
+        panels["r"].lines[0].set_label(None)
         panels["p"].set_xlabel("")
         panels["p"].tick_params(labelbottom=False)
 
     # one legend below all panels, so that map and profiles end at one height
-    below_map = panels["m"].get_legend()
-    handles = [each for each in below_map.legend_handles if each is not None]
-    handles += panels["p"].get_legend_handles_labels()[0]
-    if "r" in panels:  # a band may be visible about the difference alone
-        named = {str(each.get_label()) for each in handles}
-        bands = panels["r"].get_legend_handles_labels()[0][1:]
-        handles += [each for each in bands if str(each.get_label()) not in named]
-    for panel in "mp":
-        panels[panel].get_legend().remove()
-    style.legend_of_figure(figure, handles)
-
+    style.legend_of_figure(figure)
     panels["m"].set_title("")
     style.letter_panels(*panels.values())
     return figure

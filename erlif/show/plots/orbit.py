@@ -9,7 +9,6 @@ import numpy as np
 import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.lines import Line2D
 from matplotlib.patches import Ellipse
 
 from erlif.core.arrays import Array, Mask
@@ -121,10 +120,9 @@ def closest_film(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
     arc = math.degrees(float(np.ptp(closest[known])) / float(distance[known].mean()))
     ax.set(xlim=_around(angle[known], least=arc), ylim=_around(closest[known]))
     ax.set(xlabel="angle from the load line [°]", ylabel="closest film [µm]")
-    dashes = Line2D([], [], color=MINIMUM, linestyle=_DASHES, linewidth=pt(0.7))
-    dashes.set_label(f"{style.ONE_STD} with shared errors")
-    keys = [artist for artist in artists if isinstance(artist, Line2D)]
-    style.legend_above(ax, handles=[*keys, dashes], ncols=2)
+    key = f"{style.ONE_STD} with shared errors"
+    style.draw_line(ax, [], [], MINIMUM, form=_DASHES, width=0.7, label=key)
+    style.legend_above(ax)
     return artists
 
 
@@ -145,20 +143,15 @@ def gap_curvature(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
     """
     _require_position(film)
     ax = style.given_or_new(ax, film)
-    abscissa = triggers.choose_abscissa(film)
-    curvature, std = film.film_curvature.values, film.film_curvature_std.values
+    names = ("film_curvature", "film_curvature_std", "film_curvature_expected")
+    values, std, circles = (film[name].values for name in names)
+    line: dict[str, Any] = {"colour": MINIMUM, "form": _DASHES, "zorder": 1.5}
+    line["label"] = f"circles of the radii; bars: {style.ONE_STD}"
     # fifty bars stand side by side
     look: dict[str, Any] = {"elinewidth": pt(0.5), "capsize": 0, "markersize": pt(_MARKER)}
-    artists = triggers.draw_strokes(ax, film, abscissa.values, curvature, std, **look)
-
-    stretches = triggers.in_order(film, abscissa.values)
-    expected = film.film_curvature_expected.values
-    x, y = triggers.broken(stretches, abscissa.values), triggers.broken(stretches, expected)
-    look = {"form": _DASHES, "label": f"circles of the radii; bars: {style.ONE_STD}", "zorder": 1.5}
-    artists += style.draw_line(ax, x, y, MINIMUM, **look)
-    triggers.label_abscissa(ax, abscissa)
-    ax.set_ylabel("curvature [µm/mm²]")
-    style.legend_above(ax, ncols=2)
+    label = "curvature [µm/mm²]"
+    artists = triggers.draw_over_cycle(ax, film, label, values, std, circles, line, **look)
+    style.legend_above(ax)
     return artists
 
 
@@ -182,16 +175,7 @@ def pin_figure(film: xr.Dataset, *, figure: AnyFigure | None = None) -> AnyFigur
     figure = style.given_figure(figure, ONE_COLUMN, _TALL * ONE_COLUMN, film=film)
     panels = style.rows_or_columns(figure, 3)
     style.draw_panels(panels, (pin_orbit, closest_film, gap_curvature), film)
-
-    # the strokes look alike in all panels
-    strokes = {str(look["label"]) for _, look in triggers.stroke_looks(film)}
-    for ax in panels[1:]:
-        legend = ax.get_legend()
-        assert legend is not None
-        texts = [text.get_text() for text in legend.get_texts()]
-        own = [n for n, text in enumerate(texts) if text not in strokes]
-        handles = [legend.legend_handles[n] for n in own]
-        style.legend_above(ax, handles=handles, labels=[texts[n] for n in own])
+    style.legend_of_figure(figure)
     return figure
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tomllib
+from collections.abc import Sequence
 from functools import cache, partial
 from typing import Any
 
@@ -15,36 +16,40 @@ from matplotlib.figure import Figure
 from erlif.core.units import count_of
 from erlif.io.settings import PlanSettings
 from erlif.show.plots import style
-from erlif.show.plots.style import MEAN, MUTED, OUTWARD, RETURN, TWO_COLUMNS, styled
+from erlif.show.plots.style import MEAN, MUTED, OUTWARD, RETURN, TWO_COLUMNS, Curve, styled
 
-_CALIBRATED: dict[str, Any] = {"facecolor": "#F2F2F2", "edgecolor": "none", "zorder": -2}
-_MEASURABLE: dict[str, Any] = {"facecolor": "#DCE9F2", "edgecolor": "none", "zorder": -1}
+_CALIBRATED, _MEASURABLE = "#F2F2F2", "#DCE9F2"
 
 _WORST = 2.0  # of the film: largest standard deviation that is drawn
 _TALL = 0.74  # height by width of the figure
-_ABOVE = 1.35  # free share above the curves, for the legend
 
 
-def _draw_ranges(plan: xr.Dataset, ax: Axes, *, label: bool = False) -> None:
-    """Shade the calibrated range, and within it the measurable one."""
-    ranges = (
-        (plan.calibrated_range, _CALIBRATED, "calibrated range"),
-        (plan.measurable_range, _MEASURABLE, "measurable, 1 pixel of 1 frame"),
-    )
-    for bounds, look, name in ranges:
-        low, high = bounds.values
-        if np.isfinite(low):
-            ax.axvspan(low, high, label=name if label else None, **look)
+def _draw(
+    plan: xr.Dataset,
+    ax: Axes | None,
+    curves: Sequence[tuple[xr.DataArray, str, str, str]],
+    quantity: str,
+    *,
+    ranges: tuple[str | None, str | None] = (None, None),
+    **options: Any,
+) -> list[Any]:
+    """Draw values, colours, forms and names of curves over the thickness, with its ranges."""
+    ax = style.given_or_new(ax)
+    for bounds, colour, name, zorder in (
+        (plan.calibrated_range, _CALIBRATED, ranges[0], -2),
+        (plan.measurable_range, _MEASURABLE, ranges[1], -1),
+    ):
+        if np.isfinite(bounds[0]):
+            ax.axvspan(*bounds.values, color=colour, linewidth=0, label=name, zorder=zorder)
     for edge in plan.film_range.values:
         ax.axvline(edge, color=MUTED, linewidth=0.6, linestyle=":", zorder=0)
-
-
-def _finish(plan: xr.Dataset, ax: Axes) -> None:
-    """Thickness on a logarithmic axis with plain numbers, over the films of the plan."""
-    ax.set_xscale("log")
-    ax.set_xlim(float(plan.thickness[0]), float(plan.thickness[-1]))
-    style.plain_log_axis(ax.xaxis)
-    ax.set_xlabel("film thickness [µm]")
+    drawn = [
+        Curve(plan.thickness, values, colour, name, {"form": form})
+        for values, colour, form, name in curves
+    ]
+    ends = (float(plan.thickness[0]), float(plan.thickness[-1]))
+    axes = {"xscale": "log", "xlim": ends} | options
+    return style.draw_curves(ax, drawn, "film thickness [µm]", quantity, **axes)
 
 
 @styled
@@ -67,21 +72,12 @@ def plan_ratio(plan: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
     >>> planned.axes.get_ylabel()
     'ratio camera 2 / camera 1'
     """
-    ax = style.given_or_new(ax)
-    _draw_ranges(plan, ax, label=True)
-    lines: list[Artist] = []
-    for curve, colour, form, label in (
+    curves = (
         (plan.ratio, OUTWARD, "-", "as planned"),
         (plan.optimum_ratio, RETURN, "--", "best concentrations"),
-    ):
-        lines += style.draw_line(ax, plan.thickness, curve, colour, form=form, label=label)
-    values = np.concatenate([plan.ratio.values, plan.optimum_ratio.values])
-    low, high = float(values.min()), float(values.max())
-    ax.set(ylabel="ratio camera 2 / camera 1", ylim=(low - 0.05 * (high - low), None))
-    ax.set_ylim(top=low + _ABOVE * (high - low))
-    style.frame_legend(ax, loc="upper left", ncols=2, columnspacing=1.0)
-    _finish(plan, ax)
-    return lines
+    )
+    ranges = "calibrated range", "measurable, 1 pixel of 1 frame"
+    return _draw(plan, ax, curves, "ratio camera 2 / camera 1", ranges=ranges)
 
 
 @styled
@@ -110,39 +106,27 @@ def plan_precision(
     ['1 pixel, 1 frame', '1 pixel, 1 frame, best conc.']
     """
     ax = style.given_or_new(ax)
-    _draw_ranges(plan, ax)
     scale = 100 / plan.thickness if relative else xr.ones_like(plan.thickness)
     frames, average = int(plan.attrs["frames"]), int(plan.attrs["average"])
     pixels = "1 pixel" if average == 1 else f"{average} × {average} pixels"
-    curves = [(plan.thickness_std, OUTWARD, "-", "1 pixel, 1 frame")]
+    curves = [(plan.thickness_std * scale, OUTWARD, "-", "1 pixel, 1 frame")]
     name, best = f"{pixels}, {count_of(frames, 'frame')}", plan.optimum_thickness_std
     if frames > 1 or average > 1:
-        curves.append((plan.thickness_std_frames, MEAN, "-", name))
+        curves.append((plan.thickness_std_frames * scale, MEAN, "-", name))
         best = plan.optimum_thickness_std_frames
-    curves.append((best, RETURN, "--", f"{name}, best conc."))
+    curves.append((best * scale, RETURN, "--", f"{name}, best conc."))
 
-    lines: list[Artist] = []
-    drawn: list[xr.DataArray] = []
-    for std, colour, dashes, name in curves:
-        shown = std * scale
-        lines += ax.plot(plan.thickness, shown, color=colour, linestyle=dashes, label=name)
-        drawn.append(shown)
+    stds = xr.concat([std for std, *_ in curves], "curve")
     inside = plan.thickness <= float(plan.film_range[1]) * 1.2
-    low = min(float(shown.min()) for shown in drawn)
-    high = max(float(shown.where(inside).max()) for shown in drawn)
+    low, high = float(stds.min()), float(stds.where(inside).max())
     # an error of several times the film is no measurement
     high = min(high, 100 * _WORST if relative else _WORST * float(plan.film_range[1]))
     if relative:
         wanted = 100 * plan.attrs["uncertainty"]
         ax.axhline(wanted, color=MUTED, linewidth=0.6, linestyle="-.", label="wanted")
         low, high = min(low, wanted), max(high, wanted)
-    ax.set_yscale("log")
-    ax.set_ylim(low / 1.3, high * 1.3 * (high / low) ** (_ABOVE - 1))
-    style.plain_log_axis(ax.yaxis)
-    ax.set_ylabel("std / thickness [%]" if relative else "standard deviation [µm]")
-    style.frame_legend(ax, loc="upper left")
-    _finish(plan, ax)
-    return lines
+    label = "std / thickness [%]" if relative else "standard deviation [µm]"
+    return _draw(plan, ax, curves, label, yscale="log", ylim=(low / 1.3, high * 1.3))
 
 
 @styled
@@ -160,21 +144,12 @@ def plan_signal(plan: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
     ['camera 1', 'camera 2']
     """
     ax = style.given_or_new(ax)
-    _draw_ranges(plan, ax)
-    lines: list[Artist] = []
-    for number, colour, dashes in ((1, OUTWARD, "-"), (2, RETURN, "--")):
-        signal = plan.signal.sel(camera=number) / 1e3
-        label = f"camera {number}"
-        lines += style.draw_line(ax, plan.thickness, signal, colour, form=dashes, label=label)
-    full = sorted(set(plan.full_scale.values))
-    for number, value in enumerate(full):
-        name = "full scale" if number == 0 else None
-        ax.axhline(value / 1e3, color="black", linewidth=0.8, linestyle=(0, (1, 1)), label=name)
-    top = max(full[-1], float(plan.signal.max())) / 1e3
-    ax.set(ylabel="signal [1000 electrons]", ylim=(0, _ABOVE * top))
-    style.frame_legend(ax, loc="upper left", ncols=3, columnspacing=1.0)
-    _finish(plan, ax)
-    return lines
+    one, two = (plan.signal.sel(camera=number) / 1e3 for number in (1, 2))
+    full: dict[str, Any] = {"color": "black", "linestyle": (0, (1, 1)), "label": "full scale"}
+    for value in sorted(set(plan.full_scale.values)):
+        ax.axhline(value / 1e3, linewidth=0.8, **full)
+    curves = ((one, OUTWARD, "-", "camera 1"), (two, RETURN, "--", "camera 2"))
+    return _draw(plan, ax, curves, "signal [1000 electrons]", ylim=(0, None))
 
 
 @styled

@@ -9,7 +9,7 @@ import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 
-from erlif.core.arrays import Array, Image
+from erlif.core.arrays import Image
 from erlif.core.errors import ConfigError
 from erlif.io.files import check_trigger, describe_trigger, settings_of
 from erlif.pipeline.physics.prediction import film_along_sliding
@@ -33,8 +33,8 @@ _THIRD = 0.26  # of two columns, for each of three maps
 _AROUND = 0.95  # inch above and below the maps, for title, labels and legend
 _WITHIN = 99.5  # percentile of the differences at the ends of their colour scale
 _LEAST_REACH = 0.01  # um; equal maps still need a scale
-_FOOT = 2.0  # lines of text below the films
-_LEAST_SPAN = 0.02  # of the film; a smaller range is noise
+_MINIMUM = "minimum film thickness [µm]"
+_MEASURED: dict[str, Any] = {"colour": MINIMUM, "label": "measured", "zorder": 3}
 _PREDICTED: dict[str, Any] = {"colour": OUTWARD, "width": 1.0, "zorder": 2}
 
 
@@ -68,17 +68,11 @@ def film_and_prediction(film: xr.Dataset, *, ax: Axes | None = None) -> list[Art
     """
     _require_prediction(film)
     ax = style.given_or_new(ax, film)
-    angle, label, _ = triggers.choose_abscissa(film)
-    artists = _draw_measured(ax, film, angle)
-
-    # no line crosses a dead point, nor leads from the last trigger back to the first
-    stretches = triggers.in_order(film, angle)
-    x, y = (triggers.broken(stretches, each) for each in (angle, film.film_predicted_min.values))
     held = str(film.film_predicted_min.attrs["regime"]).removeprefix("transient Reynolds, ")
-    artists += style.draw_line(ax, x, y, label=f"predicted, {held}", **_PREDICTED)
-
-    triggers.limit_to_turn(ax)
-    _finish(ax, film, label)
+    bars, line = triggers.bars_of(film), _PREDICTED | {"label": f"predicted, {held}"}
+    columns = film.film_min.values, bars.std, film.film_predicted_min.values
+    artists = triggers.draw_over_cycle(ax, film, _MINIMUM, *columns, line, **_MEASURED)
+    style.legend_below(ax, title=bars.title)
     return artists
 
 
@@ -112,12 +106,14 @@ def film_over_run(film: xr.Dataset, frames: xr.Dataset, *, ax: Axes | None = Non
     number = film.sizes["trigger"]
     count = np.maximum(np.bincount(trigger, minlength=number)[:number], 1)
     mean = np.bincount(trigger, turns, minlength=number)[:number] / count
-    artists = _draw_measured(ax, film, mean)
+    bars = triggers.bars_of(film)
+    artists = triggers.draw_strokes(ax, film, mean, film.film_min.values, bars.std, **_MEASURED)
     order = np.argsort(turns, kind="stable")
     stretches = np.split(order, np.flatnonzero(triggers.find_gaps(np.diff(turns[order]))) + 1)
     x, y = (triggers.broken(stretches, each) for each in (turns, frames.film_predicted_min.values))
     artists += style.draw_line(ax, x, y, label="predicted", **_PREDICTED)
-    _finish(ax, film, "turns of the crank [1]")
+    ax.set(xlabel="turns of the crank [1]", ylabel=_MINIMUM)
+    style.legend_below(ax, title=bars.title)
     return artists
 
 
@@ -141,35 +137,15 @@ def film_less_prediction(film: xr.Dataset, *, ax: Axes | None = None) -> list[Ar
     """
     _require_prediction(film)
     ax = style.given_or_new(ax, film)
-    angle, label, _ = triggers.choose_abscissa(film)
     bars = triggers.bars_of(film)
     difference = film.film_min.values - film.film_predicted_min.values
-    look: dict[str, Any] = {"elinewidth": pt(0.7), "zorder": 3}
-    artists = triggers.draw_strokes(ax, film, angle, difference, bars.std, colour=MINIMUM, **look)
+    along = triggers.choose_abscissa(film)
+    artists = triggers.draw_strokes(ax, film, along.values, difference, bars.std, **_MEASURED)
     artists.append(ax.axhline(0.0, color=OUTWARD, linewidth=pt(1.0), zorder=2))
-    triggers.limit_to_turn(ax)
-    ax.set(xlabel=label, ylabel="measured − predicted [µm]")
-    artists[0].set_label(bars.title)
-    style.legend_above(ax, handles=artists[:1])
+    triggers.label_abscissa(ax, along)
+    ax.set_ylabel("measured − predicted [µm]")
+    style.legend_below(ax, title=bars.title)
     return artists
-
-
-def _draw_measured(ax: Axes, film: xr.Dataset, x: Array) -> list[Artist]:
-    """Draw the measured minima with their standard deviations, by stroke."""
-    value, std = film.film_min.values, triggers.bars_of(film).std
-    look: dict[str, Any] = {"elinewidth": pt(0.7), "zorder": 3}
-    return triggers.draw_strokes(ax, film, x, value, std, colour=MINIMUM, label="measured", **look)
-
-
-def _finish(ax: Axes, film: xr.Dataset, label: str) -> None:
-    """Label the axes, with the legend below them and room for a text at their foot."""
-    low, high = ax.get_ylim()
-    span = max(high - low, _LEAST_SPAN * high)
-    ax.set_ylim(max(low - style.room_for(ax, _FOOT) * span, 0.0), low + span)
-    ax.set(xlabel=label, ylabel="minimum film thickness [µm]")
-    keys = ax.get_legend_handles_labels()[0]
-    style.legend_below(ax, keys, title=triggers.bars_of(film).title, alignment="left")
-    style.keep_in_place(ax)
 
 
 @styled
@@ -199,8 +175,10 @@ def prediction_figure(
         film_less_prediction(film, ax=right)
     else:
         film_over_run(film, frames, ax=right)
+    title = triggers.bars_of(film).title
     if correlations := describe_correlations(film).replace("-", "−"):
-        style.write_inside(left, f"correlation with |speed|: {correlations}", (0.02, 0.02))
+        title += f"\ncorrelation with |speed|: {correlations}"
+    style.legend_of_figure(figure, title=title)
     style.letter_panels(left, right)
     return figure
 
@@ -270,16 +248,14 @@ def prediction_map_figure(
     style.add_colour_bar(image, panels[1], "film, (a, b) [µm]")
     style.add_colour_bar(difference, panels[2], f"difference [µm]\n{name_blocks(means)}".rstrip())
 
+    hatched = "" if np.isfinite(measured).all() else "not valid"
     titles = ("measured", "predicted", "measured − predicted")
-    keys = [style.hatch_missing(ax) for ax in panels]
     for ax, title in zip(panels, titles, strict=True):
-        ax.set_title(title)
-    if not np.isfinite(measured).all():
-        style.legend_of_figure(figure, keys[:1])
+        style.hatch_missing(ax, hatched)
+        ax.set(title=title, ylabel=ax.get_ylabel() if ax is panels[0] else "")
     state_reason(panels[0], film.flags.isel(trigger=trigger).values)
     style.letter_panels(*panels)
-    for ax in panels[1:]:
-        ax.set_ylabel("")
+    style.legend_of_figure(figure)
     return figure
 
 

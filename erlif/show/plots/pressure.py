@@ -15,19 +15,14 @@ from matplotlib.image import AxesImage
 from erlif.core.errors import ConfigError
 from erlif.io.files import check_trigger, describe_trigger
 from erlif.show.plots import style
-from erlif.show.plots.maps import figure_of_maps, label_position, pixel_edges
+from erlif.show.plots.maps import figure_of_maps, joint_image
 from erlif.show.plots.style import MEAN, MUTED, AnyFigure, pt, styled
-from erlif.show.plots.triggers import broken, choose_abscissa, draw_strokes, in_order
+from erlif.show.plots.triggers import draw_over_cycle
 
 _THIRD = 0.3  # of two columns, for each of three panels
 _AROUND = 1.05  # inch above and below the map
 _LEAST_HEIGHT = 2.2  # inch
-_MARGIN = 0.05  # of the range of the loads
 _PEAK = {"x": "peak_place", "y": "peak_pressure"}
-
-# legend above the letter of the panel, where it covers no point
-_ABOVE: dict[str, Any] = {"loc": "lower center", "bbox_to_anchor": (0.5, 1.09)}
-_ABOVE |= {"columnspacing": 0.8, "handletextpad": 0.3, "borderaxespad": 0.2}
 
 
 @styled
@@ -53,15 +48,10 @@ def pressure_map(found: xr.Dataset, *, trigger: int, ax: Axes | None = None) -> 
     """
     check_trigger(found, trigger)
     ax = style.given_or_new(ax, found)
-    colours = style.colour_map("batlow", bad=style.FLAGGED)
-    look: dict[str, Any] = {"cmap": colours, "extent": pixel_edges(found)}
-    values = found.pressure.isel(trigger=trigger).values
-    image = ax.imshow(values, interpolation="nearest", **look)
+    image = joint_image(ax, found, found.pressure.isel(trigger=trigger).values, (None, None))
     # nodes lie on the first and last pixel: their outer halves are beyond the image
     x, y = found.x.values, found.y.values
     ax.set(xlim=(x[0], x[-1]), ylim=(y[-1], y[0]))
-    style.close_frame(ax)
-    label_position(ax, found)
     ax.set_title(f"trigger {trigger}")
     style.add_colour_bar(image, ax, "pressure [kPa]", extend="neither")
     return image
@@ -102,7 +92,7 @@ def pressure_profile(
     look |= {f"{axis}err": one[f"{name}_std"].values for axis, name in _PEAK.items()}
     peak = ax.errorbar(at, height, **look)
     ax.set(xlim=(place[0], place[-1]), xlabel="sliding direction [mm]", ylabel="pressure [kPa]")
-    ax.legend(ncols=3, **_ABOVE)
+    style.legend_above(ax)
     return [band, line, peak]
 
 
@@ -124,18 +114,14 @@ def load_balance(found: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
     'logged'
     """
     ax = style.given_or_new(ax, found)
-    angle, label, _ = choose_abscissa(found)
-    load, std = found.load_from_pressure.values, found.load_from_pressure_std.values
-    artists = draw_strokes(ax, found, angle, load, std, elinewidth=pt(0.7))
-    stretches = in_order(found, angle)
-    logged = broken(stretches, found["joint_load"].values)
-    artists += ax.plot(broken(stretches, angle), logged, color=MUTED, label="logged", zorder=1)
-    ax.set(xlabel=label, ylabel="load of the pressure [N]")
-    # zero is shown, and so is every point with its bar; the legend lies above all of them
-    drawn = np.concatenate([load - std, load + std, found["joint_load"].values, [0.0]])
-    low, high = np.nanmin(drawn), np.nanmax(drawn)
-    ax.set_ylim(low - _MARGIN * (high - low) * (low < 0), high + _MARGIN * (high - low))
-    ax.legend(ncols=len(artists), title="bars: one standard deviation", **_ABOVE)
+    names = ("load_from_pressure", "load_from_pressure_std", "joint_load")
+    load, std, logged = (found[name].values for name in names)
+    line: dict[str, Any] = {"colour": MUTED, "label": "logged", "zorder": 1}
+    artists = draw_over_cycle(ax, found, "load of the pressure [N]", load, std, logged, line)
+    style.legend_above(ax, title="bars: one standard deviation")
+    # zero is shown, and so is every point with its bar
+    low, high = ax.get_ylim()
+    ax.set_ylim(min(low, 0.0), max(high, 0.0))
     return artists
 
 

@@ -70,7 +70,7 @@ def sliding_profile(film: xr.Dataset, *, trigger: int, ax: Axes | None = None) -
     else:
         style.state_empty(ax, "no valid pixel in the region of interest")
     ax.set_ylabel("film thickness [µm]")
-    style.legend_above(ax, ncols=2)
+    style.legend_above(ax, ncols=1)
     return artists
 
 

@@ -9,7 +9,6 @@ import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.image import AxesImage
-from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
 from erlif.show.plots import style
@@ -23,7 +22,7 @@ _EDGES = {
     "poor": ("#E4002B", "edge of poor registration"),
 }
 _WIDE = 0.36  # of two columns, for one of two images beside their colour bars
-_DRIFT, _AROUND = 1.5, 0.95  # inch for the drift, and for titles and labels
+_DRIFT, _AROUND = 1.7, 1.3  # inch for the drift, and for titles and labels
 _MARKER, _MANY = 2.4, 100  # point; frame pairs above which the markers are half as large
 
 
@@ -63,21 +62,19 @@ def displacement_map(
     style.hatch_missing(ax)
     _outline_masks(ax, registration)
     style.add_colour_bar(image, ax, f"Δ{component} less its mean [px]", extend="neither")
-    ax.set_title(f"mean Δ{component} = {style.signed(mean)} px")
+    ax.set_title(f"mean Δ{component} = {mean:+.2f} px".replace("-", "−"))
     ax.set(xlabel="column [px]", ylabel="row [px]")
     return image
 
 
 def _outline_masks(ax: Axes, registration: xr.Dataset) -> None:
     """Draw the edges of the overlap and of poor registration, where the image holds any."""
-    keys = []
     for name, (colour, label) in _EDGES.items():
         if name in registration and 0 < registration[name].values.mean() < 1:
             mask = registration[name].values.astype(float)
             ax.contour(mask, levels=[0.5], colors=colour, linewidths=pt(0.7), linestyles="--")
-            keys.append(Line2D([], [], color=colour, linestyle="--", label=label))
-    if keys:
-        ax.legend(handles=keys, loc="lower left", frameon=True, framealpha=1.0, edgecolor="none")
+            style.draw_line(ax, [], [], colour, form="--", label=label)
+            style.legend_below(ax)
 
 
 @styled
@@ -120,10 +117,9 @@ def drift_of_frames(frames: xr.Dataset, *, ax: Axes | None = None) -> list[Artis
 
     ax.axhline(0, color=MUTED, linewidth=pt(0.4), zorder=1)
     ax.xaxis.set_major_locator(MaxNLocator(integer=True))
-    ax.set(xlabel="number of the frame pair [1]", ylabel="drift of camera 2 [px]")
-    ax.margins(x=0.01)
-    style.make_room(ax, 2.0)
-    ax.legend(loc="upper right", ncols=2)
+    labels = "number of the frame pair [1]", "drift of camera 2 [px]"
+    ax.set(xlabel=labels[0], ylabel=labels[1], xmargin=0.01)
+    style.legend_below(ax)
     return artists
 
 
@@ -153,8 +149,8 @@ def registration_figure(
     --------
     >>> from erlif.show.plots import example_frames, example_registration
     >>> figure = registration_figure(example_registration(), example_frames())
-    >>> [ax.get_title(loc="left") for ax in figure.axes]
-    ['(a)', '(b)', '(c)']
+    >>> len(figure.axes)
+    3
     """
     height, width = registration.displacement_x.shape
     tall = _WIDE * TWO_COLUMNS * height / width

@@ -15,7 +15,6 @@ from erlif.core.arrays import Array, Mask
 from erlif.io.files import driven_link, region_of
 from erlif.show.plots import style
 from erlif.show.plots.maps import (
-    Limits,
     MapBlocks,
     average_in_blocks,
     common_limits,
@@ -25,7 +24,7 @@ from erlif.show.plots.maps import (
     thin_map,
 )
 from erlif.show.plots.naming import name_film
-from erlif.show.plots.style import TWO_COLUMNS, AnyFigure, pt, styled
+from erlif.show.plots.style import TWO_COLUMNS, AnyFigure, Limits, pt, styled
 
 _SHEET_COLUMNS = (6, 10)  # fewest and most maps in a row of a sheet
 _SHEET_MOST = 60  # maps on one sheet; with more triggers, evenly chosen ones are shown
@@ -201,12 +200,9 @@ def _draw_small_map(
         style.hatch_missing(ax)
     else:
         values = thin_map(film, trigger)
-        colours = style.colour_map("batlow", bad=style.FLAGGED)
-        ends: dict[str, Any] = {"vmin": limits[0], "vmax": limits[1]}
-        image = ax.imshow(values, cmap=colours, extent=pixel_edges(film), **ends)
+        image = style.draw_image(ax, values, limits, extent=pixel_edges(film))
     if not np.isfinite(values).any():
         ax.text(0.5, 0.5, "no valid\npixel", transform=ax.transAxes, ha="center", va="center")
-    style.close_frame(ax)
     return image
 
 

@@ -9,10 +9,9 @@ import functools
 import io
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
-from textwrap import wrap
-from typing import Any, ParamSpec, TypeVar
+from typing import Any, NamedTuple, ParamSpec, TypeVar
 
 import cmap
 import matplotlib
@@ -21,21 +20,16 @@ import numpy.typing as npt
 import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.axes._base import _AxesBase
-from matplotlib.axis import Axis
 from matplotlib.backend_bases import RendererBase
 from matplotlib.cm import ScalarMappable
 from matplotlib.colorbar import Colorbar
 from matplotlib.colors import Colormap
+from matplotlib.container import Container
 from matplotlib.figure import Figure, SubFigure
-from matplotlib.gridspec import SubplotSpec
 from matplotlib.image import AxesImage
 from matplotlib.layout_engine import ConstrainedLayoutEngine
-from matplotlib.legend import Legend
 from matplotlib.lines import Line2D
-from matplotlib.patches import Patch
 from matplotlib.ticker import LogLocator, NullFormatter
-from matplotlib.transforms import Bbox, ScaledTranslation
 
 from erlif.core.arrays import Array, Image
 from erlif.core.errors import OutputError
@@ -96,25 +90,14 @@ _METADATA: dict[str, Mapping[str, Any]] = {
     "svg": {"Creator": "erlif", "Date": None},
 }
 
-_PANEL = 17.0  # width of the letter of a panel, with a gap [point]
-_BROKEN = 0.6  # part of a long label that its first line takes
-_ACROSS = 0.92  # width of laid out axes over the one before
-_TITLE = 0.95  # part of its place that a title may take
-_NARROWEST = 0.3  # part of its place that an image keeps beside colour bar and legend
-_LETTER, _BESIDE = 3.9, 0.3  # width of a letter [point], room at both ends of a colour bar [inch]
-_SHORTEST = 12  # letters of a short label
-
-_LINE, _LAID_OUT = 9.0, 0.85  # height of a line [point], and of laid out axes over the one before
-_KEYS: dict[str, Any] = {"handlelength": 1.8, "handleheight": 1.0, "columnspacing": 1.2}
+_LABELS = 4.2  # heights of the text of a legend that the label of the x axis takes above it
+_KEYS: dict[str, Any] = {"handleheight": 1.0, "columnspacing": 1.2, "labelspacing": 0.35}
 
 # level 6, the default, takes half as long again for 2 % smaller files
 _PNG_COMPRESSION = 4
 
-# tables for setting new text; a PDF places each glyph itself, and subsetting them takes longer
-# than the rest of a font
-_TEXT_LAYOUT = ("GDEF", "GPOS", "GSUB", "kern")
-
 AnyFigure = Figure | SubFigure
+Limits = tuple[float, float] | tuple[None, None]  # None: of the values themselves
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -210,17 +193,11 @@ class Picture(Figure):
         return content.getvalue()
 
 
+@functools.cache
 def colour_map(name: str, *, bad: str | None = None) -> Colormap:
     """Load a perceptually uniform colour map of Crameri (2018); `bad` is the colour of NaN."""
-    colours = _crameri(name)
-    return colours.with_extremes(bad=bad) if bad is not None else colours.copy()
-
-
-@functools.cache
-def _crameri(name: str) -> Colormap:
-    """The colour map as matplotlib reads it; a sheet of maps asks for one fifty times."""
     colours: Colormap = cmap.Colormap(f"crameri:{name}").to_mpl()
-    return colours
+    return colours if bad is None else colours.with_extremes(bad=bad)
 
 
 @styled
@@ -294,7 +271,7 @@ def rows_or_columns(
 def draw_image(
     ax: Axes,
     values: npt.ArrayLike,
-    limits: tuple[float, float],
+    limits: Limits,
     *,
     colours: str = "batlow",
     bad: str | None = FLAGGED,
@@ -304,7 +281,8 @@ def draw_image(
     look: dict[str, Any] = {"cmap": colour_map(colours, bad=bad), "extent": extent}
     look |= dict(zip(("vmin", "vmax"), limits, strict=True))
     image = ax.imshow(values, interpolation="none", **look)
-    close_frame(ax)
+    for side in ("top", "right"):  # the edge of an image is data
+        ax.spines[side].set_visible(True)
     return image
 
 
@@ -331,6 +309,45 @@ def draw_line(
     return ax.plot(x, y, linestyle=form, color=colour, **look)
 
 
+class Curve(NamedTuple):
+    """A line or points of one colour.
+
+    Attributes
+    ----------
+    x, y : array
+        Places, in the units of the axes.
+    colour : str
+        As in `draw_line`.
+    label : str or None
+        Its name in the legend.
+    look : mapping
+        What `draw_line` takes besides.
+    """
+
+    x: npt.ArrayLike
+    y: npt.ArrayLike
+    colour: str
+    label: str | None = None
+    look: Mapping[str, Any] = {}
+
+
+def draw_curves(ax: Axes, curves: Iterable[Curve], x: str, y: str, **options: Any) -> list[Any]:
+    """Draw the curves of one quantity, label its axes, and name above them what has a label.
+
+    Options are those of `matplotlib.axes.Axes.set`. Returns the lines.
+    """
+    lines = [
+        line
+        for one in curves
+        for line in draw_line(ax, one.x, one.y, one.colour, label=one.label, **one.look)
+    ]
+    ax.set(xlabel=x, ylabel=y, **options)
+    plain_log_ticks(ax)
+    if ax.get_legend_handles_labels()[1]:
+        legend_above(ax)
+    return lines
+
+
 def draw_band(
     ax: Axes,
     x: Array,
@@ -346,22 +363,11 @@ def draw_band(
     return ax.fill_between(x, low, high, color=colour, label=label, **look)
 
 
-def write_inside(ax: Axes, text: str, place: tuple[float, float], **options: Any) -> None:
-    """Write a small text in axes, at a place relative to them."""
-    ax.annotate(text, place, xycoords="axes fraction", fontsize=pt(6.5), **options)
-
-
 def write_beside(
     ax: Axes, text: str, point: tuple[float, float], offset: tuple[float, float], **options: Any
 ) -> None:
     """Write a text beside a point of the data, at a distance in points."""
     ax.annotate(text, point, xytext=offset, textcoords="offset points", **options)
-
-
-def close_frame(ax: Axes) -> None:
-    """Draw all four sides of the frame, because the edge of an image is data."""
-    for side in ("top", "right"):
-        ax.spines[side].set_visible(True)
 
 
 def even_limits(difference: Array | Image, *, within: float, least: float) -> tuple[float, float]:
@@ -374,187 +380,58 @@ def even_limits(difference: Array | Image, *, within: float, least: float) -> tu
 def add_colour_bar(
     image: ScalarMappable, ax: Axes, label: str, *, extend: str = "both"
 ) -> Colorbar:
-    """Add a colour bar of the height of the image."""
+    """Add a colour bar of the height of the image; a label longer than the figure is broken."""
     beside = ax.inset_axes((1.025, 0.0, 0.04, 1.0))
     bar = figure_of(ax).colorbar(image, cax=beside, extend=extend, extendfrac=0.03)
-    bar.set_label(label)
-    ax.apply_aspect()
-    _wrap_label(bar, ax)
+    bar.set_label(label, wrap=True)
     return bar
 
 
-def _wrap_label(bar: Colorbar, ax: Axes) -> None:
-    """Break the label of a colour bar that is longer than the bar; it would leave the figure."""
-    height = ax.get_position().height * figure_of(ax).bbox.height / figure_of(ax).dpi  # inch
-    letters = max(int(72 * (_LAID_OUT * height + pt(_BESIDE)) / pt(_LETTER)), _SHORTEST)
-    lines = str(bar.ax.get_ylabel()).split("\n")
-    bar.set_label("\n".join(part for line in lines for part in wrap(line, letters)))
+def legend_above(ax: Axes, *, ncols: int | None = None, title: str = "") -> None:
+    """Add a legend above the axes, where it covers no point; in two columns, or one on a page."""
+    ncols = ncols or (1 if is_page() else 2)
+    place: dict[str, Any] = {"loc": "lower right", "bbox_to_anchor": (1.0, 1.0)}
+    place |= {"borderaxespad": 0.2, "columnspacing": 1.0, "handletextpad": 0.5}
+    ax.legend(**_named(ax), ncols=ncols, title=title, **place)
 
 
-def frame_legend(ax: Axes, *, ncols: int = 1, **options: Any) -> None:
-    """Add a legend on white, so that no line crosses its text, in columns that the axes hold."""
-    look: dict[str, Any] = {"facecolor": "white", "edgecolor": "none", "framealpha": 1.0}
-    look |= {"frameon": True, "alignment": "left"}
-    room = _ACROSS * ax.get_window_extent().width
-    legend = _fit_columns(ax, room, ncols=ncols, **look, **options)
-    legend.set_zorder(5)
+def legend_below(ax: Axes, *, ncols: int = 2, title: str = "") -> None:
+    """Add a legend below the label of the x axis."""
+    place: dict[str, Any] = {"loc": "upper center", "bbox_to_anchor": (0.5, 0.0)}
+    place["borderaxespad"] = _LABELS
+    ax.legend(**_named(ax), ncols=ncols, title=title, **_KEYS, **place)
 
 
-def legend_above(ax: Axes, **options: Any) -> None:
-    """Add a legend above the axes, where it covers no point and not the letter of the panel."""
-    options = {"ncols": 3, "columnspacing": 1.0, "handletextpad": 0.5} | options
-    options |= {"loc": "lower right", "bbox_to_anchor": (1.0, 1.0), "borderaxespad": 0.2}
-    room = _ACROSS * ax.get_window_extent().width - pt(_PANEL) * figure_of(ax).dpi / 72
-    _fit_columns(ax, room, **options)
+def legend_of_figure(figure: AnyFigure, *, ncols: int = 2, title: str = "") -> None:
+    """Put one legend below all panels in place of theirs."""
+    for ax in figure.axes:
+        if (own := ax.get_legend()) is not None:
+            own.remove()
+    if (keys := _named(*figure.axes))["labels"]:
+        place: dict[str, Any] = {"loc": "outside lower center", "ncols": ncols, "title": title}
+        figure.legend(**keys, **place, **_KEYS)
 
 
-def legend_below(ax: Axes, handles: Sequence[Artist], **options: Any) -> None:
-    """Add a legend below the label of the x axis, in two columns or in what its place is wide."""
-    figure = figure_of(ax)
-    ax.apply_aspect()
-    labels = ax.xaxis.get_tightbbox()
-    below = 0.0 if labels is None else (ax.bbox.y0 - labels.y0) / figure.dpi
-    down = ScaledTranslation(0.0, -below, figure.dpi_scale_trans)
-    place = {"bbox_to_anchor": (0.5, 0.0), "bbox_transform": ax.transAxes + down}
-    options = _KEYS | place | {"loc": "upper center", "labelspacing": 0.35} | options
-    _fit_columns(ax, _place_of(ax), handles=handles, ncols=2, **options)
+def _named(*panels: Axes) -> dict[str, Any]:
+    """What has a label in panels, points before lines; a label is named once."""
+    found: dict[str, Any] = {}
+    for ax in panels:
+        for key, label in zip(*ax.get_legend_handles_labels(), strict=True):
+            found.setdefault(label, key)
+    labels = sorted(found, key=lambda label: not isinstance(found[label], Container))
+    return {"handles": [found[label] for label in labels], "labels": labels}
 
 
-def legend_of_figure(figure: AnyFigure, handles: Sequence[Artist]) -> None:
-    """Add one legend below all panels, in as many columns as the figure is wide."""
-    for columns in range(len(handles), 0, -1):
-        place: dict[str, Any] = {"loc": "outside lower center", "ncols": columns}
-        legend = figure.legend(handles=handles, **place, **_KEYS)
-        if columns == 1 or legend.get_window_extent().width <= _TITLE * figure.bbox.width:
-            return
-        legend.remove()
+def add_key(ax: Axes, label: str, **look: Any) -> None:
+    """Name an area of one look in the legend."""
+    ax.fill_between([], [], label=label, **look)
 
 
-def swatch(colour: str, label: str) -> Patch:
-    """Key of an area of one colour."""
-    return Patch(facecolor=colour, edgecolor="#404040", linewidth=pt(0.4), label=label)
-
-
-def hatch_missing(ax: Axes, label: str = "not valid") -> Patch:
-    """Hatch what an image leaves transparent, where it has no value; returns the key."""
+def hatch_missing(ax: Axes, label: str = "") -> None:
+    """Hatch what an image leaves transparent, where it has no value; a label is for the legend."""
     ax.patch.set(**_HATCH, linewidth=0)
-    return Patch(**_HATCH, linewidth=0, label=label)
-
-
-def _fit_columns(ax: Axes, room: float, *, ncols: int, **options: Any) -> Legend:
-    """Add a legend of as many columns as a width has room for. [px]"""
-    for columns in range(ncols, 0, -1):
-        legend = ax.legend(ncols=columns, **options)
-        width = legend.get_window_extent().width
-        if width <= room:
-            return legend
-
-    # still too wide: its labels take two lines
-    for text in legend.get_texts():
-        letters = int(_BROKEN * len(text.get_text()))
-        if text.get_window_extent().width > _BROKEN * width:
-            text.set_text("\n".join(wrap(text.get_text(), max(letters, _SHORTEST))))
-    return legend
-
-
-def _place_of(ax: Axes) -> float:
-    """Width of the column of a figure in which axes and their labels stand. [px]"""
-    spec = ax.get_subplotspec()
-    if spec is None:
-        return float(ax.bbox.width)
-    grid = spec.get_gridspec()
-    share = len(spec.colspan) / grid.ncols
-    return float(share * figure_of(ax).bbox.width)
-
-
-def keep_in_place(ax: Axes, bar: Colorbar | None = None) -> None:
-    """Shrink axes so that their colour bar and the legend below lie within their place.
-
-    A layout engine does this by itself; a plain figure of matplotlib has none.
-    """
-    figure = figure_of(ax)
-    if _has_engine(figure):
-        return
-
-    def beyond() -> tuple[float, float]:
-        """Width of the bar beside the image; height of label and legend below it. [inch]"""
-        beside, legend = None if bar is None else bar.ax.get_tightbbox(), ax.get_legend()
-        right = 0.0 if beside is None else beside.x1 - ax.bbox.x1
-        below = 0.0 if legend is None else ax.bbox.y0 - legend.get_window_extent().y0
-        return right / figure.dpi, below / figure.dpi
-
-    # the label of a shorter bar may need two lines, which are wider
-    ax.apply_aspect()
-    ax.set_anchor("N")
-    for _ in range(3):
-        place = _Place(*beyond(), ax.get_subplotspec())
-        ax.set_axes_locator(place)
-        ax.apply_aspect(place(ax, None))
-        if bar is not None:
-            _wrap_label(bar, ax)
-
-
-@dataclass(frozen=True)
-class _Place:
-    """Place of an image beside its colour bar and above its legend, in a figure without engine.
-
-    Attributes
-    ----------
-    right, below : float
-        What the bar and the legend take. [inch]
-    spec : SubplotSpec or None
-        Place of the axes in a grid, which matplotlib's tight layout asks for.
-    """
-
-    right: float
-    below: float
-    spec: SubplotSpec | None
-
-    def __call__(self, ax: _AxesBase, renderer: RendererBase | None) -> Bbox:
-        """Box of the image, relative to the figure."""
-        figure, place = ax.get_figure(), ax.get_position(original=True)
-        assert figure is not None
-        if _has_engine(figure):
-            return place
-        inch = figure.dpi / np.array([figure.bbox.width, figure.bbox.height])
-        width = max(place.width - self.right * inch[0], _NARROWEST * place.width)
-        height = max(place.height - self.below * inch[1], _NARROWEST * place.height)
-        return Bbox.from_bounds(place.x0, place.y1 - height, width, height)
-
-    def get_subplotspec(self) -> SubplotSpec | None:
-        """Place of the axes in their grid."""
-        return self.spec
-
-
-def _has_engine(figure: AnyFigure) -> bool:
-    """Whether the whole figure has a layout engine."""
-    whole = figure.get_figure(root=True)
-    return whole is not None and whole.get_layout_engine() is not None
-
-
-def wrap_title(ax: Axes) -> None:
-    """Break a title that is longer than the place of its axes."""
-    title = ax.title
-    room, width = _TITLE * _place_of(ax), title.get_window_extent().width
-    if width > room:
-        ax.set_title("\n".join(wrap(title.get_text(), int(len(title.get_text()) * room / width))))
-
-
-def room_for(ax: Axes, lines: float) -> float:
-    """Height of lines of text over the rest of the height of axes, before the layout is known."""
-    height, text = _LAID_OUT * _height_of(ax), lines * pt(_LINE)
-    return float(text / max(height - text, text))
-
-
-def _height_of(ax: Axes) -> float:
-    """Height of axes. [point]"""
-    return 72 * ax.get_window_extent().height / figure_of(ax).dpi
-
-
-def make_room(ax: Axes, lines: float) -> None:
-    """Raise the upper end of an axis by lines of text above what is drawn."""
-    low, high = ax.get_ylim()
-    ax.set_ylim(low, high + room_for(ax, lines) * (high - low))
+    if label:
+        add_key(ax, label, **_HATCH, linewidth=0)
 
 
 def state_empty(ax: Axes, text: str) -> None:
@@ -570,37 +447,39 @@ def is_visible(ax: Axes, width: Array, line: float) -> bool:
     if known.size == 0:
         return False
     low, high = ax.get_ylim()
-    return bool(np.median(known) / abs(high - low) * _height_of(ax) > line)
-
-
-def signed(value: float, digits: int = 2) -> str:
-    """Write a number with its sign, and a minus of the width of a plus."""
-    return f"{value:+.{digits}f}".replace("-", "−")
+    height = 72 * ax.get_window_extent().height / figure_of(ax).dpi
+    return bool(np.median(known) / abs(high - low) * height > line)
 
 
 def letter(ax: Axes, text: str) -> None:
-    """Mark a panel as (a) at its upper left; its title follows where it is long."""
-    title = ax.get_title()
-    beside = (_ACROSS * ax.get_window_extent().width - ax.title.get_window_extent().width) / 2
-    if title and (is_page() or beside < pt(_PANEL) * figure_of(ax).dpi / 72):
-        ax.set_title("")
-        escaped = title.replace("$", r"\$")  # the letter alone is set as mathematics, in bold
-        ax.set_title(rf"$\mathbf{{({text})}}$ {escaped}", loc="left")
-    else:
-        ax.set_title(f"({text})", loc="left", fontweight="bold")
+    """Mark a panel as (a) at its upper left: before its title, else beside a legend above it."""
+    title = ax.get_title().replace("$", r"\$")  # the letter alone is mathematics, in bold
+    ax.set_title("")
+    drawn = rf"$\mathbf{{({text})}}$ {title}".rstrip()
+    ax.set_title(drawn, loc="left", ha="left" if title else "right")
 
 
-def plain_log_axis(axis: Axis) -> None:
-    """Write the ticks of a logarithmic axis at 1, 2 and 5 as plain numbers."""
-    axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-    axis.set_major_formatter("{x:g}")
-    axis.set_minor_formatter(NullFormatter())
+def plain_log_ticks(ax: Axes) -> None:
+    """Write the ticks of logarithmic axes as plain numbers, close enough for a short range."""
+    for axis in (ax.xaxis, ax.yaxis):
+        if axis.get_scale() == "log":
+            low, high = axis.get_view_interval()
+            # the shorter the axis, the more ticks a decade needs
+            decades = np.log10(high / low)
+            steps = range(1, 9) if decades < 0.7 else (1, 2, 3, 5) if decades < 1.5 else (1, 2, 5)
+            axis.set_major_locator(LogLocator(subs=[*steps], numticks=20))
+            axis.set_minor_locator(LogLocator(subs=[*range(1, 10)], numticks=20))
+            axis.set_major_formatter("{x:g}")
+            axis.set_minor_formatter(NullFormatter())
 
 
 def letter_panels(*panels: Axes) -> None:
-    """Mark panels as (a), (b), ... in their order."""
+    """Mark panels as (a), (b), ... in their order; an axis that two share is named below alone."""
     for ax, text in zip(panels, "abcdefgh", strict=False):
         letter(ax, text)
+    for ax, below in pairwise(panels):
+        if ax.get_shared_x_axes().joined(ax, below):
+            ax.set_xlabel("")
 
 
 def draw_panels(panels: Iterable[Axes], drawings: Iterable[Callable[..., Any]], shown: Any) -> None:
@@ -658,9 +537,20 @@ def figure_bytes(figure: AnyFigure, *, kind: str, dpi: float | None = None) -> b
     """
     whole = figure.get_figure(root=True)
     assert whole is not None
-    look = whole._look if isinstance(whole, Picture) else _look()
-    with matplotlib.rc_context(look):
-        return _draw_bytes(whole, kind, dpi)
+    with matplotlib.rc_context(whole._look if isinstance(whole, Picture) else _look()):
+        own = whole.get_dpi()
+        dpi = matplotlib.rcParams["savefig.dpi"] if dpi is None else dpi
+        whole.set_dpi(min(dpi, own))  # text of few pixels is larger than its size
+        fix_layout(whole)
+        whole.set_dpi(own)
+        options: dict[str, Any] = {"format": kind, "dpi": dpi, "metadata": _METADATA.get(kind)}
+        if kind == "png":
+            titled = {"Title": title} if (title := whole.get_suptitle()) else {}
+            options["metadata"] = {**_METADATA[kind], **titled}
+            options["pil_kwargs"] = {"compress_level": _PNG_COMPRESSION}
+        content = io.BytesIO()
+        whole.savefig(content, **options)
+    return content.getvalue()
 
 
 def fix_layout(figure: AnyFigure) -> Figure:
@@ -676,35 +566,3 @@ def fix_layout(figure: AnyFigure) -> Figure:
         # with any engine, even one that does nothing, each file would be drawn twice
         whole.set_layout_engine(None)
     return whole
-
-
-def _draw_bytes(figure: Figure, kind: str, dpi: float | None) -> bytes:
-    dpi = matplotlib.rcParams["savefig.dpi"] if dpi is None else dpi
-    own = figure.get_dpi()
-    figure.set_dpi(min(dpi, own))  # text of few pixels is larger than its size
-    fix_layout(figure)
-    figure.set_dpi(own)
-    options: dict[str, Any] = {"format": kind, "dpi": dpi, "metadata": _METADATA.get(kind)}
-    if kind == "png":
-        if title := figure.get_suptitle():
-            options["metadata"] = {**(options["metadata"] or {}), "Title": title}
-        options["pil_kwargs"] = {"compress_level": _PNG_COMPRESSION}
-    content = io.BytesIO()
-    with _without_text_layout():
-        figure.savefig(content, **options)
-    return content.getvalue()
-
-
-@contextmanager
-def _without_text_layout() -> Iterator[None]:
-    """Embed fonts without the tables for setting new text."""
-    from fontTools.subset import Options  # type: ignore[import-untyped]
-
-    # matplotlib takes fontTools' defaults and has no setting for them; a version that does not know
-    # this list embeds all tables, which takes longer
-    dropped = getattr(Options, "_drop_tables_default", [])
-    Options._drop_tables_default = [*dropped, *_TEXT_LAYOUT]
-    try:
-        yield
-    finally:
-        Options._drop_tables_default = dropped

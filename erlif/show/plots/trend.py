@@ -11,12 +11,17 @@ import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
-from matplotlib.ticker import LogLocator, NullFormatter
 
 from erlif.core.arrays import Array, Mask
 from erlif.show.plots import style
 from erlif.show.plots.style import MEAN, MINIMUM, MUTED, OUTWARD, RETURN, AnyFigure, pt, styled
-from erlif.show.plots.triggers import bars_of, draw_strokes, have_partial_mean, state_no_film
+from erlif.show.plots.triggers import (
+    bars_of,
+    draw_strokes,
+    have_partial_mean,
+    state_no_film,
+    stroke_looks,
+)
 from erlif.trend import SLOWEST
 
 # labels of the axis by the speed: that of the joint in a linkage, else the sliding speed
@@ -27,7 +32,6 @@ _LABELS = {
 
 _TALL = 0.52  # height by width
 _MILLI = 1e3  # speed over load is drawn in thousandths
-_LEFT_OUT = "not in the fit"
 _DASHES = (0, (3, 1.5))
 _DASH_DOT = (0, (4, 1.5, 1, 1.5))
 _AROUND_POINTS = 6.0  # size of open markers round measured points, which have half of it
@@ -82,22 +86,21 @@ def film_against_speed(film: xr.Dataset, *, ax: Axes | None = None) -> list[Arti
     ax.set(xscale="log", yscale="log")
     artists: list[Artist] = []
     lines: list[Line2D] = []
-    drawn: list[Line2D] = []
     for name, exponent, colour, dashes, label in (
         ("film_mean", "speed_exponent_mean", MEAN, _DASHES, "mean"),
         ("film_min", "speed_exponent", MINIMUM, "-", "minimum"),
     ):
         points = _draw_points(ax, film, name, colour)
-        power = _draw_power(ax, film, exponent, label, color=colour, linestyle=dashes)
+        lines += _draw_power(ax, film, exponent, label, color=colour, linestyle=dashes)
+        if not points:  # a statistic that no trigger has is not named
+            lines[-1].set_label(None)
         artists += points
-        lines += power
-        drawn += power if points else []
 
     ax.set(xlabel=_LABELS[_speed_name(film)], ylabel="film thickness [µm]")
-    plain_ticks(ax)
-    # a statistic that no trigger has is not named
-    if drawn:
-        _key_below(ax, film, [*drawn, *_stroke_keys(film)])
+    style.plain_log_ticks(ax)
+    if artists:
+        _add_stroke_keys(ax, film)
+        style.legend_below(ax, title=bars_of(film).title)
     else:
         state_no_film(ax, film)
     return [*artists, *lines]
@@ -118,8 +121,7 @@ def _draw_points(ax: Axes, film: xr.Dataset, name: str, colour: str) -> list[Art
     drawable = np.isfinite(value) & (value > 0)  # the scale is logarithmic
     artists: list[Artist] = []
     for used, paint in ((fitted, colour), (~fitted, MUTED)):
-        look: dict[str, Any] = {"which": used & drawable, "colour": paint, "elinewidth": pt(0.7)}
-        artists += draw_strokes(ax, film, x, value, std, **look)
+        artists += draw_strokes(ax, film, x, value, std, which=used & drawable, colour=paint)
     return artists
 
 
@@ -128,7 +130,7 @@ def _draw_power(ax: Axes, film: xr.Dataset, name: str, label: str, **look: Any) 
     power, std = float(film[name]), float(film[f"{name}_std"])
     scale = float(film[name].attrs.get("log_scale", np.nan))
     if not (np.isfinite(power) and np.isfinite(scale)):
-        return [Line2D([], [], linestyle="none", marker="o", color=look["color"], label=label)]
+        return style.draw_line(ax, [], [], look["color"], form="o", label=label)
 
     # a power is drawn over the triggers it was fitted to, not beyond them
     used = speed_over_load(film)[_used_in_fit(film)]
@@ -139,19 +141,14 @@ def _draw_power(ax: Axes, film: xr.Dataset, name: str, label: str, **look: Any) 
     return ax.plot(_MILLI * ends, np.exp(scale) * ends**power, **look)
 
 
-def _stroke_keys(film: xr.Dataset) -> list[Line2D]:
-    """Keys of the markers of the strokes, and of the colour of points that no fit uses."""
-    keys = []
-    if "stroke" in film:
-        black: dict[str, Any] = {"linestyle": "none", "color": MINIMUM}
-        keys = [
-            Line2D([], [], **look | black | {"markerfacecolor": MINIMUM if sign > 0 else "white"})
-            for sign, look in style.STROKES.items()
-            if (film.stroke.values == sign).any()
-        ]
+def _add_stroke_keys(ax: Axes, film: xr.Dataset) -> None:
+    """Name the markers of the strokes, and the colour of points that no fit uses."""
+    for _, look in stroke_looks(film) if "stroke" in film else ():
+        face = "white" if look["markerfacecolor"] == "white" else MINIMUM
+        key = {"form": look["marker"], "markerfacecolor": face, "label": look["label"]}
+        style.draw_line(ax, [], [], MINIMUM, **key)
     if not _used_in_fit(film).all() or have_partial_mean(film).any():
-        keys.append(Line2D([], [], linestyle="none", marker="o", color=MUTED, label=_LEFT_OUT))
-    return keys
+        style.draw_line(ax, [], [], MUTED, form="o", label="not in the fit")
 
 
 @styled
@@ -174,11 +171,11 @@ def film_and_theory(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]
     >>> theory.get_label().splitlines()
     ['regime map, isoviscous-rigid', 'beyond the axis: 74.5 to 129 µm']
     """
-    ax = style.given_or_new(ax, film)
+    ax = style.given_or_new(ax, film, height=style.ONE_COLUMN)
     ax.set(xscale="log", yscale="log")
     x = _MILLI * speed_over_load(film)
     value = film.film_min.values
-    look: dict[str, Any] = {"colour": MINIMUM, "label": "measured minimum", "elinewidth": pt(0.7)}
+    look: dict[str, Any] = {"colour": MINIMUM, "label": "measured minimum"}
     artists = draw_strokes(ax, film, x, value, bars_of(film).std, which=value > 0, **look)
     if "film_predicted_min" in film:
         # the points within stay visible
@@ -198,17 +195,10 @@ def film_and_theory(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]
         label = "\n".join([label, *_describe_beyond(curve, low, high)])
         artists += style.draw_line(ax, x[order], curve, colour, form=dashes, label=label)
 
-    ax.set(xlabel=_LABELS[_speed_name(film)], ylabel="film thickness [µm]")
-    ax.set_ylim(low, high)
-    plain_ticks(ax)
-    _key_below(ax, film, ax.get_legend_handles_labels()[0])
+    ax.set(xlabel=_LABELS[_speed_name(film)], ylabel="film thickness [µm]", ylim=(low, high))
+    style.plain_log_ticks(ax)
+    style.legend_below(ax, title=bars_of(film).title, ncols=1)
     return artists
-
-
-def _key_below(ax: Axes, film: xr.Dataset, handles: Sequence[Any]) -> None:
-    """Add the legend below the axes: a line of theory may be anywhere within them."""
-    style.legend_below(ax, handles, title=bars_of(film).title, alignment="left")
-    style.keep_in_place(ax)
 
 
 def _range_of_film(film: xr.Dataset, theories: Sequence[str]) -> tuple[float, float]:
@@ -237,20 +227,6 @@ def _describe_beyond(curve: Array, low: float, high: float) -> list[str]:
         return []
     part = "partly " if inside.any() else ""
     return [f"{part}beyond the axis: {known.min():.3g} to {known.max():.3g} µm"]
-
-
-def plain_ticks(ax: Axes) -> None:
-    """Write the ticks of logarithmic axes as plain numbers, close enough to read a short range."""
-    for axis, limits in ((ax.xaxis, ax.get_xlim()), (ax.yaxis, ax.get_ylim())):
-        # the shorter the axis, the more ticks a decade needs
-        decades = np.log10(limits[1] / limits[0])
-        every: tuple[float, ...] = (1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0)
-        steps = every if decades < 0.7 else (1.0, 2.0, 3.0, 5.0) if decades < 1.5 else (1.0,)
-        axis.set_major_locator(LogLocator(base=10, subs=steps, numticks=20))
-        axis.set_major_formatter("{x:g}")
-        every_digit = tuple(map(float, range(1, 10)))
-        axis.set_minor_locator(LogLocator(base=10, subs=every_digit, numticks=20))
-        axis.set_minor_formatter(NullFormatter())
 
 
 @styled

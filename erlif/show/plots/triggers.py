@@ -14,7 +14,15 @@ from matplotlib.ticker import MaxNLocator
 from erlif.core.arrays import Array, Mask
 from erlif.io.files import driven_link, flag_shares, motion_of
 from erlif.show.plots.naming import describe_shares
-from erlif.show.plots.style import ONE_STD, OUTWARD, STROKES, is_page, state_empty
+from erlif.show.plots.style import (
+    ONE_STD,
+    OUTWARD,
+    STROKES,
+    draw_line,
+    is_page,
+    pt,
+    state_empty,
+)
 from erlif.trend import LARGEST_BEYOND
 
 _STEADY = 0.01  # relative range of a speed that is not drawn: that of a steady disc and its log
@@ -223,17 +231,56 @@ def draw_strokes(
         chosen = members if which is None else members & which
         if not chosen.any():
             continue
-        own = dict(look)
+        own: dict[str, Any] = {"linestyle": "none", "elinewidth": pt(0.7)} | look
         if colour is not None:
             full = look["markerfacecolor"] != "white"
             own |= {"color": colour, "markerfacecolor": colour if full else "white", "label": None}
         if label is not None:
             own["label"] = f"{label}, {look['label']}" if "stroke" in film else label
-        own = {"linestyle": "none"} | own | style
-        if std is None:
-            artists += ax.plot(x[chosen], y[chosen], **own)
-        else:
-            artists.append(ax.errorbar(x[chosen], y[chosen], std[chosen], **own).lines[0])
+        own |= style
+        bars = None if std is None else std[chosen]
+        artists.append(ax.errorbar(x[chosen], y[chosen], bars, **own).lines[0])
+    return artists
+
+
+def draw_over_cycle(
+    ax: Axes,
+    film: xr.Dataset,
+    quantity: str,
+    value: Array,
+    std: Array,
+    expected: Array,
+    line: dict[str, Any],
+    **look: Any,
+) -> list[Artist]:
+    """Draw a quantity of the triggers with its bars, and the line of what is expected of them.
+
+    No line crosses a dead point, nor leads from the last trigger back to the first.
+
+    Parameters
+    ----------
+    ax : Axes
+    film : xarray.Dataset
+    quantity : str
+        Label of the axis of the quantity.
+    value, std, expected : array, (trigger,)
+        In the units of the axis.
+    line : dict
+        Look of the line, as for `draw_line`.
+    **look
+        Look of the points, as for `draw_strokes`.
+
+    Returns
+    -------
+    list of Artist
+        Points of each stroke, then the line.
+    """
+    along = choose_abscissa(film)
+    artists = draw_strokes(ax, film, along.values, value, std, **look)
+    stretches = in_order(film, along.values)
+    artists += draw_line(ax, broken(stretches, along.values), broken(stretches, expected), **line)
+    label_abscissa(ax, along)
+    ax.set_ylabel(quantity)
     return artists
 
 

@@ -74,7 +74,7 @@ def _findings(found: Examination) -> Markup:
     for level, title in _TITLES.items():
         notes = [note for note in found.notes if note.level is level and note not in pairs]
         rows = [(note.subject, layout.print_units(note.text)) for note in notes]
-        tables.append(layout.Table(rows, (), title))
+        tables.append(layout.PageTable(rows, (), title))
     return layout.render(
         "findings.html",
         verdict=f"{count_of(errors, 'error')}, {count_of(warnings, 'warning')}.",
@@ -91,7 +91,7 @@ def _pair_table(found: Examination) -> Markup:
         rows.append((str(one.pair), one.camera1, one.camera2, *cells))
     head = ("pair", "camera 1", "camera 2", "log frame", "angle [deg]", "time [s]")
     return layout.render(
-        "pairs.html", pairs=layout.Table(rows, head, "First, last and odd pairs", (0, 3, 4, 5))
+        "pairs.html", pairs=layout.PageTable(rows, head, "First, last and odd pairs", (0, 3, 4, 5))
     )
 
 

@@ -284,7 +284,7 @@ def provenance_section(film: xr.Dataset) -> Markup:
         ),
     }
     rows = {
-        title: layout.Table(list(hashes.items()), ("File", "SHA-256"))
+        title: layout.PageTable(list(hashes.items()), ("File", "SHA-256"))
         for title, hashes in inputs.items()
     }
     return layout.render(

@@ -91,7 +91,7 @@ def write_runs_report(
     columns = {name: [values[name] for values in numbers] for name in numbers[0]}
     table = layout.render(
         "runs.html",
-        runs=layout.Table(rows, layout.TABLES["columns"]["runs"], numbers=(1, *range(3, 10))),
+        runs=layout.PageTable(rows, layout.TABLES["columns"]["runs"], numbers=(1, *range(3, 10))),
         link=layout.download_link(table_csv(columns, digits=9, missing="NaN"), name="runs.csv"),
     )
     compared = _compare_runs(paths)

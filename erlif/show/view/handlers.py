@@ -132,7 +132,7 @@ class _Reading(_Guarded):
         request = queries.Request(self.shared.films, values)
         # reading maps would block the other requests of the page
         found = await self.run(self.shared.reading[name], request)
-        if isinstance(found, queries.Export):
+        if isinstance(found, queries.MapExport):
             self.set_header("Content-Disposition", f'attachment; filename="{found.name}"')
             found = found.content
         if isinstance(found, bytes):

@@ -71,7 +71,7 @@ def test_runs_that_survived_are_drawn_open_and_the_table_states_the_interval():
     figure = designs_figure(compared, uncut, undercut)
     runs, table = figure.axes
     open_marks = [line for line in runs.lines if line.get_markerfacecolor() == "white"]
-    assert [line.get_xdata().tolist() for line in open_marks] == [[], [160.0]]
+    assert [[*line.get_xdata()] for line in open_marks] == [[], [160.0], []]  # and their key
     assert [text.get_text() for text in runs.get_yticklabels()] == ["uncut", "undercut"]
     figure.draw_without_rendering()
     cells = {cell.get_text(): cell for cell in table.tables[0].get_celld().values()}

@@ -37,7 +37,7 @@ def test_both_cameras_are_shown(picture):
     left, right = pair_figure(picture).axes[:2]
     npt.assert_array_equal(left.images[0].get_array(), picture.light[0])
     npt.assert_array_equal(right.images[0].get_array(), picture.light[1])
-    assert right.get_title() == "camera 2, pair 7"
+    assert right.get_title(loc="left").endswith("camera 2, pair 7")
 
 
 def test_bars_hold_all_pixels(survey):

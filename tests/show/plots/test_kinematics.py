@@ -143,4 +143,4 @@ def test_a_mean_of_part_of_the_region_is_pale_and_joined_to_no_other(film):
     full = {x for line in means if line.get_alpha() == 1 for x in line.get_xdata()}
     assert pale == set(scene.CRANK[share > 0])
     assert full == set(scene.CRANK[share == 0])
-    assert labels_of(ax) == ["mean", "minimum", "mean, part beyond range"]
+    assert labels_of(ax) == ["mean", "mean, part beyond range", "minimum"]

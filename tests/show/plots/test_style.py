@@ -41,16 +41,13 @@ def test_drawing_and_viewer_are_loaded_only_when_needed_and_open_no_window():
     subprocess.run([sys.executable, "-c", code], check=True)
 
 
-def test_letter_of_a_panel_is_bold_beside_a_long_title_as_well():
+def test_letter_of_a_panel_is_bold_beside_a_title_as_well():
     """Signs of mathematics in the title stay text."""
-    for title, place in (
-        ("", "(c)"),
-        ("a title of fifty letters, in $ and in $ " * 2, r"$\mathbf{(c)}$"),
-    ):
+    for title in ("", "a title in $ and in $"):
         ax = new_figure().add_subplot(title=title)
         letter(ax, "c")
         drawn = ax.get_title(loc="left")
-        assert drawn.startswith(place)
+        assert drawn.startswith(r"$\mathbf{(c)}$")
         assert title.replace("$", r"\$") in drawn
         ax.get_figure().draw_without_rendering()
 

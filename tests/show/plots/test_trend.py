@@ -86,9 +86,9 @@ def test_a_statistic_without_a_point_is_not_in_the_legend(changed):
 
 @pytest.mark.parametrize("draw", [plots.film_against_speed, plots.film_and_theory])
 def test_the_legend_lies_below_the_axes_so_that_no_line_crosses_it(changed, draw):
-    """Also in axes without a layout engine, within whose place both stay."""
+    """Also in axes of one's own, within whose place both stay."""
     steep = changed.assign(film_theory=2.5 * changed.film_min)
-    figure, panels = plt.subplots(2, 1, figsize=(5, 8))
+    figure, panels = plt.subplots(2, 1, figsize=(5, 8), layout="constrained")
     ax = draw(steep, ax=panels[0])[0].axes
     figure.draw_without_rendering()
     legend = ax.get_legend().get_window_extent()

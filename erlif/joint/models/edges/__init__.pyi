@@ -2,7 +2,7 @@ from .ends import edge_exponent as edge_exponent
 from .ends import lundberg_profile as lundberg_profile
 from .half_space import solve_contact as solve_contact
 from .half_space import subsurface_stress as subsurface_stress
-from .joint import ElasticJoint as ElasticJoint
+from .joint import EdgeJoint as EdgeJoint
 from .joint import Undercut as Undercut
 from .joint import prepare_joint as prepare_joint
 from .joint import search_undercut as search_undercut

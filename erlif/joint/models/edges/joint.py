@@ -52,7 +52,7 @@ class Undercut:
 
 
 @dataclass(frozen=True)
-class ElasticJoint:
+class EdgeJoint:
     """Pin in a bushing, both straight and symmetric about the middle of their lengths.
 
     Attributes
@@ -98,7 +98,7 @@ class ElasticJoint:
             _check_undercut(self.undercut, self)
 
 
-def _check_undercut(cut: Undercut, joint: ElasticJoint) -> None:
+def _check_undercut(cut: Undercut, joint: EdgeJoint) -> None:
     """A groove lies within the wall and the half length of the bushing."""
     require_positive(depth=cut.depth, width=cut.width, lip=cut.lip)
     if not _fits(cut, joint):
@@ -115,7 +115,7 @@ class ElasticJoint:
 
     Attributes
     ----------
-    joint : ElasticJoint
+    joint : EdgeJoint
         Geometry and materials.
     cells : array, (cell + 1,)
         Ends of the axial cells: from the middle to the end of the bushing, or from end to end. [m]
@@ -129,7 +129,7 @@ class ElasticJoint:
         Compliance of the bushing.
     """
 
-    joint: ElasticJoint
+    joint: EdgeJoint
     cells: Array
     load_span: tuple[float, float]
     sections: tuple[Section, Section]
@@ -138,7 +138,7 @@ class ElasticJoint:
 
 
 def prepare_joint(
-    joint: ElasticJoint,
+    joint: EdgeJoint,
     *,
     smallest_cell: float = 0.5e-3,
     growth: float = 1.3,
@@ -153,7 +153,7 @@ def prepare_joint(
 
     Parameters
     ----------
-    joint : ElasticJoint
+    joint : EdgeJoint
         Geometry and materials.
     smallest_cell, largest_cell : float
         Length of the axial cells at the end of the bushing, and at most in its middle. [m]
@@ -183,8 +183,8 @@ def prepare_joint(
 
     Examples
     --------
-    >>> from erlif.joint.models.edges import ElasticJoint
-    >>> joint = ElasticJoint(0.03336, 0.03359, 0.0533, length=0.06, pin_length=0.1)
+    >>> from erlif.joint.models.edges import EdgeJoint
+    >>> joint = EdgeJoint(0.03336, 0.03359, 0.0533, length=0.06, pin_length=0.1)
     >>> elastic = prepare_joint(joint, smallest_cell=4e-3, harmonics=[0, 1, 2, 8, 32, 128])
     >>> elastic.cells.size - 1
     10
@@ -297,8 +297,8 @@ def solve_joint(
 
     Examples
     --------
-    >>> from erlif.joint.models.edges import ElasticJoint, prepare_joint
-    >>> joint = ElasticJoint(0.03336, 0.03359, 0.0533, length=0.06, pin_length=0.1)
+    >>> from erlif.joint.models.edges import EdgeJoint, prepare_joint
+    >>> joint = EdgeJoint(0.03336, 0.03359, 0.0533, length=0.06, pin_length=0.1)
     >>> elastic = prepare_joint(joint, smallest_cell=4e-3, harmonics=[0, 1, 2, 8, 32, 128])
     >>> found = solve_joint(elastic, load=44.48e3, around=256)
     >>> print(f"{float(found.peak_z) * 1e3:.0f} of {joint.length / 2 * 1e3:.0f} mm")
@@ -401,8 +401,8 @@ def section_stress(
 
     Examples
     --------
-    >>> from erlif.joint.models.edges import ElasticJoint, prepare_joint, solve_joint
-    >>> joint = ElasticJoint(0.03336, 0.03359, 0.0533, length=0.06, pin_length=0.1)
+    >>> from erlif.joint.models.edges import EdgeJoint, prepare_joint, solve_joint
+    >>> joint = EdgeJoint(0.03336, 0.03359, 0.0533, length=0.06, pin_length=0.1)
     >>> elastic = prepare_joint(joint, smallest_cell=4e-3, harmonics=[0, 1, 2, 8, 32, 128])
     >>> contact = solve_joint(elastic, load=1e5, around=256)
     >>> stress = section_stress(elastic, contact, harmonics=8)
@@ -438,7 +438,7 @@ def section_stress(
 
 
 def search_undercut(
-    joint: ElasticJoint,
+    joint: EdgeJoint,
     *,
     load: float,
     depths: Sequence[float],
@@ -453,7 +453,7 @@ def search_undercut(
 
     Parameters
     ----------
-    joint : ElasticJoint
+    joint : EdgeJoint
         Geometry and materials; its own undercut does not count.
     load : float
         Load on the whole pin. [N]
@@ -482,8 +482,8 @@ def search_undercut(
 
     Examples
     --------
-    >>> from erlif.joint.models.edges import ElasticJoint
-    >>> joint = ElasticJoint(0.03336, 0.03359, 0.0533, length=0.06, pin_length=0.1)
+    >>> from erlif.joint.models.edges import EdgeJoint
+    >>> joint = EdgeJoint(0.03336, 0.03359, 0.0533, length=0.06, pin_length=0.1)
     >>> found = search_undercut(
     ...     joint, load=1e5, depths=[0.01], widths=[5e-3], lips=[5e-3], smallest_cell=4e-3,
     ...     harmonics=[0, 1, 2, 8, 32, 128],
@@ -583,7 +583,7 @@ def _largest_mean(pressure: Array, lengths: Array, patch: float) -> float:
     return float((carried(starts + size) - carried(starts)).max() / size)
 
 
-def _fits(cut: Undercut, joint: ElasticJoint) -> bool:
+def _fits(cut: Undercut, joint: EdgeJoint) -> bool:
     """Whether a groove leaves some wall and some length."""
     wall = joint.outer_radius - joint.bushing_radius
     return cut.lip + cut.width < wall and cut.depth < joint.length / 2

@@ -12,7 +12,7 @@ from erlif.models.contact import conformal_radius, hertz_ellipse, persson_contac
 pytest.importorskip("skfem", reason="the finite elements of the joint are those of scikit-fem")
 
 from erlif.joint.models.edges import (
-    ElasticJoint,
+    EdgeJoint,
     Undercut,
     prepare_joint,
     search_undercut,
@@ -22,7 +22,7 @@ from erlif.joint.models.edges import (
 from erlif.joint.models.edges.cylinders import Section, compute_compliance
 from erlif.joint.models.edges.joint import ElasticJoint, graded_lines
 
-THESIS = ElasticJoint(0.03336, 0.03359, 0.0533, length=0.2373, pin_length=0.3508)
+THESIS = EdgeJoint(0.03336, 0.03359, 0.0533, length=0.2373, pin_length=0.3508)
 OPTIMUM = Undercut(depth=0.020, width=0.008, lip=0.0093)
 TEN_THOUSAND_POUNDS = 44.48e3
 
@@ -58,7 +58,7 @@ def test_long_joint_has_perssons_pressure(line_load):
         Section(radii, cells, radii[0], 1e9, 0.3, True, held_ends=True),
     )
     pin, bushing = (compute_compliance(section, cells) for section in sections)
-    joint = ElasticJoint(1.0, 1.001, 31.001, length=2.0, pin_length=2.0)
+    joint = EdgeJoint(1.0, 1.001, 31.001, length=2.0, pin_length=2.0)
     elastic = ElasticJoint(joint, cells, (0.0, 1.0), sections, pin, bushing)
     elastic.pin.loaded.resize((1, 1), refcheck=False)
     found = solve_joint(elastic, load=2 * line_load, tolerance=1e-6)
@@ -94,7 +94,7 @@ def test_a_lobe_has_the_pressure_of_hertz():
     751 MPa if these act on the quarter that is meshed.
     """
     crest, height = 0.03359, 237.5e-6
-    lobed = ElasticJoint(0.03336, crest + height, 0.0533, length=0.08, pin_length=0.08)
+    lobed = EdgeJoint(0.03336, crest + height, 0.0533, length=0.08, pin_length=0.08)
     elastic = prepare_joint(
         lobed, smallest_cell=0.3e-3, refine=[0.02], growth=1.5, largest_cell=0.01,
         load_span=(0.0, 0.04), harmonics=[0, 1, 2, 5, 14, 40, 110],
@@ -131,7 +131,7 @@ def test_a_load_beside_the_middle_tilts_the_pin(short):
 
 def test_stress_in_the_wall_carries_the_load():
     """Below the contact the radial stress of a wide, thin ring is the pressure above it."""
-    thin = ElasticJoint(0.03336, 0.03359, 0.0346, length=0.2, pin_length=0.2)
+    thin = EdgeJoint(0.03336, 0.03359, 0.0346, length=0.2, pin_length=0.2)
     elastic = prepare_joint(thin, **COARSE, load_span=(0.0, 0.1), growth=1.6, largest_cell=0.03)
     contact = solve_joint(elastic, load=1e6, around=256)
     stress = section_stress(elastic, contact, harmonics=40)
