@@ -137,7 +137,7 @@ def test_each_extra_in_the_table_exists():
     project = tomllib.loads((Path(__file__).parents[3] / "pyproject.toml").read_text())
     extras = project["project"]["optional-dependencies"]
     assert {entry.extra for entry in registry.FORMATS if entry.extra} <= set(extras)
-    assert "hdf5plugin" in extras["formats"]
+    assert any(name.startswith("hdf5plugin") for name in extras["formats"])
 
 
 # files kept open
