@@ -80,10 +80,10 @@ def attainable_errors(
 
     Examples
     --------
-    >>> from erlif.planning.design import example_design
+    >>> from erlif.planning.design import example_dye_design
     >>> joint = ImagedJoint(33.36, 33.59, 19.2, frames=30)
     >>> wanted = WantedFilm(2.0, 10.0, (0.1, 18.0))
-    >>> found = attainable_errors(example_design(), wanted, {"ratio": 0.01}, joint)
+    >>> found = attainable_errors(example_dye_design(), wanted, {"ratio": 0.01}, joint)
     >>> bool((found[2][1] < 0.5 * found[2][0]).all())
     True
     """

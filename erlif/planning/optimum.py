@@ -54,8 +54,8 @@ def largest_error(design: Design, film: WantedFilm) -> float:
 
     Examples
     --------
-    >>> from erlif.planning.design import example_design
-    >>> round(largest_error(example_design(), WantedFilm(2.0, 8.0, (0.1, 18.0))), 2)
+    >>> from erlif.planning.design import example_dye_design
+    >>> round(largest_error(example_dye_design(), WantedFilm(2.0, 8.0, (0.1, 18.0))), 2)
     0.16
     """
     films = np.geomspace(film.thinnest, film.thickest, FILMS)
@@ -93,10 +93,10 @@ def find_optimum(
 
     Examples
     --------
-    >>> from erlif.planning.design import example_design
+    >>> from erlif.planning.design import example_dye_design
     >>> film = WantedFilm(2.0, 30.0, (0.5, 45.0))
-    >>> found = find_optimum(example_design(), film)
-    >>> found.error < largest_error(example_design(), film)
+    >>> found = find_optimum(example_dye_design(), film)
+    >>> found.error < largest_error(example_dye_design(), film)
     True
     """
     from scipy.optimize import brute, fmin  # heavy, and only needed here

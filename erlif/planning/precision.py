@@ -73,8 +73,8 @@ def log_ratio_variance(
 
     Examples
     --------
-    >>> from erlif.planning.design import example_design
-    >>> new, fixed = log_ratio_variance(example_design(), 5.0)
+    >>> from erlif.planning.design import example_dye_design
+    >>> new, fixed = log_ratio_variance(example_dye_design(), 5.0)
     >>> round(float(np.sqrt(new)), 4), round(float(np.sqrt(fixed)), 4)
     (0.0142, 0.0041)
     """
@@ -129,8 +129,8 @@ def thickness_std(
 
     Examples
     --------
-    >>> from erlif.planning.design import example_design
-    >>> thickness_std(example_design(), [2.0, 8.0]).round(2)
+    >>> from erlif.planning.design import example_dye_design
+    >>> thickness_std(example_dye_design(), [2.0, 8.0]).round(2)
     array([0.32, 0.61])
     """
     new, fixed = log_ratio_variance(design, thickness, average=average)
@@ -163,8 +163,8 @@ def frames_needed(
 
     Examples
     --------
-    >>> from erlif.planning.design import example_design
-    >>> frames_needed(example_design(), [3.0, 3.0], [0.15, 0.01])
+    >>> from erlif.planning.design import example_dye_design
+    >>> frames_needed(example_dye_design(), [3.0, 3.0], [0.15, 0.01])
     array([ 7., inf])
     """
     new, fixed = log_ratio_variance(design, thickness, average=average)
@@ -203,8 +203,8 @@ def calibrated_range(design: Design, film: WantedFilm) -> tuple[float, float]:
 
     Examples
     --------
-    >>> from erlif.planning.design import example_design
-    >>> low, high = calibrated_range(example_design(), WantedFilm(1.0, 10.0, (0.1, 18.0)))
+    >>> from erlif.planning.design import example_dye_design
+    >>> low, high = calibrated_range(example_dye_design(), WantedFilm(1.0, 10.0, (0.1, 18.0)))
     >>> low, round(high)
     (0.1, 17)
     """
@@ -241,8 +241,8 @@ def measurable_range(design: Design, film: WantedFilm) -> tuple[float, float]:
 
     Examples
     --------
-    >>> from erlif.planning.design import example_design
-    >>> low, high = measurable_range(example_design(), WantedFilm(1.0, 10.0, (0.1, 18.0)))
+    >>> from erlif.planning.design import example_dye_design
+    >>> low, high = measurable_range(example_dye_design(), WantedFilm(1.0, 10.0, (0.1, 18.0)))
     >>> round(low, 1), round(high)
     (0.8, 13)
     """
@@ -295,8 +295,8 @@ def dimmed_to_full_scale(design: Design, thickest: float, fill: float) -> Design
 
     Examples
     --------
-    >>> from erlif.planning.design import example_design
-    >>> round(dimmed_to_full_scale(example_design(), 20.0, 0.3).energy, 2)
+    >>> from erlif.planning.design import example_dye_design
+    >>> round(dimmed_to_full_scale(example_dye_design(), 20.0, 0.3).energy, 2)
     0.47
     """
     filled = max(

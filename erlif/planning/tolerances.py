@@ -74,8 +74,8 @@ def vary_tolerances(
 
     Examples
     --------
-    >>> from erlif.planning.design import example_design
-    >>> changes = vary_tolerances(example_design(), WantedFilm(2.0, 8.0, (0.1, 18.0)))
+    >>> from erlif.planning.design import example_dye_design
+    >>> changes = vary_tolerances(example_dye_design(), WantedFilm(2.0, 8.0, (0.1, 18.0)))
     >>> changes[0].what[:14], changes[-1].effect < 0.05
     ('gain of camera', True)
     """

@@ -42,7 +42,7 @@ PIN = r.Journal(0.03336, 0.03359, length=0.237, viscosity=0.12)
 TIME = np.linspace(0.0, 1.0, 5)
 TURNING = r.Motion(TIME, 0 * TIME, load=222.4, load_direction=TIME)
 REST = r.Motion(TIME, 0 * TIME, load=222.4)
-BUSHING = e.Joint(0.03336, 0.03359, 0.0533, length=0.06, pin_length=0.12)
+BUSHING = e.EdgeJoint(0.03336, 0.03359, 0.0533, length=0.06, pin_length=0.12)
 CELLS = (np.arange(36) - 18) * 2 * np.pi / 36
 
 

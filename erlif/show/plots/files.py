@@ -294,7 +294,7 @@ def _describe_steady(film: xr.Dataset) -> str:
 def _reason_without_trend(film: xr.Dataset) -> str | None:
     """State why the film cannot be drawn against speed over load; None if it can."""
     if "speed_exponent" not in film:
-        lacking = [] if "joint_load" in film else ["joint_load"]
+        lacking = [] if "joint_load" in film else ["load"]
         if "rocker_speed" not in film and "sliding_speed" not in film:
             lacking = ["speed", *lacking]
         return f"the film has no {' and no '.join(lacking)}"

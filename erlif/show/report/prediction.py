@@ -129,8 +129,8 @@ def summarise_comparison(found: ModelComparison) -> str:
 
     Examples
     --------
-    >>> from erlif.prediction import Candidate
-    >>> one = Candidate("a guided pin", 0.0, 4, 1.0, 4e-8)
+    >>> from erlif.prediction import FilmModel
+    >>> one = FilmModel("a guided pin", 0.0, 4, 1.0, 4e-8)
     >>> print(summarise_comparison(ModelComparison((one,), "It swings.", None, 1.0)))
     It swings.
       model          BIC  residual [um]

@@ -261,7 +261,7 @@ def join_parts(about: Mapping[str, Any], values: Image, flags: FlagImage) -> byt
     --------
     >>> message = join_parts({}, np.ones((1, 2), np.float32), np.zeros((1, 2), np.uint16))
     >>> len(message), message[:6]
-    (18, b'\\x04\\x00\\x00\\x00{}')
+    (20, b'\\x04\\x00\\x00\\x00{}')
     """
     text = json.dumps(about, separators=(",", ":")).encode()
     text += b" " * (-len(text) % 4)

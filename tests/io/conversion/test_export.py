@@ -2,6 +2,7 @@
 
 import csv
 import hashlib
+import sys
 
 import numpy as np
 import pytest
@@ -188,7 +189,7 @@ def test_pixel_size_is_that_of_an_image_whichever_way_it_runs(film, tmp_path):
 
 def test_a_stack_above_four_gigabytes_has_its_images_in_one_piece(film, tmp_path, monkeypatch):
     path = tmp_path / "film.tif"
-    monkeypatch.setattr("erlif.io.conversion.export.LARGEST", 1000)
+    monkeypatch.setattr(sys.modules[write_stack.__module__], "LARGEST", 1000)
     write_stack(film, path, triggers=[1, 2], progress=silent)
     with tifffile.TiffFile(path) as file:
         assert len(file.pages) == 1  # ImageJ finds the others by their number

@@ -47,7 +47,7 @@ RESULTS = "film_hamrock_dowson, film_theory"
             {"mechanism": DISC},
             {
                 "column angle_deg": "",
-                "column load_N": "there is no log; left out: load, speed_exponent",
+                "column load_N": "there is no log; left out: joint_load, speed_exponent",
                 "[joint]": "film_theory",
             },
         ),

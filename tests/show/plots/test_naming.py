@@ -13,7 +13,7 @@ def test_figure_names_run_load_and_oil(film, with_settings):
     assert run_line(film) == "a film <known> & small, 222 N, 0.12 Pa s"
     named = with_settings(('name = ""\nviscosity', 'name = "80W-90"\nviscosity'))
     assert run_line(named).endswith(", 80W-90")
-    varying = film.assign(load=("trigger", np.linspace(100.0, 250.0, film.sizes["trigger"])))
+    varying = film.assign(joint_load=("trigger", np.linspace(100.0, 250.0, film.sizes["trigger"])))
     assert "100 to 250 N" in run_line(varying)
     assert plots.film_over_cycle(film)[0].get_figure().get_suptitle() == run_line(film)
 

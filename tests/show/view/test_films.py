@@ -24,7 +24,7 @@ def test_maps_are_those_of_the_film(reader):
 
 
 def test_few_maps_stay_in_memory(reader, monkeypatch):
-    monkeypatch.setattr(films, "KEPT", 5 * 24 * 64 * 5)
+    monkeypatch.setattr(films, "KEPT", 5 * 24 * 64 * 6)
     for trigger in range(6):
         reader.read("thickness", trigger)
     assert {trigger for _, trigger in reader._kept} == {1, 2, 3, 4, 5}
