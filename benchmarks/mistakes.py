@@ -14,7 +14,6 @@ import re
 import shutil
 import sys
 import tempfile
-from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
@@ -29,14 +28,13 @@ from erlif.io.ingest import open_run
 from erlif.pipeline.audit.audits import audit_run
 from erlif.pipeline.audit.evidence import Evidence
 from erlif.pipeline.chain import one_thread_per_frame
+from erlif.pipeline.cycle import group_frames
 from erlif.pipeline.engines.results import frames_in
-from erlif.pipeline.film import group_frames
+from erlif.pipeline.engines.triggers import TriggerTask
 from erlif.pipeline.fixture import find_calibration
 from erlif.pipeline.physics.clock import fit_start
 from erlif.pipeline.physics.joint import locate_run
 from erlif.pipeline.recording.prepare import prepare_run
-from erlif.pipeline.recording.register import FixtureMap
-from erlif.pipeline.run import trigger_task
 from erlif.rig import simulate
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
@@ -176,10 +174,9 @@ def measure(run_dir: Path) -> Evidence:
     """What the audits of a run look at."""
     run = open_run(run_dir, find_start=fit_start)
     located = locate_run(run)
-    calibration = find_calibration(run, None, allow_outside=False, progress=silent)
-    known = FixtureMap.of(calibration, run.settings)
-    ready = prepare_run(run, located, replace(calibration, camera_map=None), known, silent)
-    task = trigger_task(run, ready.chain, ready.measuring)
+    calibration, known = find_calibration(run, None)
+    ready = prepare_run(run, located, calibration, known, silent)
+    task = TriggerTask.of(ready)
     with one_thread_per_frame():
         results = [task(frames)[1] for frames in group_frames(located, run.pairs)]
     return Evidence(run, located, frames_in(results), ready.faults)

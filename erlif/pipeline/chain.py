@@ -7,7 +7,7 @@ first. Every frame can then be processed by itself, in any order and from any th
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -31,7 +31,7 @@ from erlif.registration import CameraMap, align_bands, align_frames
 
 
 @dataclass(frozen=True)
-class FrameCorrection(PickledByFields):
+class FrameCorrection:
     """Counts to light, frame by frame.
 
     Attributes
@@ -40,6 +40,8 @@ class FrameCorrection(PickledByFields):
         Frame pairs of the recording.
     references : References
         Dark, flat, gain and read noise of both cameras.
+    tables : tuple[CameraTables, CameraTables]
+        The references as every frame needs them.
     least_signal : float
         Pixels with less light are flagged dim. [electron]
     energies : Array | None
@@ -51,51 +53,39 @@ class FrameCorrection(PickledByFields):
 
     pairs: FramePairs
     references: References
-    least_signal: float = 100.0
+    tables: tuple[CameraTables, CameraTables]
+    least_signal: float
     energies: Array | None = None
     unlit: tuple[UnlitPixels | None, ...] = (None, None)
 
-    @cached_property
-    def tables(self) -> tuple[CameraTables, CameraTables]:
-        """The references of both cameras as every frame needs them."""
-        return tabulate(self.references, least_signal=self.least_signal)
+    @classmethod
+    def of(
+        cls, pairs: FramePairs, references: References, *, least_signal: float, **known: Any
+    ) -> FrameCorrection:
+        """The correction by some references; `known` are energies and unlit pixels."""
+        tables = tabulate(references, least_signal=least_signal)
+        return cls(pairs, references, tables, least_signal, **known)
 
-    def __getstate__(self) -> dict[str, Any]:
-        """Return the fields, with the tables if the references behind them are gone."""
-        # workers elsewhere get the tables alone, where they are all that is left
-        gone = "dark" not in self.references
-        return super().__getstate__() | ({"tables": self.tables} if gone else {})
+    def with_references(self, references: References) -> FrameCorrection:
+        """Return a copy with other references."""
+        tables = tabulate(references, least_signal=self.least_signal)
+        return replace(self, references=references, tables=tables)
 
     def tabulated(self) -> FrameCorrection:
         """Return a copy that keeps the tables, and only the numbers of the references."""
-        tabulated = replace(
-            self, references=References(self.references.drop_dims(["y", "x"], errors="ignore"))
-        )
-        # in the cache of the property, which could not be computed again
-        tabulated.__dict__["tables"] = self.tables
-        return tabulated
-
-    def with_energies(self, energies: Array) -> FrameCorrection:
-        """Return a copy with other pulse energies, (frame,). [1]"""
-        changed = replace(self, energies=energies)
-        changed.__dict__["tables"] = self.tables
-        return changed
-
-    def following(self, pairs: FramePairs) -> FrameCorrection:
-        """Return a copy for more pairs of the recording, each with the mean energy."""
-        changed = replace(self, pairs=pairs, energies=None)
-        changed.__dict__["tables"] = self.tables
-        return changed
+        numbers = self.references.drop_dims(["y", "x"], errors="ignore")
+        return replace(self, references=References(numbers))
 
     def light(self, frame: int, *, out: PairLight | None = None) -> PairLight:
         """Light of one frame pair as plain arrays, in those of ``out`` where they are given."""
-        return self.measure(frame, read_pair(self.pairs, frame).counts, out=out)
+        counts = read_pair(self.pairs, frame).counts
+        return self.measure(counts, energy=self.energy(frame), out=out)
 
     def measure(
-        self, frame: int, counts: Sequence[AnyArray], *, out: PairLight | None = None
+        self, counts: Sequence[AnyArray], *, energy: float = 1.0, out: PairLight | None = None
     ) -> PairLight:
         """Light of one frame pair whose counts were read."""
-        return measure_light(counts, self.tables, out=out, energy=self.energy(frame))
+        return measure_light(counts, self.tables, out=out, energy=energy)
 
     def read_dark(self, counts: Sequence[AnyArray]) -> tuple[tuple[float, float], ...]:
         """Mean and variance of the unlit pixels of each camera, as `UnlitPixels.read`, or NaN."""
@@ -145,11 +135,6 @@ class _ThreadBuffers(threading.local):
 _kept = _ThreadBuffers()
 
 
-def read_hashed(pairs: FramePairs, frame: int) -> PairCounts:
-    """A frame pair from its files, which are hashed as they are read."""
-    return read_pair(pairs, frame, digests=True)
-
-
 @dataclass(frozen=True)
 class FrameChain(PickledByFields):
     """Counts to ratio, frame by frame.
@@ -169,8 +154,6 @@ class FrameChain(PickledByFields):
     ratio_change : Array | None
         Change of the logarithm of the ratio by what is not film, (frame,), which is taken out; None
         where nothing is. [1]
-    read : callable
-        Reads a frame pair.
     """
 
     correct: FrameCorrection
@@ -178,7 +161,6 @@ class FrameChain(PickledByFields):
     blur: BlurDifference = field(default_factory=BlurDifference)
     no_film_below: float = 0.25
     ratio_change: Array | None = None
-    read: Callable[[FramePairs, int], PairCounts] = read_hashed
 
     @property
     def pairs(self) -> FramePairs:
@@ -198,25 +180,6 @@ class FrameChain(PickledByFields):
     def tabulated(self) -> FrameChain:
         """The chain with the tables alone, without the references from which they were made."""
         return replace(self, correct=self.correct.tabulated())
-
-    def following(self, pairs: FramePairs, read: PairCounts) -> FrameChain:
-        """Return a chain for a pair that was read, without corrections that differ by pair.
-
-        Parameters
-        ----------
-        pairs : FramePairs
-            More pairs of the recording.
-        read : PairCounts
-            The pair that is to be measured.
-
-        Returns
-        -------
-        FrameChain
-        """
-        correct = self.correct.following(pairs)
-        changed = replace(self, correct=correct, ratio_change=None, read=lambda *_: read)
-        changed.__dict__.update(tables=self.tables, noise=self.noise, search=self.search)
-        return changed
 
     @cached_property
     def tables(self) -> MapTables:
@@ -273,34 +236,44 @@ class FrameChain(PickledByFields):
         if self.ratio_change is not None:
             # in single precision, as `_divide` does it for plain arrays
             for n, frame in enumerate(ratios.frame.values):
-                ratios.log_ratio.values[n] -= np.float32(self.ratio_change[int(frame)])
+                ratios.log_ratio.values[n] -= np.float32(self._change(int(frame)))
         return ratios
 
-    def measure(self, frame: int, *, with_fixed: bool = True) -> PairRatio:
-        """The ratio of one frame pair as plain arrays, its files hashed as they are read.
+    def measure(self, frame: int | PairCounts, *, with_fixed: bool = True) -> PairRatio:
+        """The ratio of one frame pair as plain arrays.
 
-        The next call in the same thread fills the same arrays: copy what is kept. Only where
-        frames are summed or smoothed is the part of the variance needed that repeats; otherwise
-        the maps of the film may replace the ratio.
+        Parameters
+        ----------
+        frame : int or PairCounts
+            Number of a pair, whose files are hashed as they are read. A pair that was read has the
+            mean energy, and no change of its ratio is taken out.
+        with_fixed : bool
+            Whether the part of the variance that repeats is needed, as where frames are summed or
+            smoothed. Without it the maps of the film may replace the ratio.
+
+        Returns
+        -------
+        PairRatio
+            The next call in the same thread fills the same arrays: copy what is kept.
         """
-        shape, orientation = self.pairs.shape, self.tables.orientation
-        ratio = self._measure(frame, _kept.take(shape, orientation, with_fixed=with_fixed))
+        buffers = _kept.take(self.pairs.shape, self.tables.orientation, with_fixed=with_fixed)
+        if isinstance(frame, PairCounts):
+            (counts, digests), energy, change = frame, 1.0, 0.0
+        else:
+            counts, digests = read_pair(self.pairs, frame, digests=True)
+            energy, change = self.correct.energy(frame), self._change(frame)
+
+        # dark, flat and noise; registration; ratio
+        light = self.correct.measure(counts, energy=energy, out=buffers.light)
+        dark, sharpness = self.correct.read_dark(counts), self._compare_sharpness(light)
+        del counts  # 5 MB a pair and thread, while the ratio is made
+        drift = self._find_drift(light)
+        ratio = self._divide(light, drift, change, buffers)
+
+        ratio = replace(ratio, digests=digests, dark=dark, sharpness=sharpness)
         if with_fixed:
             return ratio
         return replace(ratio, spare=(ratio.log_ratio, ratio.variance, ratio.variance_shared))
-
-    def _measure(self, frame: int, buffers: _Buffers) -> PairRatio:
-        counts, digests = self.read(self.pairs, frame)
-        light = self.correct.measure(frame, counts, out=buffers.light)
-        dark = self.correct.read_dark(counts)
-        one, two = (
-            measure_sharpness(light.light[n], light.flags[n], table.noise)
-            for n, table in enumerate(self.correct.tables)
-        )
-        sharpness = (one, two)
-        del counts  # 5 MB a pair and thread, while the ratio is made
-        ratio = self._divide(frame, light, self._find_drift(light), buffers)
-        return replace(ratio, digests=digests, dark=dark, sharpness=sharpness)
 
     def restore(self, frame: int, drift: tuple[float, float]) -> tuple[PairRatio, Array]:
         """The ratio of one frame pair whose drift (x, y) [px] is known, and its light.
@@ -309,13 +282,13 @@ class FrameChain(PickledByFields):
         """
         buffers = _Buffers.empty(self.pairs.shape, self.tables.orientation, with_fixed=True)
         light = self.correct.light(frame, out=buffers.light)
-        ratio = self._divide(frame, light, drift, buffers)
+        ratio = self._divide(light, drift, self._change(frame), buffers)
         return ratio, np.stack([light.light[0], buffers.warped.light])
 
     def _divide(
-        self, frame: int, light: PairLight, drift: tuple[float, float], buffers: _Buffers
+        self, light: PairLight, drift: tuple[float, float], change: float, buffers: _Buffers
     ) -> PairRatio:
-        """Compute the ratio of one frame pair and subtract the known change of the log ratio."""
+        """Warp camera 2 and compute the ratio, less a known change of its logarithm."""
         ratio = measure_ratio(
             light,
             self.tables,
@@ -326,9 +299,21 @@ class FrameChain(PickledByFields):
             warped=buffers.warped,
             out=buffers.ratio,
         )
-        if self.ratio_change is not None:
-            ratio.log_ratio[:] -= np.float32(self.ratio_change[frame])
+        if change:
+            ratio.log_ratio[:] -= np.float32(change)
         return ratio
+
+    def _change(self, frame: int) -> float:
+        """Change of the logarithm of the ratio that is taken out of a frame. [1]"""
+        return 0.0 if self.ratio_change is None else float(self.ratio_change[frame])
+
+    def _compare_sharpness(self, light: PairLight) -> tuple[float, float]:
+        """Sharpness of camera 1 and camera 2. [1]"""
+        one, two = (
+            measure_sharpness(light.light[n], light.flags[n], table.noise)
+            for n, table in enumerate(self.correct.tables)
+        )
+        return one, two
 
     def _find_drift(self, light: PairLight) -> tuple[float, float]:
         drift = self.search.find(light)

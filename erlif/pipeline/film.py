@@ -1,15 +1,14 @@
-"""The film as it is stored: what log, kinematics, statistics and theory give for each trigger."""
+"""The film as it is stored: statistics, light, theory and record, one step after the other."""
 
 from __future__ import annotations
 
 import logging
 import math
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-import scipy
 import xarray as xr
 
 from erlif.calibration import Calibration, note_pitch, record_calibration
@@ -18,16 +17,16 @@ from erlif.core.flags import FLAG_ATTRS, Flag
 from erlif.core.format import describe_origin
 from erlif.core.notes import Note, join_notes, warn
 from erlif.core.timing import stage
-from erlif.core.units import count_of
 from erlif.core.variables import FILM, FRAMES
 from erlif.correction import CHARACTERISTICS
 from erlif.io.files import MapVariable, describe_hashes
-from erlif.io.ingest import FramePairs, Run, format_notes, skipped_notes
-from erlif.io.settings import RunSettings, stated_keys, to_toml
+from erlif.io.ingest import Run, format_notes, skipped_notes
+from erlif.io.settings import stated_keys, to_toml
 from erlif.kinematics import encoder_notes
 from erlif.pipeline.audit.audits import audit_run
 from erlif.pipeline.audit.evidence import Evidence
 from erlif.pipeline.engines.results import (
+    FrameResult,
     TriggerResult,
     describe_frame_notes,
     frames_in,
@@ -37,53 +36,31 @@ from erlif.pipeline.engines.results import (
 from erlif.pipeline.physics.contact import note_contact, settle_contact
 from erlif.pipeline.physics.dark import describe_dark_levels
 from erlif.pipeline.physics.errors import describe_errors, name_largest_error
+from erlif.pipeline.physics.exponents import describe_exponents, note_moved_mean
 from erlif.pipeline.physics.fit import state_physics
-from erlif.pipeline.physics.joint import describe_joint, missing_load
-from erlif.pipeline.physics.light import (
-    describe_light,
-    find_light,
-    kept_lights,
-)
+from erlif.pipeline.physics.light import choose_frames, describe_light
 from erlif.pipeline.physics.load_line import place_positions
 from erlif.pipeline.physics.position import describe_positions, note_form
 from erlif.pipeline.physics.prediction import (
-    Prediction,
     frames_of_run,
     join_theories,
     note_correlation,
     note_difference,
+    predict_theory,
     try_prediction,
 )
-from erlif.pipeline.physics.systematics import follow_course, update_systematics
-from erlif.pipeline.plane import ObjectPlane
+from erlif.pipeline.physics.systematics import follow_course
 from erlif.pipeline.recording.omissions import note_omissions
 from erlif.pipeline.recording.prepare import PreparedRun
 from erlif.pipeline.recording.pulses import check_pulses, read_energies
 from erlif.ratio import BlurDifference
 from erlif.registration import CameraMap, describe_map, move_map
-from erlif.trend import (
-    LARGEST_BEYOND,
-    compare_with_roughness,
-    fit_exponent,
-    mean_at_constant_minimum,
-    predict_film,
-)
 
 _logger = logging.getLogger(__name__)
 
 
 # Share of the region outside the measurable range from which a note reports it.
 _CENSORED = 0.01
-
-# Standard deviations of the exponent of the mean film that the moving place of the minimum may
-# change, and the change that never counts.
-_MOVED, _UNMOVED = 3.0, 0.01
-
-# What the motion gives for each frame, and a mean for each trigger.
-_MOTION = ("encoder_angle", "position", "rocker_speed", "sliding_speed")
-
-# Variables of the two statistics.
-_FILM_OF = {"minimum": "film_min", "mean": "film_mean"}
 
 # What of each map is kept, as its uncertainty allows.
 _PRECISION: dict[str, dict[str, Any]] = {
@@ -105,264 +82,199 @@ MAPS = [
 ]
 
 
-def group_frames(cycle: xr.Dataset, pairs: FramePairs) -> list[list[int]]:
-    """Usable frame pairs of each trigger; `cycle` as `locate_frames` returns it."""
-    trigger = cycle.trigger.values
-    frames: list[list[int]] = [[] for _ in range(int(trigger.max()) + 1)]
-    for k in pairs.usable:
-        frames[trigger[k]].append(k)
-    return frames
+@dataclass(frozen=True)
+class FilmDraft:
+    """A film between its measured triggers and its record.
 
-
-def summarise_cycle(cycle: xr.Dataset) -> str:
-    """Triggers, cycles and highest speed of a run in words; `cycle` as `locate_run` returns it."""
-    triggers, cycles = int(cycle.trigger.max()) + 1, int(cycle.cycle.max()) + 1
-    text = count_of(triggers, "trigger")
-    if cycles > 1 or "encoder_angle" in cycle:  # without angles one cycle is a convention
-        text += f" in {count_of(cycles, 'cycle')}"
-    if "rocker_speed" in cycle:
-        return f"{text}, joint speed up to {float(np.abs(cycle.rocker_speed).max()):.3f} rad/s"
-    if "sliding_speed" in cycle:
-        return f"{text}, sliding speed up to {float(cycle.sliding_speed.max()):.4g} m/s"
-    return f"{text}, no speed"
-
-
-def describe_triggers(run: Run, cycle: xr.Dataset) -> xr.Dataset:
-    """Average all quantities of log and kinematics over the frames of each trigger.
-
-    Parameters
+    Attributes
     ----------
-    run : Run
-    cycle : xarray.Dataset
-        As `locate_frames` returns it.
-
-    Returns
-    -------
-    xarray.Dataset
-        On dim trigger; complete enough for the theory. What needs a table that run.toml lacks is
-        left out.
-
-    Raises
-    ------
-    ConfigError
-        If neither log nor settings give the load, Vogel's law has no temperature, or the region of
-        interest or the load line lies outside the image.
-    """
-    columns = _columns_by_frame(run, cycle)
-    usable = group_frames(cycle, run.pairs)
-    film = xr.Dataset(coords={"trigger": np.arange(len(usable))})
-
-    # a trigger whose frames were all left out keeps its place in the cycle
-    of = cycle.trigger.values
-    every = [frames or np.flatnonzero(of == k).tolist() for k, frames in enumerate(usable)]
-    for name, column in columns.items():
-        if column.dtype.kind in "fiu":
-            values = np.array([_trigger_mean(column, frames) for frames in every])
-        else:
-            values = np.array([str(column.values[frames[0]]) for frames in every])
-        film[name] = ("trigger", values, column.attrs)
-
-    if "stroke" in cycle:
-        stroke = cycle.stroke.values[[frames[0] for frames in every]]
-        film["stroke"] = ("trigger", stroke, cycle.stroke.attrs)
-    if "crank_angle" in cycle:
-        angle = np.radians(cycle.crank_angle.values)
-        circle = [np.exp(1j * angle[frames]).mean() for frames in every]
-        attrs = cycle.crank_angle.attrs
-        film["crank_angle"] = ("trigger", np.degrees(np.angle(circle)) % 360, attrs)
-
-    # frames that are averaged over cycles have no common time
-    apart = all(len(frames) == 1 for frames in every)
-    if "time" in run.log and (apart or not cycle.cycle.any()):
-        read = run.log.time.values
-        film["time"] = FILM["time"].fill(np.array([read[frames].mean() for frames in every]))
-
-    # what would fail at the end fails here
-    predict_theory(run.settings, film)
-    ObjectPlane(run.settings, run.pairs.shape).check()
-    return film
-
-
-def complete_film(
-    run: Run,
-    cycle: xr.Dataset,
-    triggers: xr.Dataset,
-    ready: PreparedRun,
-    results: Sequence[TriggerResult],
-    hashes: Mapping[str, str],
-) -> tuple[xr.Dataset, dict[str, xr.Dataset]]:
-    """Make all groups of a film, without the maps.
-
-    Parameters
-    ----------
-    run : Run
-    cycle : xarray.Dataset
-        As `locate_run` returns it.
-    triggers : xarray.Dataset
-        As `describe_triggers` returns it, before any frame is measured: it refuses a run that lacks
-        a load or a temperature.
     ready : PreparedRun
+        The run, and what its frames were measured with.
+    results : Sequence[TriggerResult]
+        Of all triggers, in their order.
+    calibration : Calibration
+        With the errors that the run shows.
+    film : xarray.Dataset
+        The root group without the maps.
+    frames : xarray.Dataset
+        What belongs to single frames besides log and drift.
+    notes : tuple[Note, ...]
+    """
+
+    ready: PreparedRun
+    results: Sequence[TriggerResult]
+    calibration: Calibration
+    film: xr.Dataset
+    frames: xr.Dataset
+    notes: tuple[Note, ...]
+
+    @property
+    def frame_results(self) -> list[FrameResult]:
+        """Results of all frame pairs."""
+        return frames_in(self.results)
+
+    def adding(self, film: xr.Dataset, *notes: Note, **changed: Any) -> FilmDraft:
+        """Return a copy with another root group and more notes."""
+        return replace(self, film=film, notes=(*self.notes, *notes), **changed)
+
+
+def summarise_triggers(
+    ready: PreparedRun, triggers: xr.Dataset, results: Sequence[TriggerResult]
+) -> FilmDraft:
+    """Settle the contact of the run, audit its frames, and count frames and pixels.
+
+    Parameters
+    ----------
+    ready : PreparedRun
+    triggers : xarray.Dataset
+        As `describe_triggers` returns it.
     results : sequence of TriggerResult
         Of all triggers.
-    hashes : mapping of str to str
-        Of the inputs.
 
     Returns
     -------
-    film : xarray.Dataset
-        The root group.
-    groups : dict of str to xarray.Dataset
-        The groups frames and registration.
+    FilmDraft
 
     Raises
     ------
     PulseError
         If the cameras show different pulses in a pair.
     """
-    results, contact = settle_contact(results, ready.measuring)
-    frames, options = frames_in(results), run.settings.light
-    drift = mean_drift(frames)
+    run, calibration, plane = ready.run, ready.measuring, ready.plane
+    results, contact = settle_contact(results, calibration)
+    frames = frames_in(results)
     with stage("audits", _logger):
-        measured_frames = sorted(frames, key=lambda one: one.frame)
-        audited = audit_run(Evidence(run, cycle, measured_frames, ready.faults))
-    notes = [
+        ordered = sorted(frames, key=lambda one: one.frame)
+        audited = audit_run(Evidence(run, ready.cycle, ordered, ready.faults))
+    both = filter(None, (calibration, calibration.later))
+    notes = (
+        *audited,
+        *(note for one in both for note in note_pitch(one.pixel_pitch, plane.pitch)),
+        *format_notes(run.pairs),
         *run.log_notes,
-        *encoder_notes(cycle),
+        *encoder_notes(ready.cycle),
         *ready.notes,
         *check_pulses(frames, run.pairs),
         *describe_frame_notes(frames, run.pairs),
         *note_contact(results, contact),
-    ]
-
-    # light that is not film, as the finished frames show it
-    plane = ObjectPlane(run.settings, run.pairs.shape)
-    findings = ready.light
-    if findings.errors is None:  # nothing was taken out, or a part
-        lights = kept_lights(frames, run.pairs)
-        remaining = find_light(
-            lights,
-            ready.measuring,
-            ready.chain.correct,
-            cycle.trigger.values,
-            ready.energies,
-            plane=plane,
-            options=options,
-        )
-        findings = findings.complete(remaining, options)
-    light, notes_on_light = describe_light(findings, results, run, ready.measuring)
-    films = np.array([one.statistics.mean for one in results])
-    median = float(np.median(films[np.isfinite(films)])) if np.isfinite(films).any() else math.nan
-    notes += describe_dark_levels(findings.darks, ready.measuring, median)
-    counted = findings.for_error_bars(ready.measuring, options)
-    pairs = len(run.pairs.pages[0])
-    measured_with = update_systematics(
-        ready.measuring, counted, options, pulses=len(run.pairs.usable), pairs=pairs
     )
-    results = follow_course(results, ready.measuring, counted.course, pairs=pairs)
 
-    of_frames = frames_of_run(run, cycle)
-    with stage("prediction", _logger):
-        positions = [one.position for one in results]
-        measured = describe_statistics(results, measured_with)
-        measured |= describe_positions(positions, measured_with, plane.view)
-        measured, about_line = place_positions(plane, measured, measured_with, of_frames)
-        prediction = try_prediction(plane, triggers.assign(measured), of_frames)
-    film = assemble_film(
-        run,
-        triggers,
-        results,
-        measured_with,
-        measured=measured,
-        prediction=prediction,
-        hashes=hashes,
-        notes=[*notes, *notes_on_light, *about_line],
-        audited=audited,
+    numbers = [[one.frame for one in result.frames] for result in results]
+    passed = [share_passed(each, len(run.pairs.pages[0])) for each in numbers]
+    film = triggers.assign(
+        frames_used=FILM["frames_used"].fill([len(each) for each in numbers]),
+        share_passed=FILM["share_passed"].fill(passed),
     )
-    film = film.assign(light)
-    film = film.assign_attrs(
-        largest_error=name_largest_error(film, run.settings, ready.measuring, measured_with),
-        contact=str(contact),
-    )
-    with stage("physics", _logger):
-        physics = state_physics(film, run.settings, of_frames)
-    if physics:
-        film = film.assign_attrs(physics=physics)
-
-    # the stored map is that of the mean over the run; drifts are stored about it
-    camera_map = move_map(ready.chain.camera_map, drift)
-    return film, {
-        "frames": assemble_frames(run, cycle, results, drift, ready.chain.ratio_change).assign(
-            prediction.frames
-        ),
-        "registration": describe_registration(camera_map, ready.chain.blur),
-    }
+    film = film.assign(count_flagged_pixels(results)).assign_attrs(contact=str(contact))
+    film = film.assign_coords(plane.grid(len(results)).coords)
+    return FilmDraft(ready, results, calibration, film, xr.Dataset(), notes)
 
 
-def assemble_film(
-    run: Run,
-    triggers: xr.Dataset,
-    results: Sequence[TriggerResult],
-    calibration: Calibration,
-    *,
-    measured: Mapping[str, Any],
-    prediction: Prediction,
-    hashes: Mapping[str, str],
-    notes: Iterable[Note],
-    audited: Iterable[Note] = (),
-) -> xr.Dataset:
-    """Make the root group of a film, without the maps.
+def with_light(draft: FilmDraft) -> FilmDraft:
+    """Add light that is not film, and mean, minimum and pin with the errors that it leaves.
 
     Parameters
     ----------
-    run : Run
-    triggers : xarray.Dataset
-        From `describe_triggers`.
-    results : sequence of TriggerResult
-        In the order of the triggers.
-    calibration : Calibration
-    measured : mapping of str to variable
-        Statistics and positions of the pin.
-    prediction : Prediction
-        Of the transient film.
-    hashes : mapping of str to str
-        Of the inputs.
-    notes : iterable of Note
-        On cameras and frames.
-    audited : iterable of Note
-        Of the audits; they come first.
+    draft : FilmDraft
 
     Returns
     -------
-    xarray.Dataset
-        The root group of film.nc without thickness, its standard deviations and flags.
+    FilmDraft
     """
-    film = triggers.copy()
-    frames = [[one.frame for one in result.frames] for result in results]
-    film["frames_used"] = FILM["frames_used"].fill([len(each) for each in frames])
-    passed = [share_passed(each, len(run.pairs.pages[0])) for each in frames]
-    film["share_passed"] = FILM["share_passed"].fill(passed)
-    film = film.assign(count_flagged_pixels(results)).assign(measured)
-    settings, plane = run.settings, ObjectPlane(run.settings, run.pairs.shape)
+    ready, run = draft.ready, draft.ready.run
+    chosen = choose_frames(run.pairs)
+    findings, calibration = ready.judge_light(
+        lambda: {one.frame: one for one in draft.frame_results if one.frame in chosen}
+    )
+    light, notes = describe_light(findings, draft.results, run, ready.measuring)
+    films = np.array([one.statistics.mean for one in draft.results])
+    median = float(np.median(films[np.isfinite(films)])) if np.isfinite(films).any() else math.nan
+    darks = describe_dark_levels(findings.darks, ready.measuring, median)
+
+    course = findings.for_error_bars(ready.measuring, run.settings.light).course
+    pairs = len(run.pairs.pages[0])
+    results = follow_course(draft.results, ready.measuring, course, pairs=pairs)
+    film = draft.film.assign(describe_statistics(results, calibration))
+    positions = [one.position for one in results]
+    film = film.assign(describe_positions(positions, calibration, ready.plane.view)).assign(light)
+    largest = name_largest_error(film, run.settings, ready.measuring, calibration)
+    film = film.assign_attrs(
+        largest_error=largest,
+        settings=to_toml(run.settings),
+        calibration=record_calibration(calibration),
+    )
+    return draft.adding(film, *darks, *notes, results=results, calibration=calibration)
+
+
+def with_theory(draft: FilmDraft) -> FilmDraft:
+    """Add the films of theory, the speed exponents, and which physics carries the film.
+
+    Parameters
+    ----------
+    draft : FilmDraft
+
+    Returns
+    -------
+    FilmDraft
+    """
+    ready, settings, plane = draft.ready, draft.ready.run.settings, draft.ready.plane
+    frames = frames_of_run(ready.run, ready.cycle)
+    with stage("prediction", _logger):
+        film, about_line = place_positions(plane, draft.film, frames)
+        prediction = try_prediction(plane, film, frames)
     theory = join_theories(settings, predict_theory(settings, film), prediction.triggers)
     film = film.merge(theory, combine_attrs="drop_conflicts")
-    film = film.assign(describe_exponents(film, results, calibration, plane=plane))
-
-    film = film.assign_coords(plane.grid(len(results)).coords)
-    both = filter(None, (calibration, calibration.later))
-    own = [
-        *audited,
-        *(note for one in both for note in note_pitch(one.pixel_pitch, plane.pitch)),
-        *format_notes(run.pairs),
-        *notes,
+    film = film.assign(describe_exponents(film, draft.results, draft.calibration, plane=plane))
+    with stage("physics", _logger):
+        physics = state_physics(film, settings, frames)
+    if physics:
+        film = film.assign_attrs(physics=physics)
+    notes = (
+        *about_line,
         *note_omissions(settings, film),
-        *_note_moved_mean(film),
+        *note_moved_mean(film),
         *prediction.notes,
         *note_difference(film, settings.prediction),
         *note_correlation(film),
-    ]
+    )
+    return draft.adding(film, *notes, frames=prediction.frames)
+
+
+def with_record(
+    draft: FilmDraft, hashes: Mapping[str, str]
+) -> tuple[xr.Dataset, dict[str, xr.Dataset]]:
+    """Add settings, hashes and notes, and the groups of frames and registration.
+
+    Parameters
+    ----------
+    draft : FilmDraft
+    hashes : mapping of str to str
+        Of the inputs.
+
+    Returns
+    -------
+    film : xarray.Dataset
+        The root group without thickness, its standard deviations and flags.
+    groups : dict of str to xarray.Dataset
+        The groups frames and registration.
+    """
+    ready, run, film = draft.ready, draft.ready.run, draft.film
+    settings, results = run.settings, draft.results
     load = float(np.median(film["joint_load"])) if "joint_load" in film else float("nan")
     positions = [one.position for one in results]
-    own += [*_censoring_notes(results), *note_form(positions, calibration, plane, load)]
+    # gain and noise of the cameras at the time of the calibration stand in its own notes
+    from_calibration = [
+        Note(note.level, "calibration", str(note))
+        for note in draft.calibration.notes
+        if note.subject != CHARACTERISTICS
+    ]
+    notes = [
+        *draft.notes,
+        *_censoring_notes(results),
+        *note_form(positions, draft.calibration, ready.plane, load),
+        *from_calibration,
+        *skipped_notes(run.pairs),
+    ]
     resolution = settings.thickness.smoothing
     smoothing = {
         "smoothing": resolution,
@@ -370,21 +282,22 @@ def assemble_film(
         "behind the maps was smoothed, steps kept; the noise of pixels closer than that is "
         "correlated; film_min, film_mean and their trend come from the ratio as measured",
     }
-    # gain and noise of the cameras at the time of the calibration stand in its own notes
-    from_calibration = [
-        Note(note.level, "calibration", str(note))
-        for note in calibration.notes
-        if note.subject != CHARACTERISTICS
-    ]
-    return film.assign_attrs(
+    film = film.assign_attrs(
         **describe_origin(f"oil-film thickness, {settings.name}", f"process {settings.name}"),
-        settings=to_toml(settings),
         settings_stated=stated_keys(settings),
         input_hashes=describe_hashes(hashes),
-        calibration=record_calibration(calibration),
         **({} if resolution is None else smoothing),
-        notes=join_notes([*own, *from_calibration, *skipped_notes(run.pairs)]),
+        notes=join_notes(notes),
     )
+
+    # the stored map is that of the mean over the run; drifts are stored about it
+    drift = mean_drift(draft.frame_results)
+    frames = assemble_frames(run, ready.cycle, results, drift, ready.chain.ratio_change)
+    camera_map = move_map(ready.chain.camera_map, drift)
+    return film, {
+        "frames": frames.assign(draft.frames),
+        "registration": describe_registration(camera_map, ready.chain.blur),
+    }
 
 
 def count_flagged_pixels(results: Sequence[TriggerResult]) -> xr.Dataset:
@@ -420,124 +333,6 @@ def describe_statistics(
     }
     filled = {name: FILM[name].fill(column) for name, column in values.items()}
     return filled | describe_errors(statistics, calibration)
-
-
-def predict_theory(settings: RunSettings, film: xr.Dataset) -> xr.Dataset:
-    """Films by theory, and the film parameter, as far as tables and log allow.
-
-    Parameters
-    ----------
-    settings : RunSettings
-    film : xarray.Dataset
-        On dim trigger.
-
-    Returns
-    -------
-    xarray.Dataset
-        As `erlif.trend.predict_film`; empty without [joint].
-
-    Raises
-    ------
-    ConfigError
-        If Vogel's law has no temperature.
-    """
-    joint = describe_joint(settings)
-    if joint is not None and "sliding_speed" in film and "joint_load" in film:
-        return predict_film(film, joint)
-    if settings.joint is None or "film_min" not in film:
-        return xr.Dataset()
-    sides = settings.joint.pin.roughness, settings.joint.bushing.roughness
-    return compare_with_roughness(film.film_min, *sides)
-
-
-def describe_exponents(
-    film: xr.Dataset,
-    results: Sequence[TriggerResult],
-    calibration: Calibration,
-    *,
-    plane: ObjectPlane | None = None,
-) -> dict[str, Any]:
-    """Speed exponents of the minimum and of the mean film, as variables of the film.
-
-    Empty where the film has no speed or no load. With a plane and positions of the pin, the mean
-    film has no exponent where the place of the minimum moves so far that this alone gives one
-    beyond the error.
-    """
-    name = _speed_of_trend(film)
-    if name not in film or "joint_load" not in film:
-        return {}
-
-    statistics = [result.statistics for result in results]
-    films = {
-        "minimum": np.array([one.minimum for one in statistics]),
-        "mean": np.array(
-            [one.mean if one.beyond_range <= LARGEST_BEYOND else np.nan for one in statistics]
-        ),
-    }
-    speed, load = film[name].values, film["joint_load"].values
-    shared = scipy.linalg.block_diag(calibration.full_covariance, np.eye(1))
-
-    exponents: dict[str, Any] = {}
-    moved = np.array([]) if plane is None else _moved_mean(film, plane)
-    for variable, kind in (("speed_exponent", "minimum"), ("speed_exponent_mean", "mean")):
-        # marks of the surfaces are the same at every trigger; the mean film includes them as
-        # they are
-        surface = [one.minimum_surface_std if kind == "minimum" else 0.0 for one in statistics]
-        exponent = fit_exponent(
-            films[kind],
-            np.array([getattr(one, f"{kind}_random_std") for one in statistics]),
-            speed=speed,
-            load=load,
-            gradient=np.column_stack(
-                [[getattr(one, f"{kind}_gradient") for one in statistics], surface]
-            ),
-            covariance=shared,
-        )
-        alone: dict[str, float] = {}
-        if kind == "mean" and moved.size:
-            counted = np.where(np.isfinite(films[kind]), moved, np.nan)
-            geometry = fit_exponent(
-                counted,
-                np.array([one.mean_random_std for one in statistics]),
-                speed=speed,
-                load=load,
-            ).value
-            if abs(geometry) > max(_MOVED * exponent.std, _UNMOVED):
-                alone = {"geometry": geometry, "fitted": exponent.value}
-                exponent = replace(exponent, value=math.nan, std=math.nan, log_scale=math.nan)
-        exponents[variable] = FILM[variable].fill(
-            exponent.value,
-            **alone,
-            long_name=f"power of |{name}|/load that {_FILM_OF[kind]} follows",
-            speed=name,
-            log_scale=exponent.log_scale,
-            triggers_used=exponent.triggers,
-        )
-        exponents[f"{variable}_std"] = FILM[f"{variable}_std"].fill(exponent.std)
-    return exponents
-
-
-def _moved_mean(film: xr.Dataset, plane: ObjectPlane) -> Array:
-    """Mean films of the pin at a constant minimum; empty without its positions. [um]"""
-    view = plane.view
-    if view is None or "pin_displacement" not in film:
-        return np.array([])
-    line = float(film["pin_displacement"].attrs["load_line"])
-    angle = (plane.along[plane.within] - line) / view.radius
-    return mean_at_constant_minimum(film["pin_displacement"].values, view.clearance, angle)
-
-
-def _note_moved_mean(film: xr.Dataset) -> list[Note]:
-    """Warn that the exponent of the mean film is due to the moving place of the minimum."""
-    attrs = film["speed_exponent_mean"].attrs if "speed_exponent_mean" in film else {}
-    if "geometry" not in attrs:
-        return []
-    text = (
-        "no power of speed: the place of the minimum moves in the region, which alone makes n = "
-        f"{attrs['geometry']:.3f} of the fitted {attrs['fitted']:.3f}. Use that of film_min, or a "
-        "region of interest over which the film differs less"
-    )
-    return [warn("film_mean", text)]
 
 
 def assemble_frames(
@@ -613,38 +408,6 @@ def describe_registration(camera_map: CameraMap, blur: BlurDifference) -> xr.Dat
         ratio_excess=blur.excess,
         ratio_excess_std=blur.excess_std,
     )
-
-
-def _trigger_mean(column: xr.DataArray, frames: Sequence[int]) -> float:
-    """Mean of a column over the frames of a trigger."""
-    values = column.values[list(frames)].astype(float)
-    if column.name == "encoder_angle" and column.attrs.get("mounted_on", "crank") == "crank":
-        # on a crank, a disc or a drive 359 and 1 degree are near 0; readings may count on
-        values = values[0] + (values - values[0] + 180.0) % 360.0 - 180.0
-    return float(values.mean())
-
-
-def _columns_by_frame(run: Run, cycle: xr.Dataset) -> dict[str, xr.DataArray]:
-    """Quantities that have one value per frame and are averaged over each trigger."""
-    columns = {name: cycle[name] for name in _MOTION if name in cycle}
-    of_log = ("number", "angle", "angle_rate", "time", *_MOTION)
-    columns |= {str(name): run.log[name] for name in run.log if name not in of_log}
-    if "joint_load" not in columns:
-        load = run.settings.load
-        if load is not None:
-            columns["joint_load"] = xr.full_like(cycle.trigger, load, float)
-            columns["joint_load"].attrs = dict(FILM["joint_load"].attrs)
-        elif run.settings.joint is not None:
-            raise missing_load()
-    return columns
-
-
-def _speed_of_trend(film: xr.Dataset) -> str:
-    """Name of the speed: that of the joint, unless there is none or the log has its own."""
-    computed = "rocker_speed" in film
-    if "sliding_speed" in film:
-        computed = computed and film.sliding_speed.attrs.get("source") != "log"
-    return "rocker_speed" if computed else "sliding_speed"
 
 
 def _censoring_notes(results: Sequence[TriggerResult]) -> list[Note]:

@@ -12,6 +12,7 @@ from pathlib import Path
 from erlif.calibration import (
     Calibration,
     change_wall,
+    check_bands,
     fit_calibration,
     open_calibration,
     read_profile,
@@ -41,6 +42,7 @@ from erlif.pipeline.engines.results import (
 )
 from erlif.pipeline.recording.prepare import prepare_chain
 from erlif.pipeline.recording.pulses import check_pulses, refuse_stuck_cameras
+from erlif.pipeline.recording.register import FixtureMap
 from erlif.ratio import RatioSum
 from erlif.registration import move_map
 
@@ -164,8 +166,8 @@ def find_calibration(
     *,
     allow_outside: bool = False,
     progress: Progress = silent,
-) -> Calibration:
-    """The calibration of a run.
+) -> tuple[Calibration, FixtureMap]:
+    """Find the calibration of a run.
 
     Parameters
     ----------
@@ -179,17 +181,28 @@ def find_calibration(
 
     Returns
     -------
-    Calibration
+    calibration : Calibration
+        Without its camera map.
+    known : FixtureMap
+        What a run needs of that map.
 
     Raises
     ------
     CalibrationError
-        If there is none.
+        If there is none, it is of other bands, or lacks a map that the settings ask for.
     """
     if isinstance(given, Calibration):
-        return before_wall_of(run, given)
-    if given is not None:
-        return before_wall_of(run, open_calibration(given))
+        found = before_wall_of(run, given)
+    elif given is not None:
+        found = before_wall_of(run, open_calibration(given))
+    else:
+        found = _named_calibration(run, allow_outside=allow_outside, progress=progress)
+    check_bands(found, (run.settings.camera1.band, run.settings.camera2.band))
+    return replace(found, camera_map=None), FixtureMap.of(found, run.settings)
+
+
+def _named_calibration(run: Run, *, allow_outside: bool, progress: Progress) -> Calibration:
+    """The calibration that run.toml names, joined with that of a fixture after the run."""
     if not run.settings.calibrations:
         raise CalibrationError(
             "Expected a calibration: run.toml names none. Add calibration = "

@@ -5,33 +5,29 @@ from __future__ import annotations
 import logging
 import tempfile
 from collections.abc import Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import xarray as xr
 
-from erlif.calibration import Calibration, check_bands
+from erlif.calibration import Calibration
 from erlif.core.progress import Progress, ShowProgress, choose_progress
 from erlif.core.speed.memory import release_memory
 from erlif.core.timing import stage
 from erlif.io.files import PartialFilm, open_film, refuse_existing, remove_remains, takes
 from erlif.io.ingest import Run, open_run
 from erlif.pipeline.audit.naming import naming
-from erlif.pipeline.chain import FrameChain
+from erlif.pipeline.cycle import describe_triggers, group_frames, summarise_cycle
 from erlif.pipeline.engines.ahead import compiling_ahead
 from erlif.pipeline.engines.engine import Engine, open_engine
 from erlif.pipeline.engines.results import FrameResult, TriggerResult, frames_in
 from erlif.pipeline.engines.triggers import TriggerTask, run_triggers
-from erlif.pipeline.film import complete_film, describe_triggers, group_frames, summarise_cycle
+from erlif.pipeline.film import summarise_triggers, with_light, with_record, with_theory
 from erlif.pipeline.fixture import find_calibration
 from erlif.pipeline.physics.clock import fit_start
 from erlif.pipeline.physics.joint import locate_run
-from erlif.pipeline.physics.light import choose_frames
-from erlif.pipeline.plane import ObjectPlane
 from erlif.pipeline.recording.prepare import PreparedRun, prepare_run
 from erlif.pipeline.recording.pulses import check_first_pulses
-from erlif.pipeline.recording.register import FixtureMap
 from erlif.pipeline.work import FilmWork
 
 _logger = logging.getLogger(__name__)
@@ -136,66 +132,50 @@ def process_run(
 
     Returns False where the film is kept that the same work has made before.
     """
-    # workers elsewhere have another working directory
-    if engine.elsewhere:
+    if engine.elsewhere:  # workers elsewhere have another working directory
         run_dir, output = run_dir.absolute(), output.absolute()
     remove_remains(output)
     if not resume:
         refuse_existing(output, overwrite=overwrite, holds="thickness")
 
-    # the run, its kinematics (which frames belong to which trigger) and its calibration
+    # frames in pairs, log and settings; kinematics; the curve from ratio to film
     run = open_run(
         run_dir, skip_bad_frames=skip_bad_frames, find_start=fit_start, allow_outside=allow_outside
     )
     cycle = locate_run(run)
-    frames_of, triggers = group_frames(cycle, run.pairs), describe_triggers(run, cycle)
-    calibration = find_calibration(run, calibration, allow_outside=allow_outside, progress=progress)
-    check_bands(calibration, (run.settings.camera1.band, run.settings.camera2.band))
+    triggers = describe_triggers(run, cycle)
+    calibration, known = find_calibration(
+        run, calibration, allow_outside=allow_outside, progress=progress
+    )
     _log_inputs(run, cycle, calibration)
-
-    # the map of the fixture is large, and it is used only where the settings ask for it
-    known = FixtureMap.of(calibration, run.settings)
-    calibration = replace(calibration, camera_map=None)
     work = FilmWork.of(run, calibration, output)
     if resume and work.is_done(overwrite=overwrite):
         return False
 
-    with compiling_ahead(), work.unfinished(len(frames_of)) as unfinished:
+    with compiling_ahead(), work.unfinished(triggers.sizes["trigger"]) as unfinished:
+        # dark, flat and noise; registration; light that is to be subtracted
         ready = prepare_run(run, cycle, calibration, known, progress)
-        del known
+        del known  # the map of the fixture is large
         release_memory()
-
         with naming(ready.faults):
-            # frames: counts -> light -> ratio -> thickness, trigger by trigger
-            results = measure_run(
-                run, ready, frames_of, unfinished, engine=engine, progress=progress
-            )
+            # each pair: light, drift, ratio; each trigger: film
+            results = measure_run(ready, unfinished, engine=engine, progress=progress)
             release_memory()
-
-            # the whole: statistics, theory, exponent, and the record of how it was made
             hashes = work.hash_inputs(results)
-            film, groups = complete_film(run, cycle, triggers, ready, results, hashes)
+            draft = with_light(summarise_triggers(ready, triggers, results))
+            film, groups = with_record(with_theory(draft), hashes)
         work.write(unfinished, film, groups, hashes)
     return True
 
 
 def measure_run(
-    run: Run,
-    ready: PreparedRun,
-    frames_of: Sequence[Sequence[int]],
-    unfinished: PartialFilm,
-    *,
-    engine: Engine,
-    progress: Progress,
+    ready: PreparedRun, unfinished: PartialFilm, *, engine: Engine, progress: Progress
 ) -> list[TriggerResult]:
     """Measure the triggers of a run that are not finished yet.
 
     Parameters
     ----------
-    run : Run
     ready : PreparedRun
-    frames_of : sequence of sequence of int
-        Frame pairs of each trigger.
     unfinished : PartialFilm
         Receives the maps.
     engine : Engine
@@ -211,32 +191,26 @@ def measure_run(
     PulseError
         If the cameras show different pulses among the first triggers.
     """
+    pairs = ready.run.pairs
 
     def inspect(first: Sequence[TriggerResult]) -> None:
         """Refuse a long run early whose cameras show different pulses."""
         check_first_pulses(
             frames_in(first),
-            run.pairs,
+            pairs,
             lambda frame: FrameResult.of(frame, ready.chain.measure(frame)).pulse,
         )
 
     with stage("film", _logger):
         return run_triggers(
-            trigger_task(run, ready.chain, ready.measuring),
-            frames_of,
+            TriggerTask.of(ready),
+            group_frames(ready.cycle, pairs),
             unfinished,
             engine=engine,
             progress=progress,
-            places=[run.pairs.pages[0][0].path, run.pairs.pages[1][0].path],
+            places=[pairs.pages[0][0].path, pairs.pages[1][0].path],
             inspect=inspect,
         )
-
-
-def trigger_task(run: Run, chain: FrameChain, calibration: Calibration) -> TriggerTask:
-    """Make the task that turns the frames of a trigger into its maps."""
-    plane = ObjectPlane(run.settings, run.pairs.shape)
-    calibration = replace(calibration, camera_map=None)  # the chain has the map of the run
-    return TriggerTask(chain, calibration, plane, choose_frames(run.pairs))
 
 
 def _log_inputs(run: Run, cycle: xr.Dataset, calibration: Calibration) -> None:

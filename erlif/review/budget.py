@@ -10,34 +10,22 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from erlif.calibration import TERMS, Calibration, check_bands
+from erlif.calibration import TERMS, Calibration
 from erlif.core.arrays import Array, Mask
 from erlif.core.detector import QUANTISATION_VAR
 from erlif.core.errors import ConfigError
 from erlif.core.products import AlignedFrames, CorrectedFrames, RatioImages
 from erlif.core.progress import ShowProgress, choose_progress
 from erlif.io.files import takes
-from erlif.io.ingest import Run, open_run
-from erlif.io.settings import ReferenceSettings
+from erlif.io.ingest import open_run
 from erlif.pipeline.chain import FrameChain, one_thread_per_frame
+from erlif.pipeline.cycle import group_frames
 from erlif.pipeline.engines.results import share_passed
-from erlif.pipeline.film import group_frames
 from erlif.pipeline.fixture import find_calibration
 from erlif.pipeline.physics.clock import fit_start
-from erlif.pipeline.physics.findings import LightFindings
 from erlif.pipeline.physics.joint import locate_run
-from erlif.pipeline.physics.light import (
-    correct_light,
-    find_light,
-    measure_lights,
-)
-from erlif.pipeline.physics.systematics import add_systematics, update_systematics
-from erlif.pipeline.physics.temperature import read_warming, without_warming
-from erlif.pipeline.plane import ObjectPlane
-from erlif.pipeline.recording.prepare import prepare_chain
-from erlif.pipeline.recording.pulses import complete_energies, read_energies
-from erlif.pipeline.recording.register import FixtureMap
-from erlif.pipeline.recording.swap import judge_ratios
+from erlif.pipeline.physics.light import measure_lights
+from erlif.pipeline.recording.prepare import prepare_run
 from erlif.ratio import PairRatio, RatioSum
 from erlif.thickness import flag_beyond_maximum, measure_thickness
 from erlif.trend import FilmStatistics, summarise_film
@@ -149,35 +137,19 @@ def budget(
         find_start=fit_start,
         allow_outside=allow_outside,
     )
-    settings = run.settings
     cycle = locate_run(run)
     trigger, frames = _choose_trigger(trigger, cycle, group_frames(cycle, run.pairs))
-
-    calibration = find_calibration(run, calibration, allow_outside=allow_outside, progress=progress)
-    check_bands(calibration, (settings.camera1.band, settings.camera2.band))
-    known = FixtureMap.of(calibration, settings)
-    warmer = read_warming(run, calibration)
-    prepared = prepare_chain(run, progress, stored=known.stored)
-    chain = without_warming(prepared.chain, warmer, settings.temperature)
-    chain = complete_energies(chain, calibration)
-    misfit = judge_ratios(chain, calibration, prepared.sample, stored=known.nodes).size
-    calibration = add_systematics(
-        calibration, settings, chain, prepared.sample, warmer=warmer, misfit=misfit
+    calibration, known = find_calibration(
+        run, calibration, allow_outside=allow_outside, progress=progress
     )
-    plane = ObjectPlane(settings, run.pairs.shape)
 
-    # light that is not film needs the whole run, as the film had it
-    chain, measuring, findings = _find_light(chain, calibration, run, cycle)
-    pairs = len(run.pairs.pages[0])
-    measuring = update_systematics(
-        measuring,
-        findings.for_error_bars(measuring, settings.light),
-        settings.light,
-        pulses=len(run.pairs.usable),
-        pairs=pairs,
-    ).at(share_passed(frames, pairs))
+    # errors of noise by source need the references, light that is not film the whole run
+    ready = prepare_run(run, cycle, calibration, known, progress, tables_only=False)
+    _, whole = ready.judge_light(lambda: measure_lights(ready.chain, ready.plane.patch))
+    measuring = whole.at(share_passed(frames, len(run.pairs.pages[0])))
+    plane = ready.plane
 
-    sources = _separate_sources(chain, frames)
+    sources = _separate_sources(ready.chain, frames)
     images = sources.ratio
     flag_beyond_maximum(images.log_ratio.values, images.flags.values, measuring)
     maps = measure_thickness(images, measuring)
@@ -211,34 +183,7 @@ def budget(
         _budget_of_mean(statistics, measuring, sources, rate, inside),
         _minimum_column(statistics, measuring),
     ]
-    return _as_dataset(columns, settings.name, trigger, len(frames))
-
-
-def _find_light(
-    chain: FrameChain, calibration: Calibration, run: Run, cycle: xr.Dataset
-) -> tuple[FrameChain, Calibration, LightFindings]:
-    """Chain, calibration and findings as `erlif.process` has them at the end of a run."""
-    options, plane = run.settings.light, ObjectPlane(run.settings, run.pairs.shape)
-    found = LightFindings()
-
-    def look(reference: ReferenceSettings | None = None) -> LightFindings:
-        return find_light(
-            measure_lights(chain, plane.patch),
-            calibration,
-            chain.correct,
-            cycle.trigger.values,
-            read_energies(run.log),
-            plane=plane,
-            options=options,
-            reference=reference,
-        )
-
-    if options.corrects:
-        found = look(run.settings.reference if options.ratio == "correct" else None)
-        chain, calibration = correct_light(chain, calibration, found, options)
-    if found.errors is None:
-        found = found.complete(look(), options)
-    return chain, calibration, found
+    return _as_dataset(columns, run.settings.name, trigger, len(frames))
 
 
 def _choose_trigger(

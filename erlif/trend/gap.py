@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import NamedTuple
 
@@ -266,20 +267,45 @@ def choose_contact(triggers: Sequence[Mapping[GapShape, GapMinimum]]) -> GapShap
     >>> str(choose_contact([{GapShape.POINT: bent}]))
     'line'
     """
-    gaps = [one[GapShape.POINT] for one in triggers]
-    bent = [one for one in gaps if np.isfinite(one.bend).all()]
-    if not bent:
-        return GapShape.LINE
-    value, random, surface = (
-        np.array([getattr(one, name) for one in bent])
-        for name in ("bend", "bend_random_var", "bend_surface_var")
-    )
-    weight = 1 / (random + surface)
-    weight /= weight.sum(axis=0)
-    mean = (weight * value).sum(axis=0)
-    variance = (weight**2 * random).sum(axis=0) + (weight * np.sqrt(surface)).sum(axis=0) ** 2
-    along, across = np.abs(mean) > _CURVED * np.sqrt(variance)
-    return GapShape.POINT if across else GapShape.LINE if along else GapShape.PLANE
+    choice = ContactChoice()
+    for one in triggers:
+        choice.add(one[GapShape.POINT])
+    return choice.contact
+
+
+@dataclass
+class ContactChoice:
+    """Sums over the triggers of a run, from which `choose_contact` takes its choice.
+
+    Attributes
+    ----------
+    weight, value, random_var, surface_std : Array
+        Weights, and weighted curvatures, variances by noise and errors by the surfaces, of both
+        directions.
+    """
+
+    weight: Array = field(default_factory=lambda: np.zeros(2))
+    value: Array = field(default_factory=lambda: np.zeros(2))
+    random_var: Array = field(default_factory=lambda: np.zeros(2))
+    surface_std: Array = field(default_factory=lambda: np.zeros(2))
+
+    def add(self, gap: GapMinimum) -> None:
+        """Add the gap of a point contact at one more trigger."""
+        if np.isfinite(gap.bend).all():
+            weight = 1 / (gap.bend_random_var + gap.bend_surface_var)
+            self.weight += weight
+            self.value += weight * gap.bend
+            self.random_var += weight**2 * gap.bend_random_var
+            self.surface_std += weight * np.sqrt(gap.bend_surface_var)
+
+    @property
+    def contact(self) -> GapShape:
+        """The contact that the triggers so far allow."""
+        if not self.weight.any():
+            return GapShape.LINE
+        variance = self.random_var + self.surface_std**2
+        along, across = np.abs(self.value) > _CURVED * np.sqrt(variance)
+        return GapShape.POINT if across else GapShape.LINE if along else GapShape.PLANE
 
 
 def _lowest_place(slope: float, bend: float) -> float:

@@ -54,7 +54,7 @@ def test_frames_of_a_film_at_rest_are_combined(prepared):
 
 def test_missing_calibration_is_made_from_its_fixture_and_kept(lab, calibration):
     (lab.fixture / "calibration.nc").unlink()
-    made = find_calibration(open_run(lab.run), None, progress=silent)
+    made, _ = find_calibration(open_run(lab.run), None, progress=silent)
     npt.assert_array_equal(made.parameters, calibration.parameters)
     kept = erlif.open_calibration(lab.fixture / "calibration.nc")
     npt.assert_array_equal(kept.parameters, calibration.parameters)

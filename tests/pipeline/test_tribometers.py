@@ -13,9 +13,11 @@ from scenes.fixture import assert_covers
 
 import erlif
 from conftest import SMALL, Laboratory
+from erlif.pipeline.watch.watch import Watch
 from erlif.show.notebook import summarise_region
+from tests.pipeline.watch.test_follow import wait_until
 
-KINDS = ("rotation", "sinusoidal", "static")
+KINDS = ("rotation", "sinusoidal", "static", "ball")
 GAPS = {
     "?? nm": {"[camera1]": "580 nm", "[camera2]": "610 nm"},
     "?? um": "150 um",
@@ -44,16 +46,19 @@ class Case(NamedTuple):
 @pytest.fixture(scope="module", params=KINDS)
 def case(request, tmp_path_factory):
     """A small run whose settings are written by erlif init and filled in by hand."""
-    rig = replace(SMALL, mechanism=request.param, pictures=8, load_swing=0.3)
+    kind = "rotation" if request.param == "ball" else request.param
+    rig = replace(SMALL, mechanism=kind, pictures=8, load_swing=0.3)
+    if request.param == "ball":
+        rig = replace(rig, contact="ball", ball_radius=12e3)
     lab = Laboratory.simulated(tmp_path_factory.mktemp(request.param), seed=31, rig=rig)
     (lab.run / "run.toml").unlink()
-    erlif.init(lab.run, kind=request.param, full=True)
+    erlif.init(lab.run, kind=kind, full=True)
     fill_gaps(lab.run / "run.toml")
     excluded = "".join(f'{name} = "0 %"\n' for name in rig.excluded)
     lab.edit("run/run.toml", ("[systematics]\n", f"[systematics]\n{excluded}"))
 
     film = erlif.process(lab.run, output=lab.film).load()
-    return Case(request.param, lab, film, lab.truth)
+    return Case(kind, lab, film, lab.truth)
 
 
 def fill_gaps(path: Path) -> None:
@@ -70,6 +75,23 @@ def fill_gaps(path: Path) -> None:
     text = "\n".join(lines) + "\n"
     assert '= "??' not in text
     path.write_text(text, encoding="utf-8")
+
+
+def test_a_watched_run_has_the_minimum_of_the_finished_film(case):
+    """Also of the pairs that came before the contact was known."""
+    watch = Watch(case.lab.run, workers=1)
+    with watch.running():
+        wait_until(lambda: len(watch.state().measured) == 8, watch)
+        news = watch.news(-1, 5, 0, 0.0)
+    with erlif.open_film(case.lab.film, group="frames") as frames:
+        trigger = frames.trigger.values
+    assert str(watch._contact) == case.film.attrs["contact"]
+    for pair in watch.state().measured:
+        film = case.film.isel(trigger=trigger[pair.place])
+        assert pair.film_min == pytest.approx(float(film.film_min), abs=float(film.film_min_std))
+        assert pair.film_min_std == pytest.approx(float(film.film_min_std), rel=0.5)
+    # the page has pairs with another minimum and gets all of them again
+    assert (news["after"], len(news["pairs"])) == (0, 8)
 
 
 def test_film_has_what_the_motion_gives_and_names_what_is_left_out(case):

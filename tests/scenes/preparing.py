@@ -5,13 +5,12 @@ from pathlib import Path
 from erlif.calibration import Calibration
 from erlif.core.progress import silent
 from erlif.io.ingest import open_run
+from erlif.pipeline.fixture import find_calibration
 from erlif.pipeline.physics.joint import locate_run
 from erlif.pipeline.recording.prepare import PreparedRun, prepare_run
-from erlif.pipeline.recording.register import FixtureMap
 
 
 def prepare(directory: Path, calibration: Calibration) -> PreparedRun:
     """The run of a directory with its notes and what it is measured with."""
     run = open_run(directory)
-    known = FixtureMap.of(calibration, run.settings)
-    return prepare_run(run, locate_run(run), calibration, known, silent)
+    return prepare_run(run, locate_run(run), *find_calibration(run, calibration), silent)

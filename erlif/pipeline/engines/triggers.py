@@ -17,12 +17,15 @@ from erlif.core.flags import Flag, count_flags
 from erlif.core.pickling import PickledByFields
 from erlif.core.progress import Progress
 from erlif.io.files import MapStore, PartialFilm
+from erlif.io.ingest import PairCounts
 from erlif.pipeline.chain import FrameChain
 from erlif.pipeline.engines.engine import Engine
 from erlif.pipeline.engines.results import FrameResult, TriggerResult, share_passed
 from erlif.pipeline.film import MAPS
-from erlif.pipeline.passes import measure_film, measure_pulse
+from erlif.pipeline.passes import FilmMaps, measure_film, measure_pulse
+from erlif.pipeline.physics.light import choose_frames
 from erlif.pipeline.plane import ObjectPlane
+from erlif.pipeline.recording.prepare import PreparedRun
 from erlif.ratio import PairRatio, RatioSum, smooth_ratio
 from erlif.thickness import FilmTables, flag_beyond_maximum, measure_pulse_energy
 from erlif.trend import FilmCurve, find_gap_minima, find_pin_in_blocks, summarise_blocks
@@ -55,6 +58,11 @@ class TriggerTask(PickledByFields):
     sampled: frozenset[int]
     with_position: bool = True
 
+    @classmethod
+    def of(cls, ready: PreparedRun) -> TriggerTask:
+        """The task for the triggers of a run."""
+        return cls(ready.chain, ready.measuring, ready.plane, choose_frames(ready.run.pairs))
+
     def __call__(self, frames: Sequence[int]) -> tuple[dict[str, AnyArray], TriggerResult]:
         """Maps and numbers of a trigger.
 
@@ -70,47 +78,77 @@ class TriggerTask(PickledByFields):
             arrays.
         result : TriggerResult
         """
-        kept: list[FrameResult] = []
-        model = self.calibration.model
-        plane, region = self.plane, self.plane.region
         passed = share_passed(frames, len(self.chain.pairs.pages[0]))
-        curve, tables = self.curve.at(passed), self._tables_at(passed)
-        smoothing = plane.settings.thickness.smoothing
-        if len(frames) == 1:  # the film of the trigger is that of its only frame
-            ratio = self.chain.measure(frames[0], with_fixed=smoothing is not None)
-            flag_beyond_maximum(ratio.log_ratio, ratio.flags, self.calibration.at(passed))
-            only = self._keep(frames[0], ratio)  # the maps may take the place of the ratio
-            film = measure_film(ratio, tables, region)
-            energy = measure_pulse_energy(ratio.light_one, film.thickness, film.flags, model=model)
-            kept.append(replace(only, pulse_energy=energy))
-        else:
-            total = RatioSum(self.chain.pairs.shape)
-            for frame in frames:
-                pair = self.chain.measure(frame)
-                total.add(pair)
-                energy = measure_pulse(pair, tables, model=model)
-                kept.append(replace(self._keep(frame, pair), pulse_energy=energy))
-            ratio = total.mean()
-            if not frames:
-                ratio.flags[:] = Flag.OUTSIDE_OVERLAP
-            flag_beyond_maximum(ratio.log_ratio, ratio.flags, self.calibration.at(passed))
-            film = measure_film(ratio, tables, region)
+        if len(frames) == 1:
+            return self.measure_pair(frames[0], frames[0], passed)
+        kept, total = [], RatioSum(self.chain.pairs.shape)
+        tables, model = self._tables_at(passed), self.calibration.model
+        for frame in frames:
+            pair = self.chain.measure(frame)
+            total.add(pair)
+            energy = measure_pulse(pair, tables, model=model)
+            kept.append(replace(self._keep(frame, pair), pulse_energy=energy))
+        ratio = total.mean()
+        if not frames:
+            ratio.flags[:] = Flag.OUTSIDE_OVERLAP
+        film = self._measure_film(ratio, passed)
+        return self._summarise(ratio, film, kept, passed)
+
+    def measure_pair(
+        self, pair: int | PairCounts, frame: int, passed: float
+    ) -> tuple[dict[str, AnyArray], TriggerResult]:
+        """Maps and numbers of a trigger that has one frame pair.
+
+        Parameters
+        ----------
+        pair : int or PairCounts
+            As for `FrameChain.measure`.
+        frame : int
+            Its number.
+        passed : float
+            Share of the run that has passed. [1]
+
+        Returns
+        -------
+        maps, result
+            As for a call.
+        """
+        smooth = self.plane.settings.thickness.smoothing is not None
+        ratio = self.chain.measure(pair, with_fixed=smooth)
+        kept = self._keep(frame, ratio)  # the maps may take the place of the ratio
+        film = self._measure_film(ratio, passed)
+        energy = measure_pulse_energy(
+            ratio.light_one, film.thickness, film.flags, model=self.calibration.model
+        )
+        return self._summarise(ratio, film, [replace(kept, pulse_energy=energy)], passed)
+
+    def _measure_film(self, ratio: PairRatio, passed: float) -> FilmMaps:
+        """Film of a ratio, with the sums over the region."""
+        flag_beyond_maximum(ratio.log_ratio, ratio.flags, self.calibration.at(passed))
+        return measure_film(ratio, self._tables_at(passed), self.plane.region)
+
+    def _summarise(
+        self, ratio: PairRatio, film: FilmMaps, kept: Sequence[FrameResult], passed: float
+    ) -> tuple[dict[str, AnyArray], TriggerResult]:
+        """Maps and numbers of a film: minima, statistics and the position of the pin."""
+        plane, curve = self.plane, self.curve.at(passed)
         minima = find_gap_minima(
             film.sums,
             curve,
-            region=region,
+            region=plane.region,
             sliding_along_x=plane.sliding_along_x,
             contacts=plane.contacts,
         )
         statistics = summarise_blocks(film.sums, curve, minima[plane.contacts[0]])
         position = None
         if self.with_position and plane.view is not None:
-            position = find_pin_in_blocks(film.sums, curve, region=region, view=plane.view)
+            position = find_pin_in_blocks(film.sums, curve, region=plane.region, view=plane.view)
 
         # the statistics above need pixels with independent noise, so smoothing comes last
+        smoothing = plane.settings.thickness.smoothing
         if smoothing is not None:
             smooth = smooth_ratio(ratio.to_images(), resolution=smoothing)
-            film = measure_film(PairRatio.of(smooth), tables, region)
+            film = measure_film(PairRatio.of(smooth), self._tables_at(passed), plane.region)
         maps = {variable.name: getattr(film, variable.name) for variable in MAPS}
         pixels = tuple(count_flags(maps["flags"]))
         several = minima if len(minima) > 1 else {}

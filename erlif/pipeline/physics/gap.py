@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -19,13 +20,13 @@ _SIGNIFICANT = 3.0
 
 
 def find_errors(
-    lights: dict[int, FrameResult], calibration: Calibration, plane: ObjectPlane, *, pairs: int
+    lights: Mapping[int, FrameResult], calibration: Calibration, plane: ObjectPlane, *, pairs: int
 ) -> ErrorEstimate | None:
     """Errors of the calibration and of its systematics, from the gap of all frames.
 
     Parameters
     ----------
-    lights : dict of int to FrameResult
+    lights : mapping of int to FrameResult
         By frame.
     calibration : Calibration
         With the systematics of the settings.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -91,14 +91,8 @@ def measure_lights(
     return lights
 
 
-def kept_lights(frames: Sequence[FrameResult], pairs: FramePairs) -> dict[int, FrameResult]:
-    """Light of the frames of `choose_frames`, as kept while the films were measured."""
-    chosen = choose_frames(pairs)
-    return {one.frame: one for one in frames if one.frame in chosen}
-
-
 def find_background(
-    lights: dict[int, FrameResult],
+    lights: Mapping[int, FrameResult],
     calibration: Calibration,
     energies: Array | None,
     *,
@@ -108,7 +102,7 @@ def find_background(
 
     Parameters
     ----------
-    lights : dict of int to FrameResult
+    lights : mapping of int to FrameResult
         By frame.
     calibration : Calibration
     energies : array, (frame,), optional
@@ -136,7 +130,7 @@ def find_background(
 
 
 def _record(
-    lights: dict[int, FrameResult], calibration: Calibration, pairs: int
+    lights: Mapping[int, FrameResult], calibration: Calibration, pairs: int
 ) -> tuple[LightCells, Calibration]:
     """Light and ratio of the cells, frames in their order, and the curve that holds for all."""
     frames = np.array(sorted(lights))
@@ -249,17 +243,17 @@ def subtract(chain: FrameChain, estimate: BackgroundEstimate) -> FrameChain:
         background_var=variance,
         background_recorded=recorded,
     )
-    return replace(chain, correct=replace(chain.correct, references=References(added)))
+    return replace(chain, correct=chain.correct.with_references(References(added)))
 
 
 def find_bleaching(
-    lights: dict[int, FrameResult], triggers: AnyArray, energies: Array | None
+    lights: Mapping[int, FrameResult], triggers: AnyArray, energies: Array | None
 ) -> tuple[Trend | None, str]:
     """Change of ratio and light with every pulse, at equal film.
 
     Parameters
     ----------
-    lights : dict of int to FrameResult
+    lights : mapping of int to FrameResult
         By frame.
     triggers : array of int, (frame,)
         Trigger of every frame of the run.
@@ -349,7 +343,7 @@ def describe_bleaching(
 
 
 def find_light(
-    lights: dict[int, FrameResult],
+    lights: Mapping[int, FrameResult],
     calibration: Calibration,
     correct: FrameCorrection,
     triggers: AnyArray,

@@ -8,10 +8,9 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
-from erlif.calibration import Calibration, calibration_of, record_calibration
+from erlif.calibration import calibration_of
 from erlif.core.errors import ErlifError
 from erlif.core.notes import Note, remark
-from erlif.io.settings import to_toml
 from erlif.pipeline.physics.prediction import build_journal, build_motion, swings
 from erlif.pipeline.plane import ObjectPlane
 from erlif.prediction import FrameMotion, MeasuredMotion, fit_motion, measured_positions
@@ -144,34 +143,30 @@ def _fit_load_line(
 
 
 def place_positions(
-    plane: ObjectPlane,
-    variables: Mapping[str, Any],
-    calibration: Calibration,
-    frames: xr.Dataset,
-) -> tuple[dict[str, Any], list[Note]]:
+    plane: ObjectPlane, film: xr.Dataset, frames: xr.Dataset
+) -> tuple[xr.Dataset, list[Note]]:
     """Refer the positions of the pin to the load line found in them, and note its source.
 
     Parameters
     ----------
     plane : ObjectPlane
-    variables : mapping of str to variable
-        The positions, as `describe_positions` returns them; others are passed on.
-    calibration : Calibration
+    film : xarray.Dataset
+        With the variables of `describe_positions`, and settings and calibration as attributes.
     frames : xarray.Dataset
         As for `find_load_line`.
 
     Returns
     -------
-    dict of str to variable
-    list of Note
+    film : xarray.Dataset
+        Unchanged without positions.
+    notes : list of Note
     """
     view = plane.view
-    if view is None or "pin_displacement" not in variables:
-        return dict(variables), []
-    of_film = {"settings": to_toml(plane.settings), "calibration": record_calibration(calibration)}
-    film = xr.Dataset(variables, attrs=of_film).assign_coords(x=plane.x, y=plane.y)
+    if view is None or "pin_displacement" not in film:
+        return film, []
     line = find_load_line(plane, film, frames)
-    turned = turn_positions(variables, line, view.radius)
+    variables = {str(name): one.variable.copy(deep=False) for name, one in film.items()}
+    turned = film.assign(turn_positions(variables, line, view.radius))
     if line.source not in ("fitted", "swing"):
         return turned, []
 

@@ -25,7 +25,7 @@ from erlif.prediction import (
     speed_correlation,
 )
 from erlif.prediction.triggers import CELLS
-from erlif.trend import LubricatedJoint, viscosity_at
+from erlif.trend import LubricatedJoint, compare_with_roughness, predict_film, viscosity_at
 
 # Regime whose surfaces keep their shape, as the transient prediction takes them.
 _RIGID = "isoviscous-rigid"
@@ -297,6 +297,34 @@ def try_prediction(plane: ObjectPlane, film: xr.Dataset, frames: xr.Dataset) -> 
         return NO_PREDICTION._replace(
             notes=[warn("[prediction]", f"the film over the cycle is not predicted: {error}")]
         )
+
+
+def predict_theory(settings: RunSettings, film: xr.Dataset) -> xr.Dataset:
+    """Films by theory, and the film parameter, as far as tables and log allow.
+
+    Parameters
+    ----------
+    settings : RunSettings
+    film : xarray.Dataset
+        On dim trigger.
+
+    Returns
+    -------
+    xarray.Dataset
+        As `erlif.trend.predict_film`; empty without [joint].
+
+    Raises
+    ------
+    ConfigError
+        If Vogel's law has no temperature.
+    """
+    joint = describe_joint(settings)
+    if joint is not None and "sliding_speed" in film and "joint_load" in film:
+        return predict_film(film, joint)
+    if settings.joint is None or "film_min" not in film:
+        return xr.Dataset()
+    sides = settings.joint.pin.roughness, settings.joint.bushing.roughness
+    return compare_with_roughness(film.film_min, *sides)
 
 
 def join_theories(settings: RunSettings, steady: xr.Dataset, predicted: xr.Dataset) -> xr.Dataset:

@@ -22,7 +22,7 @@ from erlif.io.ingest import Run, open_run
 from erlif.io.settings import RunSettings
 from erlif.pipeline.chain import FrameChain, one_thread_per_frame
 from erlif.pipeline.physics.clock import fit_start
-from erlif.pipeline.recording.prepare import prepare_with_map
+from erlif.pipeline.recording.prepare import restore_chain
 from erlif.ratio import BlurDifference, RatioSum, smooth_ratio
 from erlif.registration import CameraMap
 
@@ -88,10 +88,10 @@ def restore_images(
             "was made. Name another trigger."
         )
 
-    chain = prepare_with_map(run, stored.camera_map, blur=stored.blur).chain
+    chain = restore_chain(run, stored.camera_map, stored.blur)
     chain = replace(chain, ratio_change=stored.ratio_change)
     if chain.correct.energies is None:
-        chain = replace(chain, correct=chain.correct.with_energies(stored.energies))
+        chain = replace(chain, correct=replace(chain.correct, energies=stored.energies))
     return _combine_frames(chain, stored, frames, trigger)
 
 

@@ -102,7 +102,7 @@ def complete_noise(
         cameras = make_references(
             known.measured, declared=known.declared, estimated=estimate.cameras
         )
-        chain = replace(chain, correct=replace(chain.correct, references=cameras.references))
+        chain = replace(chain, correct=chain.correct.with_references(cameras.references))
         sample = sample_frames(chain)
         chain = replace(chain, blur=compare_sharpness(chain, sample))
         now = np.nan_to_num([[noise.gain, noise.response_spread] for noise in estimate.cameras])

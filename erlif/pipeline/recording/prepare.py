@@ -3,23 +3,26 @@
 from __future__ import annotations
 
 import logging
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 import xarray as xr
 
 from erlif.calibration import Calibration
-from erlif.core.arrays import Array
 from erlif.core.notes import Note
 from erlif.core.progress import Progress
 from erlif.core.speed.memory import release_memory
 from erlif.core.timing import stage
 from erlif.io.ingest import Fixture, Run
+from erlif.io.settings import ReferenceSettings
 from erlif.pipeline.audit.naming import naming
 from erlif.pipeline.chain import FrameChain, FrameCorrection
+from erlif.pipeline.engines.results import FrameResult
 from erlif.pipeline.physics.findings import LightFindings
 from erlif.pipeline.physics.light import correct_light, find_light, measure_lights
-from erlif.pipeline.physics.systematics import add_systematics
+from erlif.pipeline.physics.systematics import add_systematics, update_systematics
 from erlif.pipeline.physics.temperature import read_warming, without_warming
 from erlif.pipeline.plane import ObjectPlane
 from erlif.pipeline.recording.cameras import Characterised, characterise_cameras
@@ -76,39 +79,30 @@ def prepare_chain(
     """
     with stage("darks and flats", _logger):
         known = characterise_cameras(recording)
-        for note in (*known.cameras.notes, *known.faults, *known.bits):
+        faults, bits = known.faults, known.bits
+        for note in (*known.cameras.notes, *faults, *bits):
             _logger.info("%s", note)
-    # the images of darks and flats end with their use: no name here may hold them
-    faults, found, handed = known.faults, known.bits, [known]
-    del known
-    with naming(found):
-        completed = _prepare(
-            recording, handed.pop(), progress, stored=stored, tables_only=tables_only
-        )
+
+    with naming(bits):
+        correct = correct_recording(recording, known)
+        # where nothing is left to be estimated, the images of darks and flats end here
+        if not find_unknowns(correct.references).any:
+            correct = correct.tabulated() if tables_only else correct
+            cameras = replace(known.cameras, references=correct.references)
+            known = known._replace(cameras=cameras, measured=())
+        release_memory()
+        chain = _register(recording, correct, stored, progress)
+        completed = _compare_cameras(chain, known)
     # the audits of a run name its bits; a fixture has none but these notes
-    bits = () if isinstance(recording, Run) else found
-    return replace(completed, notes=(*completed.notes, *faults, *bits), bits=found)
+    named = () if isinstance(recording, Run) else bits
+    return replace(completed, notes=(*completed.notes, *faults, *named), bits=bits)
 
 
-def _prepare(
-    recording: Run | Fixture,
-    known: Characterised,
-    progress: Progress,
-    *,
-    stored: CameraMap | None,
-    tables_only: bool,
-) -> NoiseCompletion:
-    """Make the chain of characterised cameras: registration, sharpness and noise."""
+def _register(
+    recording: Run | Fixture, correct: FrameCorrection, stored: CameraMap | None, progress: Progress
+) -> FrameChain:
+    """Find the map between the cameras."""
     settings = recording.settings
-
-    # where nothing is left to be estimated, the references are all that is needed
-    correct = correct_recording(recording, known)
-    if not find_unknowns(correct.references).any:
-        correct = correct.tabulated() if tables_only else correct
-        cameras = replace(known.cameras, references=correct.references)
-        known = known._replace(cameras=cameras, measured=())
-    release_memory()
-
     with stage("registration", _logger):
         camera_map = register_cameras(
             correct, settings.registration, stored=stored, progress=progress
@@ -121,8 +115,11 @@ def _prepare(
             camera_map.quality,
         )
     release_memory()
+    return FrameChain(correct, camera_map, no_film_below=settings.thickness.no_film_below)
 
-    chain = FrameChain(correct, camera_map, no_film_below=settings.thickness.no_film_below)
+
+def _compare_cameras(chain: FrameChain, known: Characterised) -> NoiseCompletion:
+    """Find the difference of sharpness, and the noise that is not known."""
     with stage("sharpness and noise", _logger):
         sample = sample_frames(chain)
         chain = replace(chain, blur=compare_sharpness(chain, sample))
@@ -143,74 +140,126 @@ def _prepare(
 
 def correct_recording(recording: Run | Fixture, known: Characterised) -> FrameCorrection:
     """Counts to light for the frames of a recording, with the energies of its log if it has any."""
-    return FrameCorrection(
+    return FrameCorrection.of(
         recording.pairs,
         known.cameras.references,
-        recording.settings.thickness.least_signal,
-        read_energies(recording.log) if isinstance(recording, Run) else None,
-        tuple(camera.unlit for camera in known.measured),
+        least_signal=recording.settings.thickness.least_signal,
+        energies=read_energies(recording.log) if isinstance(recording, Run) else None,
+        unlit=tuple(camera.unlit for camera in known.measured),
     )
 
 
-def prepare_with_map(
-    recording: Run | Fixture, camera_map: CameraMap, *, blur: BlurDifference
-) -> NoiseCompletion:
-    """The chain of a recording whose camera map and difference of sharpness are known.
+def restore_chain(run: Run, camera_map: CameraMap, blur: BlurDifference) -> FrameChain:
+    """Prepare a chain whose camera map and difference of sharpness were found before.
 
     Parameters
     ----------
-    recording : Run or Fixture
+    run : Run
     camera_map : CameraMap
     blur : BlurDifference
 
     Returns
     -------
-    NoiseCompletion
+    FrameChain
 
     Raises
     ------
     FrameError
         As `prepare_chain`.
     """
-    known = characterise_cameras(recording)
-    correct = correct_recording(recording, known)
-    chain = FrameChain(correct, camera_map, blur, recording.settings.thickness.no_film_below)
-    completed = complete_noise(chain, known)
+    known = characterise_cameras(run)
+    below = run.settings.thickness.no_film_below
+    chain = FrameChain(correct_recording(run, known), camera_map, blur, below)
 
     # an estimate of the noise compares the sharpness again; the given difference stays
-    return replace(completed, chain=replace(completed.chain, blur=blur))
+    return replace(complete_noise(chain, known).chain, blur=blur)
 
 
 @dataclass(frozen=True)
 class PreparedRun:
-    """A run whose frames can be measured.
+    """A run whose frames can be measured: what all of its frames share.
 
     Attributes
     ----------
+    run : Run
+    cycle : xarray.Dataset
+        Trigger, position and speed of each frame, as `locate_run` returns it.
     chain : FrameChain
-        Counts to ratio, with the tables alone.
+        Counts to ratio.
     measuring : Calibration
         Ratio to film thickness, for the light as it is corrected.
     light : LightFindings
         Light that is not film, as far as it is known before the films.
-    energies : Array | None
-        Relative pulse energy of each frame in the log, (frame,).
     notes : tuple[Note, ...]
         On both cameras and their ratio.
     faults : tuple[Note, ...]
         Of the counts: bits that are stuck, noise that is too low.
     """
 
+    run: Run
+    cycle: xr.Dataset
     chain: FrameChain
     measuring: Calibration
     light: LightFindings
-    energies: Array | None
     notes: tuple[Note, ...]
-    faults: tuple[Note, ...] = ()
+    faults: tuple[Note, ...]
+
+    @cached_property
+    def plane(self) -> ObjectPlane:
+        """Positions of the pixels on the joint."""
+        return ObjectPlane(self.run.settings, self.run.pairs.shape)
+
+    def find_light(
+        self, lights: Mapping[int, FrameResult], reference: ReferenceSettings | None = None
+    ) -> LightFindings:
+        """Find the light that is not film; parameters as for `erlif.pipeline.physics.light`."""
+        return find_light(
+            lights,
+            self.measuring,
+            self.chain.correct,
+            self.cycle.trigger.values,
+            read_energies(self.run.log),
+            plane=self.plane,
+            options=self.run.settings.light,
+            reference=reference,
+        )
+
+    def judge_light(
+        self, lights: Callable[[], Mapping[int, FrameResult]]
+    ) -> tuple[LightFindings, Calibration]:
+        """Find what light and films show of the errors of the run.
+
+        Parameters
+        ----------
+        lights : callable
+            Gives the light of the frames of `choose_frames`; called where it is needed.
+
+        Returns
+        -------
+        findings : LightFindings
+        calibration : Calibration
+            That of the maps, with the errors that the findings leave.
+        """
+        findings, options = self.light, self.run.settings.light
+        if findings.errors is None:  # nothing was taken out, or a part
+            findings = findings.complete(self.find_light(lights()), options)
+        return findings, update_systematics(
+            self.measuring,
+            findings.for_error_bars(self.measuring, options),
+            options,
+            pulses=len(self.run.pairs.usable),
+            pairs=len(self.run.pairs.pages[0]),
+        )
 
 
 def prepare_run(
-    run: Run, cycle: xr.Dataset, calibration: Calibration, known: FixtureMap, progress: Progress
+    run: Run,
+    cycle: xr.Dataset,
+    calibration: Calibration,
+    known: FixtureMap,
+    progress: Progress,
+    *,
+    tables_only: bool = True,
 ) -> PreparedRun:
     """Characterise and register the cameras, and find the light that is to be subtracted.
 
@@ -224,6 +273,8 @@ def prepare_run(
     known : FixtureMap
         What is kept of that map.
     progress : callable
+    tables_only : bool
+        As for `prepare_chain`.
 
     Returns
     -------
@@ -236,9 +287,10 @@ def prepare_run(
     """
     refuse_stuck_cameras(run.pairs)
     options = run.settings.light
-    correct = options.corrects
     warmer = read_warming(run, calibration)
-    prepared = prepare_chain(run, progress, stored=known.stored, tables_only=not correct)
+    prepared = prepare_chain(
+        run, progress, stored=known.stored, tables_only=tables_only and not options.corrects
+    )
     chain = without_warming(prepared.chain, warmer, run.settings.temperature)
     faults = (*prepared.bits, *note_noise(chain, prepared.sample))
     misfit = judge_ratios(chain, calibration, prepared.sample, stored=known.nodes)
@@ -246,25 +298,16 @@ def prepare_run(
     calibration = add_systematics(
         calibration, run.settings, chain, prepared.sample, warmer=warmer, misfit=misfit.size
     )
+    notes = (*prepared.notes, *misfit.notes)
+    ready = PreparedRun(run, cycle, chain, calibration, LightFindings(), notes, faults)
 
     # a background that is to be subtracted is found before the films are measured
-    energies, findings, measuring = read_energies(run.log), LightFindings(), calibration
-    if correct:
+    if options.corrects:
         with stage("light", _logger):
-            plane = ObjectPlane(run.settings, run.pairs.shape)
-            lights = measure_lights(chain, plane.patch)
-            findings = find_light(
-                lights,
-                calibration,
-                chain.correct,
-                cycle.trigger.values,
-                energies,
-                plane=plane,
-                options=options,
-                reference=run.settings.reference if options.ratio == "correct" else None,
-            )
-        chain, measuring = correct_light(chain, calibration, findings, options)
+            patch = run.settings.reference if options.ratio == "correct" else None
+            findings = ready.find_light(measure_lights(chain, ready.plane.patch), patch)
+        chain, calibration = correct_light(chain, calibration, findings, options)
+        ready = replace(ready, chain=chain, measuring=calibration, light=findings)
 
     # the frames need neither the sample nor the references
-    notes = (*prepared.notes, *misfit.notes)
-    return PreparedRun(chain.tabulated(), measuring, findings, energies, notes, faults)
+    return replace(ready, chain=ready.chain.tabulated()) if tables_only else ready

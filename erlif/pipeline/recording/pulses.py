@@ -96,7 +96,8 @@ def complete_energies(chain: FrameChain, calibration: Calibration) -> FrameChain
     )
     if np.isfinite(energies).any():
         energies /= np.nanmean(energies)
-    return replace(chain, correct=correct.with_energies(np.nan_to_num(energies, nan=1.0)))
+    energies = np.nan_to_num(energies, nan=1.0)
+    return replace(chain, correct=replace(correct, energies=energies))
 
 
 def refuse_stuck_cameras(pairs: FramePairs) -> None:

@@ -68,3 +68,22 @@ class Alarms:
         if self.no_pulse_for is not None and silence > self.no_pulse_for:
             found["no pulse"] = f"no pulse for {silence:.1f} s (limit {self.no_pulse_for:g} s)"
         return found
+
+    def describe_unjudged(self, pair: LivePair) -> str:
+        """State that the minimum film of a pair is not known, where it has a limit; else empty.
+
+        Parameters
+        ----------
+        pair : LivePair
+
+        Returns
+        -------
+        str
+        """
+        if self.film_below is None or np.isfinite(pair.film_min):
+            return ""
+        return (
+            f"the limit of the film ({self.film_below:g} um) cannot be judged: the minimum film of "
+            f"pair {pair.place} is not determined, because its map is not that of a smooth gap or "
+            "has too few valid pixels. Choose roi in [thickness] about the thinnest film"
+        )

@@ -2,25 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
 
-from erlif.calibration import Calibration, check_bands
+from erlif.calibration import Calibration
 from erlif.core.arrays import Counts, FlagImage, Image
 from erlif.core.progress import silent
 from erlif.io.ingest import FramePairs, Run, read_pair
 from erlif.io.ingest.arrivals import Arrival
 from erlif.io.ingest.recording import number_frames
 from erlif.io.settings import LightOptions, RunSettings, TemperatureOptions
+from erlif.pipeline.engines.results import TriggerResult
 from erlif.pipeline.engines.triggers import TriggerTask
-from erlif.pipeline.plane import ObjectPlane
 from erlif.pipeline.recording.prepare import prepare_run
 from erlif.pipeline.recording.register import FixtureMap
 from erlif.ratio import PulseSample
+from erlif.trend import GapMinimum, GapShape
 
 # Every n-th row and column gives the mean light and the share of saturated pixels. [px]
 _EVERY = 4
@@ -89,6 +90,21 @@ class LiveMap(NamedTuple):
     pulse: PulseSample
 
 
+class LiveGaps(NamedTuple):
+    """Minimum of a pair for each contact that the surfaces may have.
+
+    Attributes
+    ----------
+    films : Mapping[GapShape, tuple[float, float]]
+        Minimum and its standard deviation. [um]
+    bent : GapMinimum
+        The gap of a point contact, by whose curvatures the contact of the run is chosen.
+    """
+
+    films: Mapping[GapShape, tuple[float, float]]
+    bent: GapMinimum
+
+
 @dataclass(frozen=True)
 class LiveFilm:
     """Task that computes the film of single pairs during the recording.
@@ -105,7 +121,7 @@ class LiveFilm:
     pairs: int
 
     @classmethod
-    def prepare(cls, run: Run, calibration: Calibration) -> LiveFilm:
+    def prepare(cls, run: Run, calibration: Calibration, known: FixtureMap) -> LiveFilm:
         """Register the cameras on the pairs that there are.
 
         What only a whole run determines (bleaching, scale of a patch, temperature of each row of
@@ -116,17 +132,15 @@ class LiveFilm:
         ErlifError
             As `prepare_run`.
         """
-        check_bands(calibration, (run.settings.camera1.band, run.settings.camera2.band))
-        known = FixtureMap.of(calibration, run.settings)
-        plain = replace(calibration, camera_map=None)
         run = replace(run, settings=_for_single_pairs(run.settings))
         trigger = xr.Dataset({"trigger": ("frame", np.arange(len(run.pairs.pages[0])))})
-        ready = prepare_run(run, trigger, plain, known, silent)
-        plane = ObjectPlane(run.settings, run.pairs.shape)
-        task = TriggerTask(ready.chain, ready.measuring, plane, frozenset(), with_position=False)
+        ready = prepare_run(run, trigger, calibration, known, silent)
+        task = replace(TriggerTask.of(ready), sampled=frozenset(), with_position=False)
         return cls(task, len(run.pairs.pages[0]))
 
-    def measure(self, pairs: FramePairs, frame: int, arrival: Arrival) -> tuple[LivePair, LiveMap]:
+    def measure(
+        self, pairs: FramePairs, frame: int, arrival: Arrival
+    ) -> tuple[LivePair, LiveMap, LiveGaps | None]:
         """Measure one pair.
 
         Parameters
@@ -139,7 +153,10 @@ class LiveFilm:
 
         Returns
         -------
-        LivePair, LiveMap
+        LivePair
+        LiveMap
+        LiveGaps or None
+            None where the surfaces have one contact, whose minimum the pair has.
 
         Raises
         ------
@@ -147,12 +164,10 @@ class LiveFilm:
             If its files cannot be read.
         """
         read = read_pair(pairs, frame)
-        task = replace(self.task, chain=self.task.chain.following(pairs, read))
-        task.__dict__.update(self._tables)
-        maps, result = task([frame])
+        maps, result = self.task.measure_pair(read, 0, 0.0)
         light, saturated = measure_counts(read.counts, pairs.full_scales)
         film, name = result.statistics, arrival.pages[0].name
-        return LivePair(
+        pair = LivePair(
             arrival.place,
             name,
             arrival.time,
@@ -164,17 +179,24 @@ class LiveFilm:
             light,
             saturated,
             result.frames[0].drift,
-        ), LiveMap(
+        )
+        shown = LiveMap(
             f"pair {arrival.place}, {name}",
             maps["thickness"].copy(),
             maps["flags"].copy(),
             result.frames[0].pulse,
         )
+        return pair, shown, self._gaps(result)
 
-    @property
-    def _tables(self) -> dict[str, Any]:
-        """The calibration in tables, which is the same for every pair."""
-        return {"tables": self.task.tables, "curve": self.task.curve}
+    def _gaps(self, result: TriggerResult) -> LiveGaps | None:
+        if not result.minima:
+            return None
+        covariance = self.task.calibration.full_covariance
+        films = {}
+        for contact, minimum in result.minima.items():
+            film = result.statistics.with_minimum(minimum, covariance)
+            films[contact] = film.minimum, film.minimum_std
+        return LiveGaps(films, result.minima[GapShape.POINT])
 
 
 def measure_counts(

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -153,7 +153,7 @@ class SetupWatch(Follower):
         try:
             found, fault = (
                 register_cameras(
-                    self._known.correct.following(pairs),
+                    replace(self._known.correct, pairs=pairs, energies=None),
                     self.settings.registration,
                     stored=None,
                     progress=silent,

@@ -23,8 +23,9 @@ from erlif.pipeline.fixture import find_calibration
 from erlif.pipeline.watch.alarms import Alarms
 from erlif.pipeline.watch.faults import describe_fall, describe_pulses
 from erlif.pipeline.watch.follow import Follower, as_plain
-from erlif.pipeline.watch.live import LiveFilm, LiveMap, LivePair, run_of
+from erlif.pipeline.watch.live import LiveFilm, LiveGaps, LiveMap, LivePair, run_of
 from erlif.ratio import PulseSample
+from erlif.trend import ContactChoice, GapShape
 
 # Pairs from which references and camera map are found, and found again: up to what the
 # registration of a whole run uses.
@@ -120,6 +121,7 @@ class Watch(Follower):
         super().__init__(run_dir, allow_outside=allow_outside)
         run = run_of(run_dir, self.settings, self._pairs_of([]))
         self.calibration = find_calibration(run, calibration, allow_outside=allow_outside)
+        """Ratio to film, and what is kept of the camera map of the fixture."""
         self.alarms = alarms or Alarms()
         self.alarmed: dict[str, str] = {}
         """Every alarm that was raised, with its first sentence."""
@@ -132,6 +134,11 @@ class Watch(Follower):
         self._newest: LiveMap | None = None
         self._film: LiveFilm | None = None
         self._preparing = False
+        self._gaps: list[LiveGaps] = []
+        self._choice = ContactChoice()
+        self._contact: GapShape | None = None
+        self._renewed = 0
+        """Version with which the pairs so far got the minimum of another contact."""
         self._pulses: deque[tuple[int, PulseSample]] = deque(maxlen=_PULSES)
         self._angles: Array = np.empty(0)
         self._log: tuple[tuple[int, int, int], int] | None = None
@@ -180,7 +187,9 @@ class Watch(Follower):
         """As `erlif.show.view.live.LiveSource`."""
         self.wait(version, timeout)
         state = self.state()
+        pairs = pairs if version >= self._renewed else 0
         return {
+            "after": pairs,
             "version": state.version,
             "status": self.status,
             "closed": self.closed,
@@ -260,7 +269,7 @@ class Watch(Follower):
 
     def _prepare(self, run: Run) -> None:
         try:
-            film: LiveFilm | None = LiveFilm.prepare(run, self.calibration)
+            film: LiveFilm | None = LiveFilm.prepare(run, *self.calibration)
             fault = ""
         except ErlifError as error:
             film, fault = self._film, str(error)
@@ -276,7 +285,7 @@ class Watch(Follower):
     def _measure(self, film: LiveFilm, pairs: FramePairs, frame: int) -> None:
         arrival = self._arrived[frame]
         try:
-            pair, shown = film.measure(pairs, 0, arrival)
+            pair, shown, gaps = film.measure(pairs, 0, arrival)
         except ErlifError as error:
             named = self._arrivals.renew(arrival)
             away = not all(page.path.exists() for page in named.pages)
@@ -295,16 +304,35 @@ class Watch(Follower):
                 self._notify()
             return
         with self._changed:
-            self._measured.append(pair)
+            pair = self._keep(pair, gaps)
             if pair.place > self.place():
                 self._latest, self._newest = pair, shown
             self._keep_alarms([pair])
             self._note("share", "")
+            self._note("limit", self.alarms.describe_unjudged(pair))
             self._note("light", describe_fall(self._measured))
             self._pulses.append((pair.place, shown.pulse))
             if len(self._measured) % _PULSES == 0:
                 self._note("pulses", describe_pulses(self._pulses))
             self._notify()
+
+    def _keep(self, pair: LivePair, gaps: LiveGaps | None) -> LivePair:
+        """Add a measured pair, whose minimum is that of the contact of all pairs so far."""
+        self._measured.append(pair)
+        if gaps is None:
+            return pair
+        self._gaps.append(gaps)
+        self._choice.add(gaps.bent)
+        first = len(self._gaps) - 1
+        if self._choice.contact is not self._contact:
+            self._contact, self._renewed, first = self._choice.contact, self._version + 1, 0
+        for n in range(first, len(self._gaps)):
+            minimum, std = self._gaps[n].films[self._contact]
+            self._measured[n] = self._measured[n]._replace(film_min=minimum, film_min_std=std)
+        latest = self._latest
+        if first == 0 and latest is not None:
+            self._latest = next(one for one in self._measured if one.place == latest.place)
+        return self._measured[-1]
 
     def _audit(self) -> None:
         super()._audit()

@@ -30,7 +30,7 @@ from erlif.pipeline.audit.audits import audit_run
 from erlif.pipeline.audit.bits import note_bits
 from erlif.pipeline.audit.evidence import Evidence
 from erlif.pipeline.audit.log import Steps, note_conditions, note_energy, note_motion
-from erlif.pipeline.film import describe_triggers, summarise_cycle
+from erlif.pipeline.cycle import describe_triggers, summarise_cycle
 from erlif.pipeline.physics.clock import fit_start
 from erlif.pipeline.physics.joint import locate_run
 from erlif.pipeline.recording.cameras import characterise_cameras

@@ -34,7 +34,11 @@ class LiveSource(Protocol):
         ...
 
     def news(self, version: int, pairs: int, angles: int, timeout: float) -> dict[str, Any]:
-        """The state once it is newer than `version`, with the pairs and angles after so many."""
+        """The state once it is newer than `version`, with the pairs and angles after so many.
+
+        All pairs come again where the minimum of another contact is theirs; `after` is the number
+        of pairs that precede those that come.
+        """
         ...
 
     def wait_for_map(self, after: int, timeout: float) -> None:

@@ -13,8 +13,9 @@ from erlif.core.errors import OutputError
 from erlif.core.variables import FILM
 from erlif.io.ingest import open_run
 from erlif.io.settings import RunSettings, read_run_settings
-from erlif.pipeline.film import describe_triggers, predict_theory
+from erlif.pipeline.cycle import describe_triggers
 from erlif.pipeline.physics.joint import locate_run
+from erlif.pipeline.physics.prediction import predict_theory
 from erlif.pipeline.recording.omissions import note_omissions
 
 LEFT_OUT = {

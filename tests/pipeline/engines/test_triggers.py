@@ -13,9 +13,9 @@ from erlif.core.flags import Flag
 from erlif.core.progress import silent
 from erlif.io.files import PartialFilm
 from erlif.pipeline.engines.engine import Threads
-from erlif.pipeline.engines.triggers import run_triggers
+from erlif.pipeline.engines.triggers import TriggerTask, run_triggers
 from erlif.pipeline.film import MAPS
-from erlif.pipeline.run import trigger_task
+from erlif.pipeline.plane import ObjectPlane
 
 FRAMES = [[0, 3], [1, 4], [2, 5]]
 
@@ -60,9 +60,13 @@ def test_finished_triggers_are_not_computed_again(tmp_path):
 # the task of the small rig
 
 
+def task_of(run, chain, calibration):
+    return TriggerTask(chain, calibration, ObjectPlane(run.settings, run.pairs.shape), frozenset())
+
+
 @pytest.fixture(scope="module")
 def task(run, prepared, calibration):
-    return trigger_task(run, prepared.chain, calibration)
+    return task_of(run, prepared.chain, calibration)
 
 
 def test_trigger_without_frames_is_outside_the_overlap(task):
@@ -94,6 +98,6 @@ def test_film_needs_the_tables_of_the_references_alone(run, prepared, calibratio
     assert not {"y", "x"} & chain.references.sizes.keys()
     whole, _ = task([2])
     whole = {name: image.copy() for name, image in whole.items()}
-    maps, _ = trigger_task(run, chain, calibration)([2])
+    maps, _ = task_of(run, chain, calibration)([2])
     for name, image in whole.items():
         npt.assert_array_equal(maps[name], image)

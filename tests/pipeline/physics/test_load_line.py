@@ -12,7 +12,8 @@ from scenes.gap import VIEW, WHOLE, circle_gap, known_calibration, noisy_ratios
 from scenes.orbits import CRANK, FRAMES, MOTION, STD, STEPS, free_orbit
 from scenes.results import make_position
 
-from erlif.io.settings import RunSettings
+from erlif.calibration import record_calibration
+from erlif.io.settings import RunSettings, to_toml
 from erlif.pipeline.physics.load_line import (
     LoadLine,
     find_load_line,
@@ -68,8 +69,10 @@ def seen_by(orbit, line, rng=None):
 
 
 def placed(variables, **options):
-    film, notes = place_positions(plane(**options), variables, CALIBRATION, frames())
-    return xr.Dataset(film), notes
+    about = plane(**options)
+    attrs = {"settings": to_toml(about.settings), "calibration": record_calibration(CALIBRATION)}
+    film = xr.Dataset(variables, {"x": about.x, "y": about.y}, attrs)
+    return place_positions(about, film, frames())
 
 
 def test_turned_positions_are_those_of_a_fit_about_the_other_line():
@@ -158,4 +161,6 @@ def test_a_given_line_and_joints_without_a_swing_keep_their_positions():
     assert line == LoadLine(pytest.approx(MIDDLE), None, "middle")
     lost = swinging(np.full(FRAMES, np.nan))
     assert find_load_line(plane(), xr.Dataset(lost), frames()).source == "middle"
-    assert place_positions(plane(), {}, CALIBRATION, frames()) == ({}, [])
+    film, notes = place_positions(plane(), xr.Dataset(), frames())
+    assert not film
+    assert notes == []

@@ -4,7 +4,7 @@ import xarray as xr
 
 from erlif.core.progress import silent
 from erlif.io.ingest import open_run
-from erlif.pipeline.recording.prepare import prepare_chain, prepare_with_map
+from erlif.pipeline.recording.prepare import prepare_chain, restore_chain
 from erlif.ratio import BlurDifference
 
 BLUR = BlurDifference(0.03, -0.02, 0.001, 0.001, 0.004, 0.0001)
@@ -26,7 +26,7 @@ def test_cameras_of_the_rig_are_equally_sharp_but_for_the_interpolation(prepared
 
 
 def test_given_map_and_sharpness_are_used_as_they_are(run, prepared):
-    chain = prepare_with_map(run, prepared.chain.camera_map, blur=BLUR).chain
+    chain = restore_chain(run, prepared.chain.camera_map, BLUR)
     assert chain.camera_map is prepared.chain.camera_map
     assert chain.blur == BLUR
     xr.testing.assert_identical(chain.references, prepared.chain.references)

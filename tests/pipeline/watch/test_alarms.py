@@ -27,3 +27,10 @@ def test_each_limit_names_value_pair_and_camera():
 
 def test_a_pair_without_a_film_raises_no_alarm_of_the_film():
     assert Alarms(film_below=2.0).raised([pair(math.nan)], silence=0.0) == {}
+
+
+def test_a_limit_of_a_film_that_is_not_known_is_stated():
+    unknown = pair(film=float("nan"))
+    assert "pair 7" in Alarms(film_below=2.0).describe_unjudged(unknown)
+    assert not Alarms(film_below=2.0).describe_unjudged(pair(film=1.0))
+    assert not Alarms().describe_unjudged(unknown)

@@ -54,6 +54,7 @@ class Source:
             "frames": [3, 3],
             "arrived": 3,
             "measured": 3,
+            "after": pairs,
             "pairs": self.rows[pairs:],
             "newest": self.rows[-1],
             "angles": [10.0, 20.0, 30.0][angles:],

@@ -178,6 +178,7 @@ setInterval(() => {
 
 function show(found) {
   news = found;
+  pairs.length = news.after;
   pairs.push(...news.pairs);
   angles.push(...news.angles);
   showNumbers();

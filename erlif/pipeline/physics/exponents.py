@@ -1,0 +1,125 @@
+"""The power of speed over load that the film of a run follows."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import scipy
+import xarray as xr
+
+from erlif.calibration import Calibration
+from erlif.core.arrays import Array
+from erlif.core.notes import Note, warn
+from erlif.core.variables import FILM
+from erlif.pipeline.engines.results import TriggerResult
+from erlif.pipeline.plane import ObjectPlane
+from erlif.trend import LARGEST_BEYOND, fit_exponent, mean_at_constant_minimum
+
+# Standard deviations of the exponent of the mean film that the moving place of the minimum may
+# change, and the change that never counts.
+_MOVED, _UNMOVED = 3.0, 0.01
+
+# Variables of the two statistics.
+_FILM_OF = {"minimum": "film_min", "mean": "film_mean"}
+
+
+def describe_exponents(
+    film: xr.Dataset,
+    results: Sequence[TriggerResult],
+    calibration: Calibration,
+    *,
+    plane: ObjectPlane | None = None,
+) -> dict[str, Any]:
+    """Speed exponents of the minimum and of the mean film, as variables of the film.
+
+    Empty where the film has no speed or no load. With a plane and positions of the pin, the mean
+    film has no exponent where the place of the minimum moves so far that this alone gives one
+    beyond the error.
+    """
+    name = _speed_of_trend(film)
+    if name not in film or "joint_load" not in film:
+        return {}
+
+    statistics = [result.statistics for result in results]
+    films = {
+        "minimum": np.array([one.minimum for one in statistics]),
+        "mean": np.array(
+            [one.mean if one.beyond_range <= LARGEST_BEYOND else np.nan for one in statistics]
+        ),
+    }
+    speed, load = film[name].values, film["joint_load"].values
+    shared = scipy.linalg.block_diag(calibration.full_covariance, np.eye(1))
+
+    exponents: dict[str, Any] = {}
+    moved = np.array([]) if plane is None else _moved_mean(film, plane)
+    for variable, kind in (("speed_exponent", "minimum"), ("speed_exponent_mean", "mean")):
+        # marks of the surfaces are the same at every trigger; the mean film includes them as
+        # they are
+        surface = [one.minimum_surface_std if kind == "minimum" else 0.0 for one in statistics]
+        exponent = fit_exponent(
+            films[kind],
+            np.array([getattr(one, f"{kind}_random_std") for one in statistics]),
+            speed=speed,
+            load=load,
+            gradient=np.column_stack(
+                [[getattr(one, f"{kind}_gradient") for one in statistics], surface]
+            ),
+            covariance=shared,
+        )
+        alone: dict[str, float] = {}
+        if kind == "mean" and moved.size:
+            counted = np.where(np.isfinite(films[kind]), moved, np.nan)
+            geometry = fit_exponent(
+                counted,
+                np.array([one.mean_random_std for one in statistics]),
+                speed=speed,
+                load=load,
+            ).value
+            if abs(geometry) > max(_MOVED * exponent.std, _UNMOVED):
+                alone = {"geometry": geometry, "fitted": exponent.value}
+                exponent = replace(exponent, value=math.nan, std=math.nan, log_scale=math.nan)
+        exponents[variable] = FILM[variable].fill(
+            exponent.value,
+            **alone,
+            long_name=f"power of |{name}|/load that {_FILM_OF[kind]} follows",
+            speed=name,
+            log_scale=exponent.log_scale,
+            triggers_used=exponent.triggers,
+        )
+        exponents[f"{variable}_std"] = FILM[f"{variable}_std"].fill(exponent.std)
+    return exponents
+
+
+def _moved_mean(film: xr.Dataset, plane: ObjectPlane) -> Array:
+    """Mean films of the pin at a constant minimum; empty without its positions. [um]"""
+    view = plane.view
+    if view is None or "pin_displacement" not in film:
+        return np.array([])
+    line = float(film["pin_displacement"].attrs["load_line"])
+    angle = (plane.along[plane.within] - line) / view.radius
+    return mean_at_constant_minimum(film["pin_displacement"].values, view.clearance, angle)
+
+
+def note_moved_mean(film: xr.Dataset) -> list[Note]:
+    """Warn that the exponent of the mean film is due to the moving place of the minimum."""
+    attrs = film["speed_exponent_mean"].attrs if "speed_exponent_mean" in film else {}
+    if "geometry" not in attrs:
+        return []
+    text = (
+        "no power of speed: the place of the minimum moves in the region, which alone makes n = "
+        f"{attrs['geometry']:.3f} of the fitted {attrs['fitted']:.3f}. Use that of film_min, or a "
+        "region of interest over which the film differs less"
+    )
+    return [warn("film_mean", text)]
+
+
+def _speed_of_trend(film: xr.Dataset) -> str:
+    """Name of the speed: that of the joint, unless there is none or the log has its own."""
+    computed = "rocker_speed" in film
+    if "sliding_speed" in film:
+        computed = computed and film.sliding_speed.attrs.get("source") != "log"
+    return "rocker_speed" if computed else "sliding_speed"
