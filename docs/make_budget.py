@@ -11,7 +11,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import erlif
-from erlif.calibration import TERMS, Systematics
+from erlif.calibration import NO_SYSTEMATICS, TERMS, Systematics
 from erlif.io.settings import FixtureSettings, RunSettings, keys_of
 from erlif.show.report import render_budget
 
@@ -26,7 +26,9 @@ STEEPNESS = 17.9 / 19.14
 
 def limits() -> str:
     """The table of docs/limits.md."""
-    calibration = replace(erlif.calibrate(ROOT / "calibration" / "wedge"), systematics=None)
+    calibration = replace(
+        erlif.calibrate(ROOT / "calibration" / "wedge"), systematics=NO_SYSTEMATICS
+    )
     one = float(calibration.model.light(MEDIAN).signal)
     light = one, one * float(calibration.predict(MEDIAN))
     widths = RunSettings.model_fields["systematics"].default.shares

@@ -5,6 +5,7 @@ from .comparison import Comparison as Comparison
 from .comparison import compare_calibrations as compare_calibrations
 from .curve import DIRECTION as DIRECTION
 from .curve import Calibration as Calibration
+from .curve import RatioCurve as RatioCurve
 from .fit import DIM_LIGHT as DIM_LIGHT
 from .fit import USEFUL as USEFUL
 from .fit import fit_calibration as fit_calibration
@@ -12,10 +13,12 @@ from .inverse import InverseTable as InverseTable
 from .profile import Profile as Profile
 from .profile import read_profile as read_profile
 from .regression import Reabsorption as Reabsorption
+from .run_curve import RunCurve as RunCurve
 from .storage import calibration_of as calibration_of
 from .storage import open_calibration as open_calibration
 from .storage import record_calibration as record_calibration
 from .storage import save_calibration as save_calibration
+from .systematics import NO_SYSTEMATICS as NO_SYSTEMATICS
 from .systematics import TERMS as TERMS
 from .systematics import Systematics as Systematics
 from .wall import change_wall as change_wall

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -362,8 +362,7 @@ def _test_pairs(
 ) -> _Change:
     """Fit a smooth change to that of the points and test it against their scatter."""
     # photographs of one fixture, whose position and size are the same in both
-    calibration = replace(calibration, systematics=None)
-    design = calibration.gradient(thickness).T
+    design = calibration.fitted_gradient(thickness).T
     scale = np.linalg.norm(design, axis=0)
 
     # functions that the films cannot separate are used once
@@ -397,7 +396,7 @@ def _test_pairs(
     bend = max(count - 1, 1)
     bends = bool(scipy.stats.f.sf(beyond_constant / bend / variance, bend, freedom) < FALSE_ALARM)
 
-    at = (calibration.gradient(film).T / scale) @ turn.T[:, resolved] / sizes[resolved]
+    at = (calibration.fitted_gradient(film).T / scale) @ turn.T[:, resolved] / sizes[resolved]
     covariance = variance * np.linalg.inv(basis.T @ basis)
     std = np.sqrt(np.einsum("ij,jk,ik->i", at, covariance, at))
     return _Change(at @ values, std, probability, bends)

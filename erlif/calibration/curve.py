@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import json
+from abc import ABC, abstractmethod
 from collections.abc import Container, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
@@ -13,13 +14,12 @@ import numpy.typing as npt
 import scipy
 import xarray as xr
 
-from erlif.calibration.bands import check_bands
 from erlif.calibration.departure import Departure
 from erlif.calibration.description import describe_parameters, draw_curve
 from erlif.calibration.inverse import InverseTable
 from erlif.calibration.pose import FoundPose
 from erlif.calibration.regression import BLACK, Reabsorption
-from erlif.calibration.systematics import Systematics
+from erlif.calibration.systematics import NO_SYSTEMATICS, Systematics
 from erlif.core.arrays import Array
 from erlif.core.errors import CalibrationError
 from erlif.core.html import card, findings_list, rows_table
@@ -46,13 +46,161 @@ PARAMETERS = (
 # end of the calibrated range.
 _BEYOND, _FLAT = 501, 0.1
 
-# Films at which what a run adds to a curve is tabulated: the first [um], the last over the end of
-# the calibrated range, and their number. Between them it is a cubic spline, right to 1e-8.
-_THINNEST, _THICKEST, _ADDED = 0.02, 3.0, 1201
+
+class RatioCurve(ABC):
+    """A curve from film thickness to the logarithm of the ratio, with its errors.
+
+    Attributes
+    ----------
+    thickness_range : tuple[float, float]
+        Calibrated range. [um]
+    systematics : Systematics
+        Errors that frames do not show.
+    """
+
+    thickness_range: tuple[float, float]
+    systematics: Systematics
+
+    @property
+    @abstractmethod
+    def covered_range(self) -> tuple[float, float]:
+        """Thickness covered by the fixture. [um]"""
+
+    @property
+    @abstractmethod
+    def model(self) -> Reabsorption:
+        """The reabsorption model of the fixture."""
+
+    @abstractmethod
+    def predict_log(self, thickness: npt.ArrayLike) -> Array:
+        """Natural logarithm of the ratio of a film. `thickness` in um."""
+
+    @abstractmethod
+    def slope(self, thickness: npt.ArrayLike) -> Array:
+        """Derivative of the logarithm of the ratio by thickness. [1/um]"""
+
+    @abstractmethod
+    def fitted_gradient(self, thickness: npt.ArrayLike) -> Array:
+        """Derivatives of the log ratio by what was fitted to the fixture, (n, ...)."""
+
+    @property
+    @abstractmethod
+    def fitted_covariance(self) -> Array:
+        """Covariance of what was fitted to the fixture, (n, n)."""
+
+    @property
+    def moves(self) -> bool:
+        """Whether the curve itself changes during a run, not its errors alone."""
+        return False
+
+    @property
+    def varies(self) -> bool:
+        """Whether the curve or its errors change during a run."""
+        return False
+
+    def at(self, passed: float) -> RatioCurve:
+        """The curve at the time when a share `passed` of the run is over."""
+        return self
+
+    def change(self, thickness: npt.ArrayLike) -> Array:
+        """Change of the log ratio from the first to the last frame; 0 with one fixture. [1]"""
+        return np.zeros(np.shape(thickness))
+
+    def predict(self, thickness: npt.ArrayLike) -> Array:
+        """Ratio camera 2 / camera 1 of a film. `thickness` in um."""
+        return np.exp(self.predict_log(thickness))
+
+    def gradient(self, thickness: npt.ArrayLike) -> Array:
+        """Derivatives of the logarithm of the ratio by all parameters, (n, ...).
+
+        They are those of `fitted_gradient`, then the systematics.
+        """
+        fitted, systematics = self.fitted_gradient(thickness), self.systematics
+        if not systematics:
+            return fitted
+        slope, change = self.slope(thickness), self.change(thickness)
+        acts = systematics.gradient(thickness, self.model, slope, change)
+        return np.concatenate([fitted, acts])
+
+    def film_gradient(self, thickness: npt.ArrayLike) -> Array:
+        """Derivatives of the film of a measured ratio by all fitted parameters, (n, ...)."""
+        return np.asarray(-self.gradient(thickness) / self.slope(thickness))
+
+    @property
+    def full_covariance(self) -> Array:
+        """Covariance of all parameters, (n, n), in the order of `gradient`."""
+        return self.systematics.extend(self.fitted_covariance)
+
+    def split_error(self, gradient: Array) -> dict[str, float]:
+        """Standard deviation of a quantity by the fixture's frames and by each systematic term.
+
+        Parameters
+        ----------
+        gradient : array, (parameter,)
+            Change of the quantity with all fitted parameters.
+
+        Returns
+        -------
+        dict of str to float
+            "calibration", then the terms of `TERMS` that have an error. Where errors compensate
+            each other, they are scaled to add up to the total. [unit of the quantity]
+        """
+        return self.split_errors([gradient])[0]
+
+    def split_errors(self, gradients: Sequence[Array]) -> list[dict[str, float]]:
+        """Split the standard deviations of several quantities as `split_error` does."""
+        alone, whole, split = self.fitted_covariance, self.full_covariance, self.systematics.split()
+        found = []
+        for gradient in gradients:
+            own, others = gradient[: len(alone)], gradient[len(alone) :]
+            terms = {"calibration": float(own @ alone @ own)}
+            for name, (places, covariance) in split.items():
+                part = others[places]
+                std = float(np.sqrt(part @ covariance @ part))
+                if std > 0:
+                    terms[name] = std**2
+            total = float(gradient @ whole @ gradient)
+            scale = total / max(sum(terms.values()), np.finfo(float).tiny)
+            found.append(
+                {name: float(np.sqrt(scale * variance)) for name, variance in terms.items()}
+            )
+        return found
+
+    def log_ratio_std(self, thickness: npt.ArrayLike) -> Array:
+        """Standard deviation of the predicted logarithm of the ratio. [1]"""
+        gradient = self.gradient(thickness)
+        variance: Array = np.einsum("i...,ij,j...->...", gradient, self.full_covariance, gradient)
+        return np.sqrt(np.maximum(variance, 0.0))
+
+    def thickness_std(self, thickness: npt.ArrayLike) -> Array:
+        """Standard deviation of a thickness due to the calibration alone. [um]"""
+        return np.asarray(self.log_ratio_std(thickness) / self.slope(thickness))
+
+    @cached_property
+    def inverse(self) -> InverseTable:
+        """Table from the logarithm of the ratio to thickness, for whole images."""
+        return InverseTable.of(self)
+
+    def invert(self, log_ratio: npt.ArrayLike) -> Array:
+        """Thickness of a logarithm of the ratio by root finding; NaN beyond the range. [um]"""
+        low, high = self.thickness_range
+        first, last = self.predict_log([low, high])
+
+        def find(goal: float) -> float:
+            if not first <= goal <= last:
+                return np.nan
+            return float(
+                scipy.optimize.brentq(
+                    lambda film: float(self.predict_log(film)) - goal, low, high, xtol=1e-10
+                )
+            )
+
+        values = np.asarray(log_ratio, float)
+        return np.array([find(goal) for goal in values.ravel()]).reshape(values.shape)
 
 
 @dataclass(frozen=True, repr=False)
-class Calibration:
+class Calibration(RatioCurve):
     """The reabsorption model fitted to a fixture, with the departure from it where one was found.
 
     Made by `fit_calibration` and `open_calibration` only, so it is always complete.
@@ -93,9 +241,8 @@ class Calibration:
         Refined pose of the fixture, if it was refined.
     profile_file : str
         Name of the CMM profile among `input_hashes`; empty where it is not recorded.
-    systematics : Systematics | None
-        Errors that frames do not show, those of the fixture and, while a run is measured, of the
-        run.
+    systematics : Systematics
+        Errors of the fixture that its frames do not show.
     attenuation_laser : float | None
         a, attenuation of the laser alone; None where the wall behind the film is black. [1/um]
     reflectance : float | None
@@ -104,10 +251,6 @@ class Calibration:
         Of the oil of the fixture; None where it is not known. [degree_Celsius]
     pixel_pitch : float | None
         With which the profile was laid over the image; None where it is not known. [mm]
-    later : Calibration | None
-        That of the fixture after the run, as `until` takes it; None where there is one fixture.
-    passed : float
-        Share of the run that has passed: the curve lies so far on the way to that of `later`. [1]
     """
 
     ratio_at_zero: float
@@ -126,13 +269,11 @@ class Calibration:
     departure: Departure | None = field(default=None, repr=False)
     pose: FoundPose | None = field(default=None, repr=False)
     profile_file: str = field(default="", repr=False)
-    systematics: Systematics | None = field(default=None, repr=False)
+    systematics: Systematics = field(default=NO_SYSTEMATICS, repr=False)
     attenuation_laser: float | None = None
     reflectance: float | None = None
     temperature: float | None = None
     pixel_pitch: float | None = None
-    later: Calibration | None = field(default=None, repr=False)
-    passed: float = 0.0
 
     def __repr__(self) -> str:
         lines = [f"calibration {self.fixture!r}"]
@@ -167,16 +308,17 @@ class Calibration:
         It may extend beyond `thickness_range`: a pixel whose film lies within that range may
         exceed it by its noise, and is then still measured.
         """
-        if self.later is not None:
-            low, high = replace(self, later=None).covered_range
-            return max(low, self.later.covered_range[0]), min(high, self.later.covered_range[1])
-        low, high = self.thickness_range
+        return self.covered_by(self)
+
+    def covered_by(self, curve: RatioCurve) -> tuple[float, float]:
+        """Thickness that the fixture covers, by a curve made from this one. [um]"""
+        low, high = curve.thickness_range
         measured = self.curve.get("curve_thickness")
         thickest = high if measured is None else max(high, float(measured.max()))
 
         # a ratio with a maximum has its inverse up to there alone
         films = np.linspace(high, thickest, _BEYOND)
-        slope = self.slope(films)
+        slope = curve.slope(films)
         if (slope > 0).all():
             return low, thickest
         flat = slope < _FLAT * slope[0]
@@ -193,10 +335,6 @@ class Calibration:
         """Standard deviations of the parameters, (parameter,)."""
         return np.sqrt(np.diag(self.covariance))
 
-    def predict(self, thickness: npt.ArrayLike) -> Array:
-        """Ratio camera 2 / camera 1 of a film. `thickness` in um."""
-        return np.exp(self.predict_log(thickness))
-
     @cached_property
     def model(self) -> Reabsorption:
         """The reabsorption model alone."""
@@ -205,174 +343,26 @@ class Calibration:
     def predict_log(self, thickness: npt.ArrayLike) -> Array:
         """Natural logarithm of the ratio of a film, departure included. `thickness` in um."""
         found = self.model.predict(thickness)
-        if self.departure is not None:
-            found = found + self.departure.predict(thickness)
-        if self.later is not None:
-            found = found + self.passed * (self.later.predict_log(thickness) - found)
-        if not self.follows_run:
-            return found
-        return np.asarray(found + self._added(np.log(np.maximum(thickness, _THINNEST))))
-
-    @property
-    def follows_run(self) -> bool:
-        """Whether a run has added something to the curve of the fixture."""
-        return self.systematics is not None and self.systematics.value is not None
-
-    @cached_property
-    def _added(self) -> scipy.interpolate.CubicSpline:
-        """Spline through the change of the log ratio by the run, over ln(film thickness [um])."""
-        systematics = self.systematics
-        assert systematics is not None
-        assert systematics.value is not None
-        alone = replace(self, systematics=replace(systematics, value=None))
-        films = np.geomspace(_THINNEST, _THICKEST * self.thickness_range[1], _ADDED)
-        added = np.tensordot(systematics.value, alone.gradient(films), 1)
-        return scipy.interpolate.CubicSpline(np.log(films), added)
-
-    def change(self, thickness: npt.ArrayLike) -> Array:
-        """Log ratio of the later fixture less that of the first; 0 with one fixture. [1]"""
-        if self.later is None:
-            return np.zeros(np.shape(thickness))
-        return self.later.predict_log(thickness) - self.at(0.0).predict_log(thickness)
+        return found if self.departure is None else found + self.departure.predict(thickness)
 
     def slope(self, thickness: npt.ArrayLike) -> Array:
         """Derivative of the logarithm of the ratio by thickness. [1/um]"""
         found = self.model.slope(thickness)
-        if self.departure is not None:
-            found = found + self.departure.slope(thickness)
-        if self.later is not None:
-            found = found + self.passed * (self.later.slope(thickness) - found)
-        if not self.follows_run:
-            return found
-        film = np.maximum(np.asarray(thickness, float), _THINNEST)
-        return np.asarray(found + self._added(np.log(film), 1) / film)
+        return found if self.departure is None else found + self.departure.slope(thickness)
 
-    def gradient(self, thickness: npt.ArrayLike) -> Array:
-        """Derivatives of the logarithm of the ratio by all fitted parameters, (n, ...).
-
-        They are those of the model, the coefficients of the departure, then the systematics.
-        """
-        parts = [self.model.gradient(thickness)]
-        if self.departure is not None:
-            parts.append(self.departure.basis(thickness))
-        if self.systematics is not None:
-            slope, change = self.slope(thickness), self.change(thickness)
-            parts.append(self.systematics.gradient(thickness, self.model, slope, change))
-        return np.concatenate(parts)
-
-    def film_gradient(self, thickness: npt.ArrayLike) -> Array:
-        """Derivatives of the film of a measured ratio by all fitted parameters, (n, ...)."""
-        return np.asarray(-self.gradient(thickness) / self.slope(thickness))
+    def fitted_gradient(self, thickness: npt.ArrayLike) -> Array:
+        """Derivatives of the log ratio by the parameters, then those of the departure, (n, ...)."""
+        of_model = self.model.gradient(thickness)
+        if self.departure is None:
+            return of_model
+        return np.concatenate([of_model, self.departure.basis(thickness)])
 
     @property
-    def full_covariance(self) -> Array:
-        """Covariance of all fitted parameters, (n, n), in the order of `gradient`."""
-        covariance = (
-            self.covariance
-            if self.departure is None
-            else scipy.linalg.block_diag(self.covariance, self.departure.covariance)
-        )
-        return covariance if self.systematics is None else self.systematics.extend(covariance)
-
-    def split_error(self, gradient: Array) -> dict[str, float]:
-        """Standard deviation of a quantity by the fixture's frames and by each systematic term.
-
-        Parameters
-        ----------
-        gradient : array, (parameter,)
-            Change of the quantity with all fitted parameters.
-
-        Returns
-        -------
-        dict of str to float
-            "calibration", then the terms of `TERMS` that have an error. Where errors compensate
-            each other, they are scaled to add up to the total. [unit of the quantity]
-        """
-        return self.split_errors([gradient])[0]
-
-    def split_errors(self, gradients: Sequence[Array]) -> list[dict[str, float]]:
-        """Split the standard deviations of several quantities as `split_error` does."""
-        alone = replace(self, systematics=None).full_covariance
-        whole = self.full_covariance
-        split = {} if self.systematics is None else self.systematics.split()
-        found = []
-        for gradient in gradients:
-            own, others = gradient[: len(alone)], gradient[len(alone) :]
-            terms = {"calibration": float(own @ alone @ own)}
-            for name, (places, covariance) in split.items():
-                part = others[places]
-                std = float(np.sqrt(part @ covariance @ part))
-                if std > 0:
-                    terms[name] = std**2
-            total = float(gradient @ whole @ gradient)
-            scale = total / max(sum(terms.values()), np.finfo(float).tiny)
-            found.append(
-                {name: float(np.sqrt(scale * variance)) for name, variance in terms.items()}
-            )
-        return found
-
-    def log_ratio_std(self, thickness: npt.ArrayLike) -> Array:
-        """Standard deviation of the predicted logarithm of the ratio. [1]"""
-        gradient = self.gradient(thickness)
-        variance: Array = np.einsum("i...,ij,j...->...", gradient, self.full_covariance, gradient)
-        return np.sqrt(np.maximum(variance, 0.0))
-
-    def thickness_std(self, thickness: npt.ArrayLike) -> Array:
-        """Standard deviation of a thickness due to the calibration alone. [um]"""
-        return np.asarray(self.log_ratio_std(thickness) / self.slope(thickness))
-
-    def at(self, passed: float) -> Calibration:
-        """Return the calibration at the time when a share `passed` of the run is over."""
-        if not self.varies:
-            return self
-        systematics = self.systematics
-        if systematics is not None:
-            systematics = replace(systematics, passed=passed)
-        return replace(self, systematics=systematics, passed=passed)
-
-    @property
-    def varies(self) -> bool:
-        """Whether the curve or its errors change during a run."""
-        systematics = self.systematics
-        return self.later is not None or (
-            systematics is not None and bool(systematics.varies.any())
-        )
-
-    def until(self, later: Calibration) -> Calibration:
-        """Join this calibration, made before a run, with that of a fixture after the run.
-
-        `at` gives the curve between the two. The errors are those of the first one, which rests on
-        the same profile; `erlif.process` adds what those of the later one exceed them by.
-
-        Parameters
-        ----------
-        later : Calibration
-            Of the same filter bands.
-
-        Returns
-        -------
-        Calibration
-            In the range that both cover.
-
-        Raises
-        ------
-        CalibrationError
-            If the bands differ, or no film is in both ranges.
-
-        Examples
-        --------
-        >>> from erlif.show.plots import example_calibration
-        >>> before = example_calibration()
-        >>> run = before.until(replace(before, ratio_at_zero=0.62))
-        >>> [round(float(run.at(passed).predict(5.0)), 2) for passed in (0.0, 0.5, 1.0)]
-        [0.87, 0.84, 0.81]
-        """
-        check_bands(later, self.bands)
-        return replace(
-            self,
-            later=replace(later, camera_map=None, systematics=None),
-            thickness_range=self.range_shared_with(later),
-        )
+    def fitted_covariance(self) -> Array:
+        """Covariance of parameters and departure, (n, n), in the order of `fitted_gradient`."""
+        if self.departure is None:
+            return self.covariance
+        return np.asarray(scipy.linalg.block_diag(self.covariance, self.departure.covariance))
 
     def range_shared_with(self, other: Calibration) -> tuple[float, float]:
         """Lower and upper end of the films that another calibration covers as well. [um]"""
@@ -385,28 +375,6 @@ class Calibration:
                 "the same fixture."
             )
         return low, high
-
-    @cached_property
-    def inverse(self) -> InverseTable:
-        """Table from the logarithm of the ratio to thickness, for whole images."""
-        return InverseTable.of(self)
-
-    def invert(self, log_ratio: npt.ArrayLike) -> Array:
-        """Thickness of a logarithm of the ratio by root finding; NaN beyond the range. [um]"""
-        low, high = self.thickness_range
-        first, last = self.predict_log([low, high])
-
-        def find(goal: float) -> float:
-            if not first <= goal <= last:
-                return np.nan
-            return float(
-                scipy.optimize.brentq(
-                    lambda film: float(self.predict_log(film)) - goal, low, high, xtol=1e-10
-                )
-            )
-
-        values = np.asarray(log_ratio, float)
-        return np.array([find(goal) for goal in values.ravel()]).reshape(values.shape)
 
     def to_dataset(self) -> xr.Dataset:
         """Variables of ``calibration.nc``."""
@@ -446,7 +414,7 @@ class Calibration:
             **{
                 name: json.dumps(part.to_record())
                 for name, part in (("pose", self.pose), ("systematics", self.systematics))
-                if part is not None
+                if part
             },
         }
 
@@ -502,7 +470,7 @@ class Calibration:
                 systematics=(
                     Systematics.from_record(json.loads(attrs["systematics"]))
                     if "systematics" in attrs
-                    else None
+                    else NO_SYSTEMATICS
                 ),
             )
         except (KeyError, AttributeError) as error:

@@ -198,7 +198,7 @@ def fit_calibration(
     )
     return replace(
         calibration,
-        systematics=systematics if systematics.terms else None,
+        systematics=systematics,
         thickness_range=thickness_range,
         pixel_pitch=pixel_pitch,
         curve=_describe_curve(calibration, points, kept, moved, fit.thickness_std),

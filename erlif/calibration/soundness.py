@@ -7,12 +7,11 @@ not fail by itself: it gives wrong films, or error bars that are NaN.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
 
 import numpy as np
 import xarray as xr
 
-from erlif.calibration.curve import PARAMETERS, Calibration
+from erlif.calibration.curve import PARAMETERS, Calibration, RatioCurve
 from erlif.calibration.departure import Departure
 from erlif.calibration.profile import THICKEST
 from erlif.calibration.regression import BLACK
@@ -82,12 +81,14 @@ def check_file(dataset: xr.Dataset) -> None:
             raise ValueError(f"{name} is in {str(unit)[:40]}, not in {accepted[0]}")
 
 
-def check_calibration(calibration: Calibration) -> None:
+def check_calibration(calibration: Calibration, curve: RatioCurve | None = None) -> None:
     """Refuse a calibration whose numbers no fit gives.
 
     Parameters
     ----------
     calibration : Calibration
+    curve : RatioCurve, optional
+        What a run made of it; default: the calibration itself.
 
     Raises
     ------
@@ -104,6 +105,7 @@ def check_calibration(calibration: Calibration) -> None:
         ...
     ValueError: covariance has a variance of -1, not a positive number
     """
+    curve = calibration if curve is None else curve
     faults = [
         *_parameter_faults(calibration.parameters),
         *_covariance_faults("covariance", calibration.covariance, calibration.parameters.size),
@@ -112,15 +114,14 @@ def check_calibration(calibration: Calibration) -> None:
     ]
     if calibration.departure is not None:
         faults += _departure_faults(calibration.departure)
-    if calibration.systematics is not None:
-        alone = replace(calibration, systematics=None).full_covariance
-        faults += _systematics_faults(calibration.systematics, len(alone))
+    if curve.systematics:
+        faults += _systematics_faults(curve.systematics, len(calibration.fitted_covariance))
     if faults:
         raise ValueError(faults[0])
 
     # a curve that falls within its range would have two films for one ratio
-    films = places(calibration.thickness_range)
-    falling = ~(calibration.slope(films) > 0)
+    films = places(curve.thickness_range)
+    falling = ~(curve.slope(films) > 0)
     if falling.any():
         raise ValueError(
             f"its ratio does not rise with thickness at {films[np.argmax(falling)]:.3g} um"

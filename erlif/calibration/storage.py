@@ -12,10 +12,17 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from erlif.calibration.curve import PARAMETERS, Calibration, foreign_file, parameters_in
+from erlif.calibration.curve import (
+    PARAMETERS,
+    Calibration,
+    RatioCurve,
+    foreign_file,
+    parameters_in,
+)
 from erlif.calibration.departure import Departure
+from erlif.calibration.run_curve import RunCurve
 from erlif.calibration.soundness import check_calibration, check_displacements, check_file
-from erlif.calibration.systematics import Systematics
+from erlif.calibration.systematics import NO_SYSTEMATICS, Systematics
 from erlif.core.errors import (
     CalibrationError,
     ErlifError,
@@ -177,13 +184,13 @@ def _read(path: Path) -> Calibration:
     return replace(calibration, camera_map=camera_map)
 
 
-def record_calibration(calibration: Calibration) -> str:
+def record_calibration(curve: RunCurve) -> str:
     """The part of a calibration that determines a film, as JSON.
 
     Parameters
     ----------
-    calibration : Calibration
-        Calibration used for a run.
+    curve : RunCurve
+        With which a run was measured.
 
     Returns
     -------
@@ -196,15 +203,25 @@ def record_calibration(calibration: Calibration) -> str:
     >>> calibration = Calibration(
     ...     0.65, 0.40, 0.25, np.eye(3), (0.1, 12.0), (580.0, 610.0), xr.Dataset(), 1.0, "wedge"
     ... )
-    >>> json.loads(record_calibration(calibration))["thickness_range"]
+    >>> json.loads(record_calibration(RunCurve.of(calibration)))["thickness_range"]
     [0.1, 12.0]
     """
+    kept = _record_of(curve.calibration, curve)
+    if curve.systematics:
+        kept["systematics"] = curve.systematics.to_record()
+    if curve.later is not None:
+        kept["later"] = _record_of(curve.later, curve.later)
+    return json.dumps(kept, sort_keys=True)
+
+
+def _record_of(calibration: Calibration, curve: RatioCurve) -> dict[str, Any]:
+    """Parameters and origin of a calibration, and the ranges of a curve made from it."""
     kept = dict(zip(PARAMETERS, calibration.parameters, strict=False)) | {
         "fixture": calibration.fixture,
         "date": calibration.date,
         "covariance": calibration.covariance.tolist(),
-        "thickness_range": list(calibration.thickness_range),
-        "covered_range": list(calibration.covered_range),
+        "thickness_range": list(curve.thickness_range),
+        "covered_range": list(curve.covered_range),
         "input_hashes": calibration.input_hashes,
     }
     departure = calibration.departure
@@ -212,14 +229,10 @@ def record_calibration(calibration: Calibration) -> str:
         kept["departure"] = {name: each.tolist() for name, each in asdict(departure).items()}
     if calibration.temperature is not None:
         kept["temperature"] = calibration.temperature
-    if calibration.systematics is not None:
-        kept["systematics"] = calibration.systematics.to_record()
-    if calibration.later is not None:
-        kept["later"] = json.loads(record_calibration(calibration.later))
-    return json.dumps(kept, sort_keys=True)
+    return kept
 
 
-def calibration_of(film: xr.Dataset, trigger: int | None = None) -> Calibration:
+def calibration_of(film: xr.Dataset, trigger: int | None = None) -> RunCurve:
     """The calibration that a film was made with.
 
     Its curve holds the covered range alone: a film stores the parameters, not the fitted points.
@@ -233,7 +246,7 @@ def calibration_of(film: xr.Dataset, trigger: int | None = None) -> Calibration:
 
     Returns
     -------
-    Calibration
+    RunCurve
 
     Raises
     ------
@@ -251,16 +264,16 @@ erlif process writes it; there is none. Make the film again with: erlif process 
     if "calibration" not in film.attrs:
         raise _no_record("there is none")
     try:
-        calibration = _read_record(json.loads(str(film.attrs["calibration"])), settings_of(film))
-        check_calibration(calibration)
+        curve = _read_record(json.loads(str(film.attrs["calibration"])), settings_of(film))
+        check_calibration(curve.calibration, curve)
     except OutputError:
         raise
     except Exception as error:  # a damaged record has values of any type
         reason = f"it has no {error}" if isinstance(error, KeyError) else str(error).rstrip(".")
         raise _no_record(f"the one there cannot be used: {reason}") from error
     if trigger is None or "share_passed" not in film:
-        return calibration
-    return calibration.at(float(film.share_passed[trigger]))
+        return curve
+    return curve.at(float(film.share_passed[trigger]))
 
 
 def _no_record(reason: str) -> OutputError:
@@ -270,8 +283,19 @@ def _no_record(reason: str) -> OutputError:
     )
 
 
-def _read_record(kept: dict[str, Any], settings: RunSettings) -> Calibration:
-    """A calibration from the record that `record_calibration` writes."""
+def _read_record(kept: dict[str, Any], settings: RunSettings) -> RunCurve:
+    """The curve of the record that `record_calibration` writes."""
+    calibration, later = _read_calibration(kept, settings), None
+    if "later" in kept:
+        later = _read_calibration(kept["later"], settings)
+    systematics = NO_SYSTEMATICS
+    if "systematics" in kept:
+        systematics = Systematics.from_record(kept["systematics"])
+    return RunCurve(calibration, calibration.thickness_range, systematics, later)
+
+
+def _read_calibration(kept: dict[str, Any], settings: RunSettings) -> Calibration:
+    """Parameters and origin of a calibration."""
     low, high = kept["thickness_range"]
     parameters: dict[str, Any] = {name: float(kept[name]) for name in parameters_in(kept)}
     departure = None
@@ -293,8 +317,4 @@ def _read_record(kept: dict[str, Any], settings: RunSettings) -> Calibration:
         date=str(kept["date"]),
         temperature=float(kept["temperature"]) if "temperature" in kept else None,
         departure=departure,
-        systematics=(
-            Systematics.from_record(kept["systematics"]) if "systematics" in kept else None
-        ),
-        later=_read_record(kept["later"], settings) if "later" in kept else None,
     )

@@ -137,6 +137,9 @@ class Systematics:
             covariance[one, two] = covariance[two, one] = ALIKE * std[one] * std[two]
         return found
 
+    def __bool__(self) -> bool:
+        return bool(self.terms)
+
     @property
     def widths(self) -> dict[str, float]:
         """Standard deviation of each term, that of its first parameter. [1; um for a position]"""
@@ -452,6 +455,8 @@ class Systematics:
 
     def extend(self, covariance: Array) -> Array:
         """Covariance of a calibration with these as further parameters."""
+        if not self:
+            return covariance
         if self.fit_covariance is not None:
             covariance = self.fit_covariance
         return np.block([[covariance, self.cross], [self.cross.T, self.covariance]])
@@ -460,6 +465,10 @@ class Systematics:
         """Numbers of the parameters of each term and their covariance, in their order."""
         places = {term: self.places(term) for term in dict.fromkeys(self.terms)}
         return {term: (own, self.covariance[np.ix_(own, own)]) for term, own in places.items()}
+
+
+# A calibration whose fixture has no error but those that its frames show.
+NO_SYSTEMATICS = Systematics.of({}, parameters=0)
 
 
 def _act_of(kind: str) -> str:

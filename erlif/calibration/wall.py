@@ -90,13 +90,11 @@ def change_wall(calibration: Calibration, reflectance: float) -> Calibration:
         covariance=covariance[:BLACK, :BLACK] if black else covariance,
         attenuation_laser=None if black else laser,
         reflectance=None if black else reflectance,
-        systematics=None,
-        later=calibration.later and change_wall(calibration.later, reflectance),
         notes=(*calibration.notes, *notes),
     )
     systematics = calibration.systematics
-    if systematics is not None:
-        cross = np.zeros((len(changed.full_covariance), len(systematics.terms)))
+    if systematics:
+        cross = np.zeros((len(changed.fitted_covariance), len(systematics.terms)))
         systematics = replace(systematics, cross=cross)
     low = calibration.thickness_range[0]
     return replace(

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from erlif.calibration import Calibration, note_pitch, record_calibration
+from erlif.calibration import RunCurve, note_pitch, record_calibration
 from erlif.core.arrays import Array
 from erlif.core.flags import FLAG_ATTRS, Flag
 from erlif.core.format import describe_origin
@@ -92,7 +92,7 @@ class FilmDraft:
         The run, and what its frames were measured with.
     results : Sequence[TriggerResult]
         Of all triggers, in their order.
-    calibration : Calibration
+    curve : RunCurve
         With the errors that the run shows.
     film : xarray.Dataset
         The root group without the maps.
@@ -103,7 +103,7 @@ class FilmDraft:
 
     ready: PreparedRun
     results: Sequence[TriggerResult]
-    calibration: Calibration
+    curve: RunCurve
     film: xr.Dataset
     frames: xr.Dataset
     notes: tuple[Note, ...]
@@ -140,13 +140,13 @@ def summarise_triggers(
     PulseError
         If the cameras show different pulses in a pair.
     """
-    run, calibration, plane = ready.run, ready.measuring, ready.plane
-    results, contact = settle_contact(results, calibration)
+    run, curve, plane = ready.run, ready.curve, ready.plane
+    results, contact = settle_contact(results, curve)
     frames = frames_in(results)
     with stage("audits", _logger):
         ordered = sorted(frames, key=lambda one: one.frame)
         audited = audit_run(Evidence(run, ready.cycle, ordered, ready.faults))
-    both = filter(None, (calibration, calibration.later))
+    both = filter(None, (curve.calibration, curve.later))
     notes = (
         *audited,
         *(note for one in both for note in note_pitch(one.pixel_pitch, plane.pitch)),
@@ -167,7 +167,7 @@ def summarise_triggers(
     )
     film = film.assign(count_flagged_pixels(results)).assign_attrs(contact=str(contact))
     film = film.assign_coords(plane.grid(len(results)).coords)
-    return FilmDraft(ready, results, calibration, film, xr.Dataset(), notes)
+    return FilmDraft(ready, results, curve, film, xr.Dataset(), notes)
 
 
 def with_light(draft: FilmDraft) -> FilmDraft:
@@ -183,27 +183,27 @@ def with_light(draft: FilmDraft) -> FilmDraft:
     """
     ready, run = draft.ready, draft.ready.run
     chosen = choose_frames(run.pairs)
-    findings, calibration = ready.judge_light(
+    findings, curve = ready.judge_light(
         lambda: {one.frame: one for one in draft.frame_results if one.frame in chosen}
     )
-    light, notes = describe_light(findings, draft.results, run, ready.measuring)
+    light, notes = describe_light(findings, draft.results, run, ready.curve)
     films = np.array([one.statistics.mean for one in draft.results])
     median = float(np.median(films[np.isfinite(films)])) if np.isfinite(films).any() else math.nan
-    darks = describe_dark_levels(findings.darks, ready.measuring, median)
+    darks = describe_dark_levels(findings.darks, ready.curve, median)
 
-    course = findings.for_error_bars(ready.measuring, run.settings.light).course
+    course = findings.for_error_bars(ready.curve, run.settings.light).course
     pairs = len(run.pairs.pages[0])
-    results = follow_course(draft.results, ready.measuring, course, pairs=pairs)
-    film = draft.film.assign(describe_statistics(results, calibration))
+    results = follow_course(draft.results, ready.curve, course, pairs=pairs)
+    film = draft.film.assign(describe_statistics(results, curve))
     positions = [one.position for one in results]
-    film = film.assign(describe_positions(positions, calibration, ready.plane.view)).assign(light)
-    largest = name_largest_error(film, run.settings, ready.measuring, calibration)
+    film = film.assign(describe_positions(positions, curve, ready.plane.view)).assign(light)
+    largest = name_largest_error(film, run.settings, ready.curve, curve)
     film = film.assign_attrs(
         largest_error=largest,
         settings=to_toml(run.settings),
-        calibration=record_calibration(calibration),
+        calibration=record_calibration(curve),
     )
-    return draft.adding(film, *darks, *notes, results=results, calibration=calibration)
+    return draft.adding(film, *darks, *notes, results=results, curve=curve)
 
 
 def with_theory(draft: FilmDraft) -> FilmDraft:
@@ -224,7 +224,7 @@ def with_theory(draft: FilmDraft) -> FilmDraft:
         prediction = try_prediction(plane, film, frames)
     theory = join_theories(settings, predict_theory(settings, film), prediction.triggers)
     film = film.merge(theory, combine_attrs="drop_conflicts")
-    film = film.assign(describe_exponents(film, draft.results, draft.calibration, plane=plane))
+    film = film.assign(describe_exponents(film, draft.results, draft.curve, plane=plane))
     with stage("physics", _logger):
         physics = state_physics(film, settings, frames)
     if physics:
@@ -265,13 +265,13 @@ def with_record(
     # gain and noise of the cameras at the time of the calibration stand in its own notes
     from_calibration = [
         Note(note.level, "calibration", str(note))
-        for note in draft.calibration.notes
+        for note in draft.curve.calibration.notes
         if note.subject != CHARACTERISTICS
     ]
     notes = [
         *draft.notes,
         *_censoring_notes(results),
-        *note_form(positions, draft.calibration, ready.plane, load),
+        *note_form(positions, draft.curve, ready.plane, load),
         *from_calibration,
         *skipped_notes(run.pairs),
     ]
@@ -313,9 +313,7 @@ def count_flagged_pixels(results: Sequence[TriggerResult]) -> xr.Dataset:
     )
 
 
-def describe_statistics(
-    results: Sequence[TriggerResult], calibration: Calibration
-) -> dict[str, Any]:
+def describe_statistics(results: Sequence[TriggerResult], calibration: RunCurve) -> dict[str, Any]:
     """Mean and minimum film of each trigger, as variables of the film."""
     covariance = calibration.full_covariance
     statistics = [result.statistics.with_errors(covariance) for result in results]

@@ -11,6 +11,7 @@ from pathlib import Path
 
 from erlif.calibration import (
     Calibration,
+    RunCurve,
     change_wall,
     check_bands,
     fit_calibration,
@@ -162,17 +163,17 @@ def combine_all(chain: FrameChain, progress: Progress) -> tuple[RatioImages, lis
 
 def find_calibration(
     run: Run,
-    given: Calibration | str | Path | None,
+    given: Calibration | RunCurve | str | Path | None,
     *,
     allow_outside: bool = False,
     progress: Progress = silent,
-) -> tuple[Calibration, FixtureMap]:
-    """Find the calibration of a run.
+) -> tuple[RunCurve, FixtureMap]:
+    """Find the calibration of a run, and the curve that begins with it.
 
     Parameters
     ----------
     run : Run
-    given : Calibration or path, optional
+    given : Calibration, RunCurve or path, optional
         Takes precedence. Default: the calibration that run.toml names; where its file does not
         exist and a fixture lies in its directory, that fixture is calibrated and the result kept.
     allow_outside : bool
@@ -181,28 +182,31 @@ def find_calibration(
 
     Returns
     -------
-    calibration : Calibration
-        Without its camera map.
+    curve : RunCurve
+        With the errors of the fixture alone.
     known : FixtureMap
-        What a run needs of that map.
+        What a run needs of its camera map.
 
     Raises
     ------
     CalibrationError
         If there is none, it is of other bands, or lacks a map that the settings ask for.
     """
-    if isinstance(given, Calibration):
-        found = before_wall_of(run, given)
+    if isinstance(given, RunCurve):
+        found = [given.calibration, *filter(None, [given.later])]
+    elif isinstance(given, Calibration):
+        found = [given]
     elif given is not None:
-        found = before_wall_of(run, open_calibration(given))
+        found = [open_calibration(given)]
     else:
-        found = _named_calibration(run, allow_outside=allow_outside, progress=progress)
-    check_bands(found, (run.settings.camera1.band, run.settings.camera2.band))
-    return replace(found, camera_map=None), FixtureMap.of(found, run.settings)
+        found = _named_calibrations(run, allow_outside=allow_outside, progress=progress)
+    first, *others = (before_wall_of(run, one) for one in found)
+    check_bands(first, (run.settings.camera1.band, run.settings.camera2.band))
+    return RunCurve.of(first, *others), FixtureMap.of(first, run.settings)
 
 
-def _named_calibration(run: Run, *, allow_outside: bool, progress: Progress) -> Calibration:
-    """The calibration that run.toml names, joined with that of a fixture after the run."""
+def _named_calibrations(run: Run, *, allow_outside: bool, progress: Progress) -> list[Calibration]:
+    """The calibrations that run.toml names: before the run, and after it."""
     if not run.settings.calibrations:
         raise CalibrationError(
             "Expected a calibration: run.toml names none. Add calibration = "
@@ -210,11 +214,7 @@ def _named_calibration(run: Run, *, allow_outside: bool, progress: Progress) -> 
         )
 
     names = [run.directory / name for name in run.settings.calibrations]
-    first, *others = (
-        before_wall_of(run, _open_or_make(path, allow_outside=allow_outside, progress=progress))
-        for path in names
-    )
-    return first.until(others[0]) if others else first
+    return [_open_or_make(one, allow_outside=allow_outside, progress=progress) for one in names]
 
 
 def before_wall_of(run: Run, calibration: Calibration) -> Calibration:

@@ -144,17 +144,17 @@ def process_run(
     )
     cycle = locate_run(run)
     triggers = describe_triggers(run, cycle)
-    calibration, known = find_calibration(
+    curve, known = find_calibration(
         run, calibration, allow_outside=allow_outside, progress=progress
     )
-    _log_inputs(run, cycle, calibration)
-    work = FilmWork.of(run, calibration, output)
+    _log_inputs(run, cycle, curve.calibration)
+    work = FilmWork.of(run, curve, output)
     if resume and work.is_done(overwrite=overwrite):
         return False
 
     with compiling_ahead(), work.unfinished(triggers.sizes["trigger"]) as unfinished:
         # dark, flat and noise; registration; light that is to be subtracted
-        ready = prepare_run(run, cycle, calibration, known, progress)
+        ready = prepare_run(run, cycle, curve, known, progress)
         del known  # the map of the fixture is large
         release_memory()
         with naming(ready.faults):

@@ -12,7 +12,7 @@ from typing import Any
 
 import xarray as xr
 
-from erlif.calibration import Calibration, record_calibration
+from erlif.calibration import RunCurve, record_calibration
 from erlif.core.errors import OutputError
 from erlif.core.format import identify
 from erlif.core.timing import stage
@@ -49,7 +49,7 @@ class FilmWork:
     Attributes
     ----------
     run : Run
-    calibration : Calibration
+    calibration : RunCurve
     output : Path
         Where the film goes.
     stamps : Any
@@ -59,13 +59,13 @@ class FilmWork:
     """
 
     run: Run
-    calibration: Calibration
+    calibration: RunCurve
     output: Path
     stamps: Any
     digests: Digests
 
     @classmethod
-    def of(cls, run: Run, calibration: Calibration, output: Path) -> FilmWork:
+    def of(cls, run: Run, calibration: RunCurve, output: Path) -> FilmWork:
         """The work, with the state of its inputs now."""
         return cls(run, calibration, output, stamp_inputs(run), hash_files_beside_frames(run))
 

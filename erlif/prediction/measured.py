@@ -77,7 +77,7 @@ def measured_positions(film: xr.Dataset, calibration_cov: Array | None = None) -
         pin_displacement [um], pin_position_cov, pin_position_cov_random and
         pin_position_gradient, on dim trigger.
     calibration_cov : array, optional
-        `Calibration.full_covariance`. Without it the whole part that is not random counts as one
+        `RatioCurve.full_covariance`. Without it the whole part that is not random counts as one
         set of errors that all triggers share.
 
     Returns

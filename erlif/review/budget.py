@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from erlif.calibration import TERMS, Calibration
+from erlif.calibration import TERMS, Calibration, RunCurve
 from erlif.core.arrays import Array, Mask
 from erlif.core.detector import QUANTISATION_VAR
 from erlif.core.errors import ConfigError
@@ -139,12 +139,12 @@ def budget(
     )
     cycle = locate_run(run)
     trigger, frames = _choose_trigger(trigger, cycle, group_frames(cycle, run.pairs))
-    calibration, known = find_calibration(
+    curve, known = find_calibration(
         run, calibration, allow_outside=allow_outside, progress=progress
     )
 
     # errors of noise by source need the references, light that is not film the whole run
-    ready = prepare_run(run, cycle, calibration, known, progress, tables_only=False)
+    ready = prepare_run(run, cycle, curve, known, progress, tables_only=False)
     _, whole = ready.judge_light(lambda: measure_lights(ready.chain, ready.plane.patch))
     measuring = whole.at(share_passed(frames, len(run.pairs.pages[0])))
     plane = ready.plane
@@ -275,7 +275,7 @@ def _pixel_columns(
     sources: _Sources,
     film: Array,
     valid: Mask,
-    calibration: Calibration,
+    calibration: RunCurve,
     films: tuple[float, ...] | None,
     trigger: int,
 ) -> list[_Column]:
@@ -308,7 +308,7 @@ def _pixel_columns(
 
 def _budget_of_mean(
     statistics: FilmStatistics,
-    calibration: Calibration,
+    calibration: RunCurve,
     sources: _Sources,
     rate: Array,
     region: Mask,
@@ -331,7 +331,7 @@ def _budget_of_mean(
     return _Column("mean film", statistics.mean, terms)
 
 
-def _minimum_column(statistics: FilmStatistics, calibration: Calibration) -> _Column:
+def _minimum_column(statistics: FilmStatistics, calibration: RunCurve) -> _Column:
     """The budget of the minimum film thickness."""
     terms = {
         _ALL_NOISE: statistics.minimum_random_std,

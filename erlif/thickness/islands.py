@@ -12,7 +12,7 @@ from __future__ import annotations
 import numpy as np
 import scipy.ndimage
 
-from erlif.calibration import Calibration
+from erlif.calibration import RatioCurve
 from erlif.core.arrays import FlagImage, Image
 from erlif.core.flags import Flag
 
@@ -28,7 +28,7 @@ _BAND = 0.9  # of the thick end of the range, from which on a film belongs to th
 _ABOVE = np.uint16(Flag.ABOVE_RANGE)
 
 
-def flag_beyond_maximum(log_ratio: Image, flags: FlagImage, calibration: Calibration) -> None:
+def flag_beyond_maximum(log_ratio: Image, flags: FlagImage, calibration: RatioCurve) -> None:
     """Flag films that a band at the maximum of the ratio separates from the largest part.
 
     Parameters
@@ -37,7 +37,7 @@ def flag_beyond_maximum(log_ratio: Image, flags: FlagImage, calibration: Calibra
         Logarithm of the ratio. [1]
     flags : array of uint16, (y, x)
         Reasons why a pixel has no ratio; receives `Flag.ABOVE_RANGE`.
-    calibration : Calibration
+    calibration : RatioCurve
         Without a wall that reflects nothing is flagged.
 
     Examples

@@ -11,7 +11,7 @@ import numba
 import numpy as np
 import xarray as xr
 
-from erlif.calibration import Calibration
+from erlif.calibration import RatioCurve
 from erlif.core.arrays import AnyArray, FlagImage, Image
 from erlif.core.flags import FLAG_ATTRS
 from erlif.core.products import RatioImages, ThicknessMaps, require
@@ -28,7 +28,7 @@ _STEPS = (61, 67)
 _NEAR = {"units": "1", "long_name": "mean of log_ratio about the pixel"}
 
 
-def measure_thickness(ratios: RatioImages, calibration: Calibration) -> ThicknessMaps:
+def measure_thickness(ratios: RatioImages, calibration: RatioCurve) -> ThicknessMaps:
     """Convert ratio images to film thickness, pixel by pixel.
 
     A pixel is flagged, and not extrapolated, where its surroundings lie beyond the measurable range
@@ -39,7 +39,7 @@ def measure_thickness(ratios: RatioImages, calibration: Calibration) -> Thicknes
     ----------
     ratios : RatioImages
         log_ratio (..., y, x) with log_ratio_var, log_ratio_var_shared and flags.
-    calibration : Calibration
+    calibration : RatioCurve
 
     Returns
     -------
@@ -281,12 +281,12 @@ class FilmTables(NamedTuple):
     limits: Image
 
     @classmethod
-    def of(cls, calibration: Calibration) -> FilmTables:
+    def of(cls, calibration: RatioCurve) -> FilmTables:
         """Tables of a calibration.
 
         Parameters
         ----------
-        calibration : Calibration
+        calibration : RatioCurve
 
         Returns
         -------

@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 import scipy
 
-from erlif.calibration import TERMS, Calibration, Systematics
+from erlif.calibration import TERMS, RatioCurve, Systematics
 from erlif.core.arrays import Array, Mask
 from erlif.core.statistics import covariance_root
 from erlif.ratio.cells import LightCells
@@ -132,17 +132,17 @@ class BackgroundEstimate:
             cross=self.cross @ gain.T,
         )
 
-    def film_shift(self, thickness: Array, calibration: Calibration) -> Array:
+    def film_shift(self, thickness: Array, calibration: RatioCurve) -> Array:
         """Error of the measured film by this background, at median illumination. [um]"""
         return np.asarray(np.tensordot(self.share, self._gradient(thickness, calibration), axes=1))
 
-    def film_shift_std(self, thickness: Array, calibration: Calibration) -> Array:
+    def film_shift_std(self, thickness: Array, calibration: RatioCurve) -> Array:
         """Standard deviation of the shift of the film. [um]"""
         by_share = self._gradient(thickness, calibration)
         variance = np.einsum("i...,ij,j...->...", by_share, self.covariance, by_share)
         return np.asarray(np.sqrt(variance))
 
-    def _gradient(self, thickness: Array, calibration: Calibration) -> Array:
+    def _gradient(self, thickness: Array, calibration: RatioCurve) -> Array:
         """Change of the film with both shares, (camera, ...). [um]"""
         slope = calibration.slope(thickness)
         acts = self.error.gradient(thickness, calibration.model, slope, np.zeros_like(slope))
@@ -152,7 +152,7 @@ class BackgroundEstimate:
 def estimate_background(
     record: LightCells,
     places: tuple[Array, Array],
-    calibration: Calibration,
+    calibration: RatioCurve,
     *,
     energies: Array | None = None,
     passed: Array | None = None,
@@ -165,7 +165,7 @@ def estimate_background(
         Frames in any order.
     places : tuple of two arrays, (cell,)
         Positions (x, y) of the cells, from -1 to 1.
-    calibration : Calibration
+    calibration : RatioCurve
     energies : array, (frame,), optional
         Relative pulse energies of the log. A frame with 0, a pulse that the meter missed, is left
         out; where these are most frames, the energies are not used. [1]
@@ -237,13 +237,12 @@ class _BackgroundFit:
         record: LightCells,
         known: Mask,
         places: tuple[Array, Array],
-        calibration: Calibration,
+        calibration: RatioCurve,
         energies: Array | None,
         passed: Array,
     ) -> None:
         self.record, self.known, self.calibration = record, known, calibration
         self.energies, self.passed = energies, passed
-        self.fitted = replace(calibration, systematics=None)
         self.surface = _quadratic_terms(places)
         light = np.where(known, record.light, 0.0)
         self.unit = (
@@ -379,7 +378,7 @@ class _BackgroundFit:
 
         # a larger film by the error of the ratio lowers light over expected light by the response
         shares = [self.unit[0] / one * (1 + response), -self.unit[1] / two * response]
-        errors = response * self.fitted.gradient(smooth)
+        errors = response * self.calibration.fitted_gradient(smooth)
         errors[1] -= light.gradient[0]
         if calibration.model.reflects:
             errors[3:5] -= light.gradient[1:]
@@ -388,7 +387,7 @@ class _BackgroundFit:
     def _act(self, smooth: Array, illumination: Array, response: Array) -> Array:
         """Derivatives of the light of each cell with respect to the systematic errors."""
         calibration, systematics = self.calibration, self.calibration.systematics
-        if systematics is None:
+        if not systematics:
             return np.empty((0, *smooth.shape))
         bright = np.exp(illumination) * systematics.light[0] / self.unit[0]
         slope, change = calibration.slope(smooth), calibration.change(smooth)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from erlif.calibration import Calibration
+from erlif.calibration import RatioCurve
 from erlif.core.arrays import Array, Mask
 
 # Frames of an estimate from the light of a run, at least.
@@ -19,7 +19,7 @@ _THINNEST = 1.0  # um: below it the response of a film to its light is steep and
 _THICKEST = 0.8
 
 
-def choose_cells(film: Array, measured: Mask, calibration: Calibration) -> Mask:
+def choose_cells(film: Array, measured: Mask, calibration: RatioCurve) -> Mask:
     """Choose the cells of each frame whose light can be compared with that of their film.
 
     Parameters
@@ -28,7 +28,7 @@ def choose_cells(film: Array, measured: Mask, calibration: Calibration) -> Mask:
         [um]
     measured : array of bool, (frame, cell)
         Whether light and film are known.
-    calibration : Calibration
+    calibration : RatioCurve
 
     Returns
     -------

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from erlif.calibration import Calibration
+from erlif.calibration import RatioCurve
 from erlif.core.arrays import AnyArray, Array, Mask
 from erlif.ratio.cells import LightCells
 from erlif.trend.cells import FEWEST_FRAMES, choose_cells
@@ -174,7 +174,7 @@ def find_ratio_change(
     frames: AnyArray,
     record: LightCells,
     places: tuple[Array, Array],
-    calibration: Calibration,
+    calibration: RatioCurve,
 ) -> CourseChange | None:
     """The largest step or drift of the logarithm of the ratio at equal film.
 
@@ -186,7 +186,7 @@ def find_ratio_change(
         Of these frames.
     places : tuple of two arrays, (cell,)
         Positions (x, y) of the cells, from -1 to 1.
-    calibration : Calibration
+    calibration : RatioCurve
 
     Returns
     -------
@@ -253,7 +253,7 @@ def _frame_of(course: int, frames: AnyArray) -> int | None:
     return int(frames[course - 1 + _SIDE]) if course else None
 
 
-def _choose(log_ratio: Array, light: Array, calibration: Calibration) -> tuple[Array, Mask]:
+def _choose(log_ratio: Array, light: Array, calibration: RatioCurve) -> tuple[Array, Mask]:
     """Films, and the cells whose light can be compared with them, (frame, cell)."""
     table = calibration.inverse
     first, last = table.log_ratio[[0, -1]]
@@ -263,7 +263,7 @@ def _choose(log_ratio: Array, light: Array, calibration: Calibration) -> tuple[A
 
 
 def _light_rows(
-    light: Array, log_ratio: Array, chosen: Mask, places: tuple[Array, Array], cal: Calibration
+    light: Array, log_ratio: Array, chosen: Mask, places: tuple[Array, Array], cal: RatioCurve
 ) -> _Rows:
     """Set up the equations of the light of camera 1 against that expected of the film."""
     film = cal.inverse.look_up(log_ratio)

@@ -8,7 +8,7 @@ import numba
 import numpy as np
 import numpy.typing as npt
 
-from erlif.calibration import Calibration
+from erlif.calibration import RatioCurve
 from erlif.core.arrays import Array
 
 _FILMS = 20001  # films of the table; its linear interpolation is good to 1e-8 of the log ratio
@@ -25,7 +25,7 @@ class FilmCurve:
 
     Attributes
     ----------
-    calibration : Calibration
+    calibration : RatioCurve
         What is tabulated.
     films : Array
         Evenly spaced films beyond both ends of the calibrated range, (film,). [um]
@@ -46,7 +46,7 @@ class FilmCurve:
         Change of the film of a log ratio with what was fitted to the fixture, (parameter, bin).
     """
 
-    calibration: Calibration
+    calibration: RatioCurve
     films: Array = field(repr=False)
     log_ratio: Array = field(repr=False)
     slope: Array = field(repr=False)
@@ -57,12 +57,12 @@ class FilmCurve:
     gradient: Array = field(repr=False)
 
     @classmethod
-    def of(cls, calibration: Calibration) -> FilmCurve:
+    def of(cls, calibration: RatioCurve) -> FilmCurve:
         """Tabulate a calibration.
 
         Parameters
         ----------
-        calibration : Calibration
+        calibration : RatioCurve
 
         Returns
         -------
@@ -89,12 +89,12 @@ class FilmCurve:
         )
 
     def at(self, passed: float) -> FilmCurve:
-        """Return the curve when a share of the run has passed, as `Calibration.at` does."""
+        """Return the curve when a share of the run has passed, as `RatioCurve.at` does."""
         calibration = self.calibration.at(passed)
-        if calibration.later is not None or calibration.follows_run:
-            return FilmCurve.of(calibration)
-        if calibration is self.calibration or calibration.systematics is None:
+        if calibration is self.calibration:
             return self
+        if calibration.moves:
+            return FilmCurve.of(calibration)
         weight = calibration.systematics.weight_at(passed)
         gradient = self.gradient.copy()
         gradient[len(gradient) - weight.size :] *= weight[:, None]

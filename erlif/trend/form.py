@@ -163,7 +163,7 @@ def judge_form(
         Of the triggers.
     view : PinView
     calibration_cov : array
-        `Calibration.full_covariance`.
+        `RatioCurve.full_covariance`.
     clearance_std : float
         How well the radii give the clearance. Against it and the accuracy of the film scale, radii
         and scale are weighed. [um]

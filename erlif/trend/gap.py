@@ -63,7 +63,7 @@ class GapMinimum(NamedTuple):
         From marks and waviness of the surfaces about a smooth gap. [um]
     gradient : Array
         Change with the parameters of the calibration, in the order of
-        `Calibration.full_covariance`.
+        `RatioCurve.full_covariance`.
     place : Array
         Where the fitted gap has its minimum, (axis,): column and row of the image. [px]
     misfit : float

@@ -15,7 +15,7 @@ import numpy as np
 import scipy
 import xarray as xr
 
-from erlif.calibration import Calibration, calibration_of
+from erlif.calibration import RatioCurve, calibration_of
 from erlif.core.arrays import Array
 from erlif.core.errors import ConfigError
 from erlif.core.products import RatioImages, require
@@ -99,7 +99,7 @@ class FittedNumbers:
         By marks and waviness of the surfaces.
     gradient : Array
         Their change with what was fitted to the fixture, (number, calibration parameter), in the
-        order of `Calibration.full_covariance`.
+        order of `RatioCurve.full_covariance`.
     """
 
     value: Array
@@ -113,7 +113,7 @@ class FittedNumbers:
         Parameters
         ----------
         calibration_cov : array
-            `Calibration.full_covariance`.
+            `RatioCurve.full_covariance`.
 
         Returns
         -------
@@ -140,7 +140,7 @@ class PinPosition(FittedNumbers):
 
 
 def find_pin_position(
-    ratios: RatioImages, calibration: Calibration, *, region: Region, view: PinView
+    ratios: RatioImages, calibration: RatioCurve, *, region: Region, view: PinView
 ) -> PinPosition:
     """Find the position of the pin in its bushing from the ratio of a region.
 
@@ -152,7 +152,7 @@ def find_pin_position(
     ----------
     ratios : RatioImages
         log_ratio, log_ratio_var and flags (y, x).
-    calibration : Calibration
+    calibration : RatioCurve
     region : Region
     view : PinView
         Radii of the joint, scale of the image and load line.

@@ -12,13 +12,13 @@ lower the errors by another fifth, at the price of its energies and of the model
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from erlif.calibration import Calibration
+from erlif.calibration import RatioCurve
 from erlif.core.arrays import Array, Mask
 from erlif.core.statistics import covariance_root
 from erlif.ratio.cells import LightCells
@@ -198,7 +198,7 @@ class ErrorEstimate:
     Attributes
     ----------
     value : Array
-        What the parameters lack, (error,), in the order of `Calibration.full_covariance`.
+        What the parameters lack, (error,), in the order of `RatioCurve.full_covariance`.
     covariance : Array
         Their covariance with the run, (error, error).
     prior : Array
@@ -220,13 +220,13 @@ class ErrorEstimate:
         """Second moment of the errors if the estimate is not subtracted, (error, error)."""
         return np.asarray(self.covariance + np.outer(self.value, self.value))
 
-    def exceeds_widths(self, calibration: Calibration) -> bool:
+    def exceeds_widths(self, calibration: RatioCurve) -> bool:
         """Whether the estimate shifts its film by over two standard deviations of all errors."""
         middle, film = calibration.at(0.5), np.array(self.film)
         before = self.film_std(film, middle, before=True)
         return bool(abs(self.film_shift(film, middle)) > _BEYOND * before)
 
-    def film_shift(self, film: npt.ArrayLike, calibration: Calibration) -> Array:
+    def film_shift(self, film: npt.ArrayLike, calibration: RatioCurve) -> Array:
         """Error of a measured film. [um]"""
         measured = np.asarray(film, float)
         goal, found = calibration.predict_log(measured), measured
@@ -238,7 +238,7 @@ class ErrorEstimate:
         return np.asarray(measured - found)
 
     def film_std(
-        self, film: npt.ArrayLike, calibration: Calibration, *, before: bool = False
+        self, film: npt.ArrayLike, calibration: RatioCurve, *, before: bool = False
     ) -> Array:
         """Standard deviation of a measured film with the run, or before it. [um]"""
         by_error = calibration.film_gradient(film)
@@ -250,7 +250,7 @@ class ErrorEstimate:
 def estimate_errors(
     record: LightCells,
     centres: tuple[Array, Array],
-    calibration: Calibration,
+    calibration: RatioCurve,
     view: PinView,
     *,
     passed: Array,
@@ -263,7 +263,7 @@ def estimate_errors(
     record : LightCells
     centres : tuple of two arrays, (cell,)
         Columns and rows of the middles of the cells. [px]
-    calibration : Calibration
+    calibration : RatioCurve
         Of one fixture, with its systematics: their covariance is the prior.
     view : PinView
     passed : array, (frame,)
@@ -315,7 +315,7 @@ class _ErrorFit:
 
     record: LightCells
     chosen: Mask
-    calibration: Calibration
+    calibration: RatioCurve
     passed: Array
     gap: tuple[Array, Array, Array]
     clearance: float
@@ -374,17 +374,15 @@ class _ErrorFit:
         """The equations at these films."""
         calibration, slope = self.calibration, self.calibration.slope(film)
         variance = np.where(self.chosen, self.record.variance + noise, np.inf)
-        errors = replace(calibration, systematics=None).gradient(film)
-        if calibration.systematics is not None:
-            acts = calibration.systematics.gradient(
-                film,
-                calibration.model,
-                slope,
-                np.zeros_like(film),
-                illumination=bright,
-                passed=self.passed[:, None],
-            )
-            errors = np.concatenate([errors, acts])
+        acts = calibration.systematics.gradient(
+            film,
+            calibration.model,
+            slope,
+            np.zeros_like(film),
+            illumination=bright,
+            passed=self.passed[:, None],
+        )
+        errors = np.concatenate([calibration.fitted_gradient(film), acts])
         return RatioEquations(slope, errors, variance, *self.gap)
 
     def _rest(self, film: Array, acts: Array, errors: Array) -> Array:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from erlif.calibration import Calibration
+from erlif.calibration import RatioCurve
 from erlif.core.arrays import Array
 from erlif.core.products import RatioImages, ThicknessMaps, require
 from erlif.trend.blocks import BLOCK, BlockSums, Region, sum_blocks
@@ -33,7 +33,7 @@ class FilmStatistics:
         The part of it that is new at every trigger. [um]
     mean_gradient : Array
         Change of the mean with what was fitted to the fixture, (parameter,), in the order of
-        `Calibration.full_covariance`.
+        `RatioCurve.full_covariance`.
     minimum : float
         Minimum of a smooth gap. [um]
     minimum_std : float
@@ -90,7 +90,7 @@ class FilmStatistics:
         Parameters
         ----------
         covariance : array
-            As `Calibration.full_covariance`.
+            As `RatioCurve.full_covariance`.
 
         Returns
         -------
@@ -111,7 +111,7 @@ class FilmStatistics:
 def summarise_film(
     ratios: RatioImages,
     maps: ThicknessMaps,
-    calibration: Calibration,
+    calibration: RatioCurve,
     *,
     region: Region,
     sliding_along_x: bool = True,
@@ -128,7 +128,7 @@ def summarise_film(
         log_ratio (y, x) of the trigger, its variances and flags.
     maps : ThicknessMaps
         The maps that `measure_thickness` made of them.
-    calibration : Calibration
+    calibration : RatioCurve
     region : Region
     sliding_along_x : bool
         Whether image x is the sliding direction.

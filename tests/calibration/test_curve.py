@@ -7,6 +7,7 @@ import numpy.testing as npt
 import pytest
 from scenes.fixture import FILMS, K, P, Q, log_ratio
 
+from erlif.calibration import RunCurve
 from erlif.core.errors import CalibrationError
 from erlif.show.plots import example_calibration
 
@@ -64,7 +65,7 @@ def test_error_of_a_film_is_that_of_drawn_parameters(departing):
 def test_curve_between_two_fixtures_is_their_mixture():
     before = example_calibration()
     later = replace(before, ratio_at_zero=0.6, attenuation_camera2=0.24, thickness_range=(1.0, 9.0))
-    run = before.until(later)
+    run = RunCurve.of(before, later)
     films = np.linspace(1.0, 9.0, 9)
     expected = 0.7 * before.predict_log(films) + 0.3 * later.predict_log(films)
     npt.assert_allclose(run.at(0.3).predict_log(films), expected, rtol=1e-12)
@@ -77,4 +78,4 @@ def test_curve_between_two_fixtures_is_their_mixture():
 def test_fixtures_without_a_common_film_are_refused():
     before = example_calibration()
     with pytest.raises(CalibrationError, match="share a range of films"):
-        before.until(replace(before, thickness_range=(90.0, 99.0)))
+        RunCurve.of(before, replace(before, thickness_range=(90.0, 99.0)))

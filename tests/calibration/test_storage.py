@@ -21,6 +21,7 @@ from scenes.fixture import (
 )
 
 from erlif.calibration import (
+    RunCurve,
     Systematics,
     calibration_of,
     open_calibration,
@@ -88,7 +89,7 @@ def test_existing_file_is_replaced_on_request_only(wedge, departing, tmp_path):
 def test_film_keeps_the_whole_curve_it_was_measured_with(departing, tmp_path):
     """The figures of a film need departure and covered range of its calibration."""
     with open_film(film_scene.make_film(tmp_path)) as film:
-        film.attrs["calibration"] = record_calibration(departing)
+        film.attrs["calibration"] = record_calibration(RunCurve.of(departing))
         again = calibration_of(film)
     films = np.linspace(*departing.thickness_range, 50)
     npt.assert_array_equal(again.predict_log(films), departing.predict_log(films))
@@ -100,8 +101,9 @@ def test_at_a_trigger_the_calibration_has_the_errors_of_its_share_of_the_run(dep
     """A temperature of 1 % at first and another 1 % at the last frame: w sqrt(1 + t2)."""
     width = 0.01
     systematics = Systematics.of({"temperature": width}, parameters=len(departing.full_covariance))
+    run = RunCurve.of(replace(departing, systematics=systematics))
     with open_film(film_scene.make_film(tmp_path)) as film:
-        film.attrs["calibration"] = record_calibration(replace(departing, systematics=systematics))
+        film.attrs["calibration"] = record_calibration(run)
         film["share_passed"] = ("trigger", np.linspace(0, 1, film.sizes["trigger"]))
         for trigger in (0, 1, film.sizes["trigger"] - 1):
             share = float(film.share_passed[trigger])

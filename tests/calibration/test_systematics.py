@@ -18,7 +18,9 @@ from scenes.fixture import (
 )
 
 from erlif.calibration import (
+    NO_SYSTEMATICS,
     TERMS,
+    RunCurve,
     Systematics,
     calibration_of,
     open_calibration,
@@ -170,7 +172,7 @@ def test_a_course_is_stored_with_the_calibration_and_needs_the_ratio():
     assert (back.kinds, back.start) == (systematics.kinds, 0.4)
     for start in (0.4, None):
         course = extend(ratio=0.01).systematics.with_course(0.03, start=start)
-        changed = replace(CALIBRATION, systematics=course)
+        changed = replace(RunCurve.of(CALIBRATION), systematics=course)
         film = example_film().assign_attrs(calibration=record_calibration(changed))
         assert calibration_of(film).systematics.kinds == course.kinds
 
@@ -237,7 +239,7 @@ def test_errors_of_a_fixture_are_stored_with_its_calibration(tmp_path):
     back = open_calibration(save_calibration(found, tmp_path / "calibration.nc"))
     npt.assert_array_equal(back.full_covariance, found.full_covariance)
     films = np.array([2.0, 8.0])
-    alone = replace(found, systematics=None)
+    alone = replace(found, systematics=NO_SYSTEMATICS)
     extra = found.thickness_std(films) ** 2 - alone.thickness_std(films) ** 2
     npt.assert_allclose(np.sqrt(extra), np.hypot(17.9 / 319, 0.005 * films), rtol=0.05)
     npt.assert_allclose(alone.parameters, [K, P, Q], rtol=0.05)
@@ -245,7 +247,7 @@ def test_errors_of_a_fixture_are_stored_with_its_calibration(tmp_path):
 
 def test_course_between_two_fixtures_is_known_at_both_ends():
     later = replace(CALIBRATION, ratio_at_zero=0.6, attenuation_camera2=0.24)
-    run = with_systematics(CALIBRATION, course=0.07).until(later)
+    run = RunCurve.of(with_systematics(CALIBRATION, course=0.07).calibration, later)
     change = later.predict_log(FILMS) - CALIBRATION.predict_log(FILMS)
     for passed, factor in ((0.0, 0.0), (0.25, 0.75), (0.5, 1.0), (1.0, 0.0)):
         npt.assert_allclose(run.at(passed).gradient(FILMS)[3], factor * change, atol=1e-15)
@@ -254,7 +256,8 @@ def test_course_between_two_fixtures_is_known_at_both_ends():
 def test_frames_of_a_run_have_the_errors_of_their_share():
     """Two frames at 0.25 and 1 of the run, each with all films, are those of `at`."""
     later = replace(CALIBRATION, ratio_at_zero=0.6, attenuation_camera2=0.24)
-    run = with_systematics(CALIBRATION, temperature=0.01, course=0.07, wall=0.02).until(later)
+    before = with_systematics(CALIBRATION, temperature=0.01, course=0.07, wall=0.02)
+    run = RunCurve.of(before.calibration, later)
     systematics, model = run.systematics, run.model
     films, passed = np.stack([FILMS, FILMS]), np.array([[0.25], [1.0]])
     found = (
@@ -284,7 +287,7 @@ def test_light_agrees_with_films_that_are_wrong_by_a_share():
 
 def test_light_before_a_wall_is_that_of_the_model():
     extended = extend(wall=0.01)
-    _, p, q = extended.parameters
+    _, p, q = extended.calibration.parameters
     film = np.array([1.0, 3.0, 8.0])
     lights = [
         np.log(band_light(film, attenuation=p, attenuation_laser=0.8 * q, reflectance=R).signal)

@@ -59,7 +59,7 @@ def test_fixture_of_the_same_wall_is_unchanged():
 
 
 def test_errors_of_the_fixture_stay():
-    fixture = with_systematics(example_calibration(), position=0.05, size=0.01)
+    fixture = with_systematics(example_calibration(), position=0.05, size=0.01).calibration
     joint = change_wall(fixture, 0.3)
     assert joint.systematics.widths == fixture.systematics.widths
     assert joint.thickness_std(4.0) > 0.05

@@ -83,7 +83,7 @@ def test_pulse_energies_come_from_the_light_where_the_log_has_none(lab, correcte
 def test_error_of_the_energy_of_dry_frames_is_one_of_the_systematics(lab, corrected):
     run = lab.copy_run("energy", ('\nenergy = "0 %"', '\nenergy = "5 %"'))
     calibration = erlif.open_calibration(lab.fixture / "calibration.nc")
-    systematics = prepare(run, calibration).measuring.systematics
+    systematics = prepare(run, calibration).curve.systematics
     rows = [n for n, term in enumerate(systematics.terms) if term == "background"]
 
     # 3 % of the light, 5 % by the mean energy; about 10 % by each of 8 pages and 16 frames

@@ -8,6 +8,7 @@ import pytest
 import xarray as xr
 from scenes.results import make_result
 
+from erlif.calibration import RunCurve
 from erlif.core.notes import Level, Note
 from erlif.pipeline.cycle import describe_triggers
 from erlif.pipeline.film import FilmDraft, assemble_frames, describe_statistics, with_record
@@ -24,8 +25,9 @@ def make_film(cycles, prepared):
         results = [make_result(k, k + 6, **changes) for k in range(6)]
         film = describe_triggers(run, cycle).assign(describe_statistics(results, calibration))
         notes = *notes, Note(Level.WARNING, "camera1", "a note of the cameras")
-        ready = PreparedRun(run, cycle, prepared.chain, calibration, LightFindings(), (), ())
-        draft = FilmDraft(ready, results, calibration, film, xr.Dataset(), notes)
+        curve = RunCurve.of(calibration)
+        ready = PreparedRun(run, cycle, prepared.chain, curve, LightFindings(), (), ())
+        draft = FilmDraft(ready, results, curve, film, xr.Dataset(), notes)
         return with_record(draft, {"run.toml": "ab" * 32})[0]
 
     return make

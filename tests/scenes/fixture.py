@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 from scipy.interpolate import CubicSpline
 
-from erlif.calibration import Profile, Systematics, fit_calibration
+from erlif.calibration import Profile, RunCurve, Systematics, fit_calibration
 from erlif.calibration.points import Points
 from erlif.core.products import RatioImages
 from erlif.rig import dyes
@@ -135,10 +135,10 @@ def pulls_of_curve(calibration, films):
 
 
 def with_systematics(calibration, *, light=(1.0, 1.0), **widths):
-    """A calibration with errors of these standard deviations. [1; um for a position]"""
-    size = len(replace(calibration, systematics=None).full_covariance)
+    """The curve of a run with errors of these standard deviations. [1; um for a position]"""
+    size = len(calibration.fitted_covariance)
     systematics = Systematics.of(widths, parameters=size, light=light)
-    return replace(calibration, systematics=systematics)
+    return RunCurve.of(replace(calibration, systematics=systematics))
 
 
 def walled(calibration):

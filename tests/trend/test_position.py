@@ -22,7 +22,7 @@ from scenes.gap import (
     noisy_ratios,
 )
 
-from erlif.calibration import record_calibration
+from erlif.calibration import RunCurve, record_calibration
 from erlif.core.errors import ConfigError
 from erlif.rig import RigSettings
 from erlif.rig.film import draw_marks
@@ -178,7 +178,7 @@ def make_film_of(positions):
                 [one.gradient for one in positions],
             ),
         },
-        attrs=example_film().attrs | {"calibration": record_calibration(calibration)},
+        attrs=example_film().attrs | {"calibration": record_calibration(RunCurve.of(calibration))},
     )
 
 

@@ -10,7 +10,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import NamedTuple
 
-from erlif.calibration import Calibration
+from erlif.calibration import RunCurve
 from erlif.core.arrays import AnyArray
 from erlif.core.errors import ClusterError
 from erlif.core.flags import Flag, count_flags
@@ -42,7 +42,7 @@ class TriggerTask(PickledByFields):
     ----------
     chain : FrameChain
         Counts to ratio, frame by frame.
-    calibration : Calibration
+    curve : RunCurve
         Ratio to film thickness.
     plane : ObjectPlane
         Region of interest of the statistics, reference patch, and the joint as the camera sees it.
@@ -53,7 +53,7 @@ class TriggerTask(PickledByFields):
     """
 
     chain: FrameChain
-    calibration: Calibration
+    curve: RunCurve
     plane: ObjectPlane
     sampled: frozenset[int]
     with_position: bool = True
@@ -61,7 +61,7 @@ class TriggerTask(PickledByFields):
     @classmethod
     def of(cls, ready: PreparedRun) -> TriggerTask:
         """The task for the triggers of a run."""
-        return cls(ready.chain, ready.measuring, ready.plane, choose_frames(ready.run.pairs))
+        return cls(ready.chain, ready.curve, ready.plane, choose_frames(ready.run.pairs))
 
     def __call__(self, frames: Sequence[int]) -> tuple[dict[str, AnyArray], TriggerResult]:
         """Maps and numbers of a trigger.
@@ -82,7 +82,7 @@ class TriggerTask(PickledByFields):
         if len(frames) == 1:
             return self.measure_pair(frames[0], frames[0], passed)
         kept, total = [], RatioSum(self.chain.pairs.shape)
-        tables, model = self._tables_at(passed), self.calibration.model
+        tables, model = self._tables_at(passed), self.curve.model
         for frame in frames:
             pair = self.chain.measure(frame)
             total.add(pair)
@@ -118,20 +118,20 @@ class TriggerTask(PickledByFields):
         kept = self._keep(frame, ratio)  # the maps may take the place of the ratio
         film = self._measure_film(ratio, passed)
         energy = measure_pulse_energy(
-            ratio.light_one, film.thickness, film.flags, model=self.calibration.model
+            ratio.light_one, film.thickness, film.flags, model=self.curve.model
         )
         return self._summarise(ratio, film, [replace(kept, pulse_energy=energy)], passed)
 
     def _measure_film(self, ratio: PairRatio, passed: float) -> FilmMaps:
         """Film of a ratio, with the sums over the region."""
-        flag_beyond_maximum(ratio.log_ratio, ratio.flags, self.calibration.at(passed))
+        flag_beyond_maximum(ratio.log_ratio, ratio.flags, self.curve.at(passed))
         return measure_film(ratio, self._tables_at(passed), self.plane.region)
 
     def _summarise(
         self, ratio: PairRatio, film: FilmMaps, kept: Sequence[FrameResult], passed: float
     ) -> tuple[dict[str, AnyArray], TriggerResult]:
         """Maps and numbers of a film: minima, statistics and the position of the pin."""
-        plane, curve = self.plane, self.curve.at(passed)
+        plane, curve = self.plane, self.film_curve.at(passed)
         minima = find_gap_minima(
             film.sums,
             curve,
@@ -161,8 +161,8 @@ class TriggerTask(PickledByFields):
 
     def _tables_at(self, passed: float) -> FilmTables:
         """The calibration in tables for the maps, when a share of the run has passed."""
-        if self.calibration.later is not None or self.calibration.follows_run:
-            return FilmTables.of(self.calibration.at(passed))
+        if self.curve.moves:
+            return FilmTables.of(self.curve.at(passed))
         first, last, middle = self.tables
         return first if last is None else first.growing_to(last, passed, middle)
 
@@ -172,17 +172,17 @@ class TriggerTask(PickledByFields):
 
         And in the middle of the run, where what grows is correlated with what does not.
         """
-        first, last = self.calibration.at(0.0), self.calibration.at(1.0)
+        first, last = self.curve.at(0.0), self.curve.at(1.0)
         if last is first:
             return FilmTables.of(first), None, None
-        apart = last.systematics is None or last.systematics.grows_apart
-        middle = None if apart else FilmTables.of(self.calibration.at(0.5))
+        apart = last.systematics.grows_apart
+        middle = None if apart else FilmTables.of(self.curve.at(0.5))
         return FilmTables.of(first), FilmTables.of(last), middle
 
     @cached_property
-    def curve(self) -> FilmCurve:
+    def film_curve(self) -> FilmCurve:
         """The calibration in tables for the statistics, at the last frame."""
-        return FilmCurve.of(self.calibration.at(1.0))
+        return FilmCurve.of(self.curve.at(1.0))
 
 
 class FinishedTrigger(NamedTuple):

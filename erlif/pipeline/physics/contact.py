@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from erlif.calibration import Calibration
+from erlif.calibration import RunCurve
 from erlif.core.notes import Note, remark, warn
 from erlif.pipeline.engines.results import TriggerResult
 from erlif.trend import GapShape, choose_contact
@@ -21,14 +21,14 @@ _GAPS = {
 
 
 def settle_contact(
-    results: Sequence[TriggerResult], calibration: Calibration
+    results: Sequence[TriggerResult], calibration: RunCurve
 ) -> tuple[list[TriggerResult], GapShape]:
     """Choose the kind of contact of the run and set the minimum of all triggers by it.
 
     Parameters
     ----------
     results : sequence of TriggerResult
-    calibration : Calibration
+    calibration : RunCurve
         Whose covariance the error of the minimum has.
 
     Returns

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from erlif.calibration import Calibration
+from erlif.calibration import RunCurve
 from erlif.core.arrays import Array
 from erlif.core.notes import Note, warn
 from erlif.correction import UnlitPixels
@@ -109,7 +109,7 @@ def find_dark_levels(
 
 
 def describe_dark_levels(
-    levels: Sequence[DarkLevel], calibration: Calibration, film: float
+    levels: Sequence[DarkLevel], calibration: RunCurve, film: float
 ) -> list[Note]:
     """Notes about wrong dark levels.
 
@@ -117,7 +117,7 @@ def describe_dark_levels(
     ----------
     levels : sequence of DarkLevel
         As `find_dark_levels` gives them.
-    calibration : Calibration
+    calibration : RunCurve
     film : float
         Median film of the run; NaN where it is not known. [um]
 

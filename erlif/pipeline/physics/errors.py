@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from erlif.calibration import Calibration
+from erlif.calibration import RunCurve
 from erlif.core.arrays import Array
 from erlif.core.variables import FILM
 from erlif.io.settings import RunSettings
@@ -17,16 +17,14 @@ from erlif.pipeline.physics.systematics import has_dry_joint
 from erlif.trend import FilmStatistics
 
 
-def describe_errors(
-    statistics: Sequence[FilmStatistics], calibration: Calibration
-) -> dict[str, Any]:
+def describe_errors(statistics: Sequence[FilmStatistics], calibration: RunCurve) -> dict[str, Any]:
     """Errors of mean and minimum film by source, as variables of the film.
 
     Parameters
     ----------
     statistics : sequence of FilmStatistics
         Of the triggers.
-    calibration : Calibration
+    calibration : RunCurve
         With what the run shows of its systematics.
 
     Returns
@@ -52,7 +50,7 @@ def describe_errors(
 
 
 def name_largest_error(
-    film: xr.Dataset, settings: RunSettings, before: Calibration, after: Calibration
+    film: xr.Dataset, settings: RunSettings, before: RunCurve, after: RunCurve
 ) -> str:
     """The largest error of the median mean film, its size, where it comes from and what lowers it.
 
@@ -61,7 +59,7 @@ def name_largest_error(
     film : xarray.Dataset
         With the variables of `describe_errors`.
     settings : RunSettings
-    before, after : Calibration
+    before, after : RunCurve
         With the systematics of the settings, and with those that the run shows.
 
     Returns
@@ -87,7 +85,7 @@ def name_largest_error(
 
 
 def _source_of(
-    term: str, key: str, settings: RunSettings, before: Calibration, after: Calibration
+    term: str, key: str, settings: RunSettings, before: RunCurve, after: RunCurve
 ) -> str:
     """State whether the width of a term was measured, declared by a key, or is the default.
 
@@ -102,10 +100,8 @@ def _source_of(
     return "As stated in [systematics]. " if stated else "Not stated in [systematics]. "
 
 
-def _covariance_of(term: str, calibration: Calibration) -> Array:
+def _covariance_of(term: str, calibration: RunCurve) -> Array:
     """Covariance of the parameters of a term, empty where it has none."""
     systematics = calibration.systematics
-    if systematics is None:
-        return np.zeros((0, 0))
     own = systematics.places(term)
     return systematics.covariance[np.ix_(own, own)]

@@ -11,7 +11,7 @@ import numpy as np
 import scipy
 import xarray as xr
 
-from erlif.calibration import Calibration
+from erlif.calibration import RunCurve
 from erlif.core.arrays import Array
 from erlif.core.notes import Note, warn
 from erlif.core.variables import FILM
@@ -30,7 +30,7 @@ _FILM_OF = {"minimum": "film_min", "mean": "film_mean"}
 def describe_exponents(
     film: xr.Dataset,
     results: Sequence[TriggerResult],
-    calibration: Calibration,
+    calibration: RunCurve,
     *,
     plane: ObjectPlane | None = None,
 ) -> dict[str, Any]:

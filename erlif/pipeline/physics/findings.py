@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from erlif.calibration import Calibration
+from erlif.calibration import RunCurve
 from erlif.io.settings import LightOptions
 from erlif.pipeline.physics.dark import DarkLevel
 from erlif.pipeline.physics.reference import PatchScale
@@ -57,7 +57,7 @@ class LightFindings:
             scale=self.scale,
         )
 
-    def for_error_bars(self, calibration: Calibration, options: LightOptions) -> LightFindings:
+    def for_error_bars(self, calibration: RunCurve, options: LightOptions) -> LightFindings:
         """Select the effects that enter the error bars.
 
         A shift that the gap shows within the widths is one of those that the error bars are made
@@ -65,7 +65,7 @@ class LightFindings:
 
         Parameters
         ----------
-        calibration : Calibration
+        calibration : RunCurve
             With the systematics of the settings.
         options : LightOptions
 

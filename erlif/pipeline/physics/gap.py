@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from erlif.calibration import Calibration
+from erlif.calibration import RunCurve
 from erlif.core.notes import Note, remark, warn
 from erlif.pipeline.engines.results import FrameResult, shares_passed
 from erlif.pipeline.physics.position import clearance_std
@@ -20,7 +20,7 @@ _SIGNIFICANT = 3.0
 
 
 def find_errors(
-    lights: Mapping[int, FrameResult], calibration: Calibration, plane: ObjectPlane, *, pairs: int
+    lights: Mapping[int, FrameResult], calibration: RunCurve, plane: ObjectPlane, *, pairs: int
 ) -> ErrorEstimate | None:
     """Errors of the calibration and of its systematics, from the gap of all frames.
 
@@ -28,7 +28,7 @@ def find_errors(
     ----------
     lights : mapping of int to FrameResult
         By frame.
-    calibration : Calibration
+    calibration : RunCurve
         With the systematics of the settings.
     plane : ObjectPlane
     pairs : int
@@ -41,7 +41,7 @@ def find_errors(
         fixtures, and where the run does not determine them.
     """
     systematics = calibration.systematics
-    if systematics is None or not systematics.covariance.any() or calibration.later is not None:
+    if not systematics.covariance.any() or calibration.later is not None:
         return None
     joint = plane.settings.joint
     if plane.view is None or joint is None:
@@ -66,12 +66,12 @@ def find_errors(
     )
 
 
-def with_errors(calibration: Calibration, errors: ErrorEstimate, *, corrected: bool) -> Calibration:
+def with_errors(calibration: RunCurve, errors: ErrorEstimate, *, corrected: bool) -> RunCurve:
     """Return the calibration with the errors that remain after a run.
 
     Parameters
     ----------
-    calibration : Calibration
+    calibration : RunCurve
         With the systematics from which the errors were estimated.
     errors : ErrorEstimate
     corrected : bool
@@ -79,23 +79,22 @@ def with_errors(calibration: Calibration, errors: ErrorEstimate, *, corrected: b
 
     Returns
     -------
-    Calibration
+    RunCurve
     """
-    assert calibration.systematics is not None
     covariance = errors.covariance if corrected else errors.second_moment
     value = errors.value if corrected else None
     return replace(calibration, systematics=calibration.systematics.with_errors(covariance, value))
 
 
 def describe_gap(
-    errors: ErrorEstimate | None, calibration: Calibration, *, corrected: bool
+    errors: ErrorEstimate | None, calibration: RunCurve, *, corrected: bool
 ) -> list[Note]:
     """Notes about the errors that the gap shows.
 
     Parameters
     ----------
     errors : ErrorEstimate or None
-    calibration : Calibration
+    calibration : RunCurve
         From which they were estimated.
     corrected : bool
         Whether they were to be taken out.

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from erlif.calibration import Calibration
+from erlif.calibration import RunCurve
 from erlif.core.arrays import AnyArray, Array
 from erlif.core.notes import Note, remark, warn
 from erlif.core.products import References
@@ -93,7 +93,7 @@ def measure_lights(
 
 def find_background(
     lights: Mapping[int, FrameResult],
-    calibration: Calibration,
+    calibration: RunCurve,
     energies: Array | None,
     *,
     pairs: int,
@@ -104,7 +104,7 @@ def find_background(
     ----------
     lights : mapping of int to FrameResult
         By frame.
-    calibration : Calibration
+    calibration : RunCurve
     energies : array, (frame,), optional
         Relative pulse energies of all frames of the run, from the log. [1]
     pairs : int
@@ -130,8 +130,8 @@ def find_background(
 
 
 def _record(
-    lights: Mapping[int, FrameResult], calibration: Calibration, pairs: int
-) -> tuple[LightCells, Calibration]:
+    lights: Mapping[int, FrameResult], calibration: RunCurve, pairs: int
+) -> tuple[LightCells, RunCurve]:
     """Light and ratio of the cells, frames in their order, and the curve that holds for all."""
     frames = np.array(sorted(lights))
     parts = np.array([lights[frame].cells for frame in frames], float)
@@ -147,14 +147,14 @@ def _record(
 
 
 def describe_background(
-    estimate: BackgroundEstimate | None, calibration: Calibration, *, corrected: bool
+    estimate: BackgroundEstimate | None, calibration: RunCurve, *, corrected: bool
 ) -> tuple[dict[str, Any], list[Note]]:
     """Variables of the film and notes about a background.
 
     Parameters
     ----------
     estimate : BackgroundEstimate or None
-    calibration : Calibration
+    calibration : RunCurve
     corrected : bool
         Whether it was to be subtracted.
 
@@ -187,7 +187,7 @@ def describe_background(
 
 
 def _note_background(
-    estimate: BackgroundEstimate, calibration: Calibration, *, corrected: bool
+    estimate: BackgroundEstimate, calibration: RunCurve, *, corrected: bool
 ) -> Note:
     """Make the note on the background that was found."""
     one, two = (
@@ -344,7 +344,7 @@ def describe_bleaching(
 
 def find_light(
     lights: Mapping[int, FrameResult],
-    calibration: Calibration,
+    calibration: RunCurve,
     correct: FrameCorrection,
     triggers: AnyArray,
     energies: Array | None,
@@ -381,7 +381,7 @@ def find_light(
 
 
 def is_beyond_widths(
-    calibration: Calibration,
+    calibration: RunCurve,
     background: BackgroundEstimate | None,
     bleaching: Trend | None,
     course: CourseChange | None,
@@ -391,7 +391,7 @@ def is_beyond_widths(
 
     Parameters
     ----------
-    calibration : Calibration
+    calibration : RunCurve
         With the systematics of the settings.
     background, bleaching, course
         As the run shows them; None where it does not determine them.
@@ -403,7 +403,7 @@ def is_beyond_widths(
     bool
     """
     systematics = calibration.systematics
-    if systematics is None:
+    if not systematics:
         return False
     excluded = systematics.widths.get("background", 0.0) == 0
     if background is not None and background.significant and excluded:
@@ -419,13 +419,13 @@ def is_beyond_widths(
     return bool(abs(course.size) > (most if course.frame is None else most / _MOST_RISING))
 
 
-def describe_course(course: CourseChange | None, calibration: Calibration) -> list[Note]:
+def describe_course(course: CourseChange | None, calibration: RunCurve) -> list[Note]:
     """Notes about a step or a drift of the ratio.
 
     Parameters
     ----------
     course : CourseChange or None
-    calibration : Calibration
+    calibration : RunCurve
 
     Returns
     -------
@@ -452,8 +452,8 @@ def describe_course(course: CourseChange | None, calibration: Calibration) -> li
 
 
 def correct_light(
-    chain: FrameChain, calibration: Calibration, findings: LightFindings, options: LightOptions
-) -> tuple[FrameChain, Calibration]:
+    chain: FrameChain, calibration: RunCurve, findings: LightFindings, options: LightOptions
+) -> tuple[FrameChain, RunCurve]:
     """Apply the requested corrections to the chain and the calibration."""
     if options.background == "correct" and findings.background is not None:
         chain = subtract(chain, findings.background)
@@ -470,7 +470,7 @@ def correct_light(
 
 
 def describe_light(
-    findings: LightFindings, results: Sequence[TriggerResult], run: Run, calibration: Calibration
+    findings: LightFindings, results: Sequence[TriggerResult], run: Run, calibration: RunCurve
 ) -> tuple[dict[str, Any], list[Note]]:
     """Variables and notes about background, bleaching, reference patch and course."""
     options = run.settings.light

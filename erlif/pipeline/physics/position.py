@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from erlif.calibration import Calibration
+from erlif.calibration import RunCurve
 from erlif.core.arrays import Array
 from erlif.core.notes import Note, remark, warn
 from erlif.core.tables import read_table
@@ -41,7 +41,7 @@ AXES = ("load", "side")
 
 
 def describe_positions(
-    positions: Sequence[PinPosition | None], calibration: Calibration, view: PinView | None
+    positions: Sequence[PinPosition | None], calibration: RunCurve, view: PinView | None
 ) -> dict[str, Any]:
     """Position of the pin and form of the gap at each trigger, as variables of the film.
 
@@ -49,7 +49,7 @@ def describe_positions(
     ----------
     positions : sequence of PinPosition or None
         Of the triggers.
-    calibration : Calibration
+    calibration : RunCurve
         With which they were measured.
     view : PinView or None
 
@@ -101,7 +101,7 @@ def _describe_form(known: Sequence[PinPosition], shared: Array, view: PinView) -
 
 def note_form(
     positions: Sequence[PinPosition | None],
-    calibration: Calibration,
+    calibration: RunCurve,
     plane: ObjectPlane,
     load: float,
 ) -> list[Note]:
@@ -111,7 +111,7 @@ def note_form(
     ----------
     positions : sequence of PinPosition or None
         Of the triggers.
-    calibration : Calibration
+    calibration : RunCurve
     plane : ObjectPlane
     load : float
         On the joint; NaN where it is not known. [N]

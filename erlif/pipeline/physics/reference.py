@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from erlif.calibration import Calibration
+from erlif.calibration import RunCurve
 from erlif.core.arrays import Array
 from erlif.core.notes import Note, remark, warn
 from erlif.core.variables import FILM
@@ -52,7 +52,7 @@ class PatchScale:
 
 def fit_patch_scale(
     lights: Mapping[int, FrameResult],
-    calibration: Calibration,
+    calibration: RunCurve,
     reference: ReferenceSettings,
     *,
     pairs: int,
@@ -63,7 +63,7 @@ def fit_patch_scale(
     ----------
     lights : mapping of int to FrameResult
         By frame.
-    calibration : Calibration
+    calibration : RunCurve
     reference : ReferenceSettings
     pairs : int
         Frame pairs of the run.
@@ -109,7 +109,7 @@ def describe_scale(scale: PatchScale | None) -> list[Note]:
 def describe_reference(
     results: Sequence[TriggerResult],
     reference: ReferenceSettings,
-    calibration: Calibration,
+    calibration: RunCurve,
     *,
     pairs: int = 1,
 ) -> tuple[dict[str, Any], list[Note]]:
@@ -120,7 +120,7 @@ def describe_reference(
     results : sequence of TriggerResult
         In the order of the triggers.
     reference : ReferenceSettings
-    calibration : Calibration
+    calibration : RunCurve
     pairs : int
         Frame pairs of the run.
 
@@ -152,7 +152,7 @@ def describe_reference(
     return variables, _note_deviation(film, random, known, uncertainty, calibration)
 
 
-def _average_patch(result: TriggerResult, calibration: Calibration) -> tuple[float, float]:
+def _average_patch(result: TriggerResult, calibration: RunCurve) -> tuple[float, float]:
     """Film of the patch over the frames of a trigger, and its random standard deviation. [um]"""
     means = np.array([one.patch for one in result.frames]).reshape(-1, 3)
     means = means[np.isfinite(means).all(axis=1)]
@@ -173,7 +173,7 @@ def _note_deviation(
     random: np.ndarray[Any, Any],
     known: float,
     uncertainty: float,
-    calibration: Calibration,
+    calibration: RunCurve,
 ) -> list[Note]:
     """Deviation of the mean, in units of its error.
 
@@ -185,7 +185,7 @@ def _note_deviation(
         return [warn("reference", text)]
     weight = random[valid] ** -2.0
     mean = float((weight * film[valid]).sum() / weight.sum())
-    of_fixture = float(replace(calibration, systematics=None).thickness_std(known))
+    of_fixture = float(calibration.calibration.thickness_std(known))
     std = float(np.sqrt(1 / weight.sum() + uncertainty**2 + of_fixture**2))
     off = mean - known
     stated = f"{mean:.3f} um measured, {known:.3f} um known, difference {off:+.3f} um"

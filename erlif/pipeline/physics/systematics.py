@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from erlif.calibration import Calibration, Systematics
+from erlif.calibration import NO_SYSTEMATICS, Calibration, RunCurve, Systematics
 from erlif.core.arrays import Array
 from erlif.io.settings import LightOptions, RunSettings
 from erlif.pipeline.chain import FrameChain
@@ -28,19 +28,19 @@ _FILMS = 50  # of the range, at which two curves are compared
 
 
 def add_systematics(
-    calibration: Calibration,
+    calibration: RunCurve,
     settings: RunSettings,
     chain: FrameChain,
     sample: Sequence[Bands],
     *,
     warmer: Array | None = None,
     misfit: float = 0.0,
-) -> Calibration:
+) -> RunCurve:
     """The calibration with the errors of a run beside those of its fixture.
 
     Parameters
     ----------
-    calibration : Calibration
+    calibration : RunCurve
         Of the fixture.
     settings : RunSettings
     chain : FrameChain
@@ -54,13 +54,11 @@ def add_systematics(
 
     Returns
     -------
-    Calibration
+    RunCurve
     """
-    alone = replace(calibration, systematics=None)
-    of_fixture = {} if calibration.systematics is None else calibration.systematics.widths
     found = Systematics.of(
-        of_fixture | _widths_of_run(calibration, settings),
-        parameters=len(alone.full_covariance),
+        calibration.systematics.widths | _widths_of_run(calibration, settings),
+        parameters=len(calibration.fitted_covariance),
         light=_light_of_median(calibration, chain, sample),
     )
     if has_dry_joint(settings):
@@ -70,17 +68,19 @@ def add_systematics(
         found = found.adding("temperature", error_of_warming(warmer, settings.temperature))
     if misfit:
         found = found.adding("ratio", np.array(misfit**2))
-    return replace(alone, systematics=found)
+    return replace(calibration, systematics=found)
 
 
 def _less_certain(before: Calibration, after: Calibration) -> float:
     """Additional error of the later curve, rms over the films of the earlier one. [1]"""
     films = np.linspace(*before.thickness_range, _FILMS)
-    one, two = (replace(each, systematics=None).log_ratio_std(films) for each in (before, after))
+    one, two = (
+        replace(each, systematics=NO_SYSTEMATICS).log_ratio_std(films) for each in (before, after)
+    )
     return math.sqrt(max(float((two**2 - one**2).mean()), 0.0))
 
 
-def _widths_of_run(calibration: Calibration, settings: RunSettings) -> dict[str, float]:
+def _widths_of_run(calibration: RunCurve, settings: RunSettings) -> dict[str, float]:
     """Standard deviations of the settings, without what is measured. [1]"""
     shares, stated = settings.systematics.shares, settings.systematics.model_fields_set
     shown = {"background"} if has_dry_joint(settings) else set()
@@ -91,12 +91,12 @@ def _widths_of_run(calibration: Calibration, settings: RunSettings) -> dict[str,
     else:
         # a fixture after the run shows their sum
         shown |= set(_BETWEEN_FIXTURES)
-        shares["later"] = _less_certain(calibration.at(0.0), calibration.later)
+        shares["later"] = _less_certain(calibration.calibration, calibration.later)
     return shares | dict.fromkeys(shown - stated, 0.0)
 
 
 def _light_of_median(
-    calibration: Calibration, chain: FrameChain, sample: Sequence[Bands]
+    calibration: RunCurve, chain: FrameChain, sample: Sequence[Bands]
 ) -> tuple[float, float]:
     """Light of both bands of the median film of a sample, per um of a very thin film. [um]"""
     film = calibration.covered_range[1] / 2
@@ -129,25 +129,23 @@ def _error_of_dry_joint(chain: FrameChain, sample: Sequence[Bands], energy_std: 
     return np.outer(dry, dry) * (energy_std**2 + np.diag(by_chance))
 
 
-def without_background(calibration: Calibration) -> Calibration:
+def without_background(calibration: RunCurve) -> RunCurve:
     """Remove the background from the systematics of the calibration."""
-    systematics = calibration.systematics
-    prior = None if systematics is None else systematics.prior
-    return replace(calibration, systematics=prior if prior is not None and prior.terms else None)
+    return replace(calibration, systematics=calibration.systematics.prior)
 
 
-def with_background(calibration: Calibration, measured: Systematics) -> Calibration:
+def with_background(calibration: RunCurve, measured: Systematics) -> RunCurve:
     """The calibration with the error of a background that was measured.
 
     Without systematics it receives those of the background alone.
     """
     systematics = calibration.systematics
-    if systematics is None:
+    if not systematics:
         systematics = Systematics.of({"background": 0.0}, parameters=len(measured.cross))
     return replace(calibration, systematics=systematics.with_background(measured))
 
 
-def with_scale_of_patch(calibration: Calibration, scale: PatchScale) -> Calibration:
+def with_scale_of_patch(calibration: RunCurve, scale: PatchScale) -> RunCurve:
     """The calibration with the error of ratios that were set to the film of a patch.
 
     What acts on all films alike is then zero. Of everything else the film of the patch has none,
@@ -156,17 +154,16 @@ def with_scale_of_patch(calibration: Calibration, scale: PatchScale) -> Calibrat
 
     Parameters
     ----------
-    calibration : Calibration
+    calibration : RunCurve
         With the systematics of the run.
     scale : PatchScale
 
     Returns
     -------
-    Calibration
+    RunCurve
         With the same parameters.
     """
     systematics = calibration.systematics
-    assert systematics is not None
     parameters, kinds = len(systematics.cross), np.array(systematics.kinds)
     alike = parameters + np.flatnonzero(np.isin(kinds, ("constant", "rising constant")))
     constant = parameters + systematics.place("ratio", "constant")
@@ -189,13 +186,13 @@ def with_scale_of_patch(calibration: Calibration, scale: PatchScale) -> Calibrat
 
 
 def update_systematics(
-    calibration: Calibration,
+    calibration: RunCurve,
     findings: LightFindings,
     options: LightOptions,
     *,
     pulses: int,
     pairs: int = 2,
-) -> Calibration:
+) -> RunCurve:
     """Update the systematics of the calibration by the findings of a run.
 
     What was subtracted leaves its uncertainty. What was not leaves its second moment, with the
@@ -204,7 +201,7 @@ def update_systematics(
 
     Parameters
     ----------
-    calibration : Calibration
+    calibration : RunCurve
         With which the films were measured.
     findings : LightFindings
         As `LightFindings.for_error_bars` gives them: errors of the gap in place of all others.
@@ -216,11 +213,11 @@ def update_systematics(
 
     Returns
     -------
-    Calibration
+    RunCurve
         With the same parameters, and one more for a significant course, as the last.
     """
     systematics = calibration.systematics
-    if systematics is None or calibration.follows_run:
+    if not systematics or calibration.follows_run:
         return calibration
     if findings.errors is not None:
         return with_errors(calibration, findings.errors, corrected=False)
@@ -232,7 +229,6 @@ def update_systematics(
         systematics = _with_darks(systematics, findings.darks)
     if findings.scale is not None:
         scaled = with_scale_of_patch(replace(calibration, systematics=systematics), findings.scale)
-        assert scaled.systematics is not None
         systematics = scaled.systematics
     # between two fixtures the curve follows the dyes, and the change of the ratio is no error
     elif calibration.later is None:
@@ -262,7 +258,7 @@ def _with_darks(systematics: Systematics, darks: Sequence[DarkLevel]) -> Systema
 
 def follow_course(
     results: Sequence[TriggerResult],
-    calibration: Calibration,
+    calibration: RunCurve,
     course: CourseChange | None,
     *,
     pairs: int,
@@ -272,7 +268,7 @@ def follow_course(
     Parameters
     ----------
     results : sequence of TriggerResult
-    calibration : Calibration
+    calibration : RunCurve
         With which they were measured.
     course : CourseChange or None
     pairs : int
@@ -284,7 +280,7 @@ def follow_course(
         Unchanged without a significant course.
     """
     systematics = calibration.systematics
-    if systematics is None or course is None or not course.significant:
+    if not systematics or course is None or not course.significant:
         return list(results)
     parameter = len(systematics.cross) + int(systematics.places("ratio")[0])
     weights = []

@@ -10,7 +10,7 @@ from functools import cached_property
 import numpy as np
 import xarray as xr
 
-from erlif.calibration import Calibration
+from erlif.calibration import RunCurve
 from erlif.core.notes import Note
 from erlif.core.progress import Progress
 from erlif.core.speed.memory import release_memory
@@ -186,7 +186,7 @@ class PreparedRun:
         Trigger, position and speed of each frame, as `locate_run` returns it.
     chain : FrameChain
         Counts to ratio.
-    measuring : Calibration
+    curve : RunCurve
         Ratio to film thickness, for the light as it is corrected.
     light : LightFindings
         Light that is not film, as far as it is known before the films.
@@ -199,7 +199,7 @@ class PreparedRun:
     run: Run
     cycle: xr.Dataset
     chain: FrameChain
-    measuring: Calibration
+    curve: RunCurve
     light: LightFindings
     notes: tuple[Note, ...]
     faults: tuple[Note, ...]
@@ -215,7 +215,7 @@ class PreparedRun:
         """Find the light that is not film; parameters as for `erlif.pipeline.physics.light`."""
         return find_light(
             lights,
-            self.measuring,
+            self.curve,
             self.chain.correct,
             self.cycle.trigger.values,
             read_energies(self.run.log),
@@ -226,7 +226,7 @@ class PreparedRun:
 
     def judge_light(
         self, lights: Callable[[], Mapping[int, FrameResult]]
-    ) -> tuple[LightFindings, Calibration]:
+    ) -> tuple[LightFindings, RunCurve]:
         """Find what light and films show of the errors of the run.
 
         Parameters
@@ -237,15 +237,15 @@ class PreparedRun:
         Returns
         -------
         findings : LightFindings
-        calibration : Calibration
+        curve : RunCurve
             That of the maps, with the errors that the findings leave.
         """
         findings, options = self.light, self.run.settings.light
         if findings.errors is None:  # nothing was taken out, or a part
             findings = findings.complete(self.find_light(lights()), options)
         return findings, update_systematics(
-            self.measuring,
-            findings.for_error_bars(self.measuring, options),
+            self.curve,
+            findings.for_error_bars(self.curve, options),
             options,
             pulses=len(self.run.pairs.usable),
             pairs=len(self.run.pairs.pages[0]),
@@ -255,7 +255,7 @@ class PreparedRun:
 def prepare_run(
     run: Run,
     cycle: xr.Dataset,
-    calibration: Calibration,
+    curve: RunCurve,
     known: FixtureMap,
     progress: Progress,
     *,
@@ -268,10 +268,10 @@ def prepare_run(
     run : Run
     cycle : xarray.Dataset
         As `locate_run` returns it.
-    calibration : Calibration
-        Without its camera map.
+    curve : RunCurve
+        With the errors of the fixture alone.
     known : FixtureMap
-        What is kept of that map.
+        What is kept of the camera map of the fixture.
     progress : callable
     tables_only : bool
         As for `prepare_chain`.
@@ -287,27 +287,27 @@ def prepare_run(
     """
     refuse_stuck_cameras(run.pairs)
     options = run.settings.light
-    warmer = read_warming(run, calibration)
+    warmer = read_warming(run, curve.calibration)
     prepared = prepare_chain(
         run, progress, stored=known.stored, tables_only=tables_only and not options.corrects
     )
     chain = without_warming(prepared.chain, warmer, run.settings.temperature)
     faults = (*prepared.bits, *note_noise(chain, prepared.sample))
-    misfit = judge_ratios(chain, calibration, prepared.sample, stored=known.nodes)
-    chain = complete_energies(chain, calibration)
-    calibration = add_systematics(
-        calibration, run.settings, chain, prepared.sample, warmer=warmer, misfit=misfit.size
+    misfit = judge_ratios(chain, curve.calibration, prepared.sample, stored=known.nodes)
+    chain = complete_energies(chain, curve)
+    curve = add_systematics(
+        curve, run.settings, chain, prepared.sample, warmer=warmer, misfit=misfit.size
     )
     notes = (*prepared.notes, *misfit.notes)
-    ready = PreparedRun(run, cycle, chain, calibration, LightFindings(), notes, faults)
+    ready = PreparedRun(run, cycle, chain, curve, LightFindings(), notes, faults)
 
     # a background that is to be subtracted is found before the films are measured
     if options.corrects:
         with stage("light", _logger):
             patch = run.settings.reference if options.ratio == "correct" else None
             findings = ready.find_light(measure_lights(chain, ready.plane.patch), patch)
-        chain, calibration = correct_light(chain, calibration, findings, options)
-        ready = replace(ready, chain=chain, measuring=calibration, light=findings)
+        chain, curve = correct_light(chain, curve, findings, options)
+        ready = replace(ready, chain=chain, curve=curve, light=findings)
 
     # the frames need neither the sample nor the references
     return replace(ready, chain=ready.chain.tabulated()) if tables_only else ready

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from erlif.calibration import Calibration
+from erlif.calibration import RunCurve
 from erlif.core.arrays import Array
 from erlif.core.errors import FrameError
 from erlif.core.notes import Note, list_some, warn
@@ -66,7 +66,7 @@ def read_energies(log: EncoderLog) -> Array | None:
     return None
 
 
-def complete_energies(chain: FrameChain, calibration: Calibration) -> FrameChain:
+def complete_energies(chain: FrameChain, calibration: RunCurve) -> FrameChain:
     """Estimate the energy of each pulse from the light of its film, if the log has none.
 
     Only the light of a dry joint is scaled by it. The film of the mean energy is good enough: where
@@ -75,7 +75,7 @@ def complete_energies(chain: FrameChain, calibration: Calibration) -> FrameChain
     Parameters
     ----------
     chain : FrameChain
-    calibration : Calibration
+    calibration : RunCurve
 
     Returns
     -------

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
-from erlif.calibration import Calibration
+from erlif.calibration import RunCurve
 from erlif.core.arrays import Counts, FlagImage, Image
 from erlif.core.progress import silent
 from erlif.io.ingest import FramePairs, Run, read_pair
@@ -121,7 +121,7 @@ class LiveFilm:
     pairs: int
 
     @classmethod
-    def prepare(cls, run: Run, calibration: Calibration, known: FixtureMap) -> LiveFilm:
+    def prepare(cls, run: Run, calibration: RunCurve, known: FixtureMap) -> LiveFilm:
         """Register the cameras on the pairs that there are.
 
         What only a whole run determines (bleaching, scale of a patch, temperature of each row of
@@ -191,7 +191,7 @@ class LiveFilm:
     def _gaps(self, result: TriggerResult) -> LiveGaps | None:
         if not result.minima:
             return None
-        covariance = self.task.calibration.full_covariance
+        covariance = self.task.curve.full_covariance
         films = {}
         for contact, minimum in result.minima.items():
             film = result.statistics.with_minimum(minimum, covariance)

@@ -12,34 +12,34 @@ from dataclasses import replace
 
 import numpy as np
 
-from erlif.calibration import Calibration, record_calibration
+from erlif.calibration import NO_SYSTEMATICS, RunCurve, record_calibration
 from erlif.core.arrays import Array
 
 # Terms of the systematics that belong to the fixture.
 _OF_FIXTURE = ("position", "size")
 
 
-def key_of(calibration: Calibration) -> str:
+def key_of(calibration: RunCurve) -> str:
     """Hash of a calibration, the same for all runs with one fixture.
 
     Parameters
     ----------
-    calibration : Calibration
+    calibration : RunCurve
 
     Returns
     -------
     str
     """
-    record = record_calibration(replace(calibration, systematics=None))
+    record = record_calibration(replace(calibration, systematics=NO_SYSTEMATICS))
     return hashlib.sha256(record.encode()).hexdigest()
 
 
-def joint_covariance(calibrations: Sequence[Calibration], keys: Sequence[str]) -> Array:
+def joint_covariance(calibrations: Sequence[RunCurve], keys: Sequence[str]) -> Array:
     """Covariance of the errors of the calibrations of several runs.
 
     Parameters
     ----------
-    calibrations : sequence of Calibration
+    calibrations : sequence of RunCurve
         One for each run, with its systematics.
     keys : sequence of str
         As `key_of` gives them; runs with one key have one fixture.
@@ -47,7 +47,7 @@ def joint_covariance(calibrations: Sequence[Calibration], keys: Sequence[str]) -
     Returns
     -------
     array, (all parameters, all parameters)
-        The parameters of each run in the order of its `Calibration.full_covariance`.
+        The parameters of each run in the order of its `RatioCurve.full_covariance`.
 
     Examples
     --------
@@ -75,7 +75,7 @@ def joint_covariance(calibrations: Sequence[Calibration], keys: Sequence[str]) -
     return np.block(blocks)
 
 
-def _common(one: Calibration, other: Calibration) -> Array:
+def _common(one: RunCurve, other: RunCurve) -> Array:
     """Covariance of the errors of two runs (parameter, parameter) by those of their fixture."""
     places = _of_fixture(one), _of_fixture(other)
     both = [kind for kind in places[0] if kind in places[1]]
@@ -90,18 +90,15 @@ def _common(one: Calibration, other: Calibration) -> Array:
     return np.asarray(one.full_covariance[:, here] @ share @ other.full_covariance[there])
 
 
-def _of_fixture(calibration: Calibration) -> dict[str | int, int]:
+def _of_fixture(calibration: RunCurve) -> dict[str | int, int]:
     """Places of the errors of the fixture in the full covariance."""
-    fitted = len(replace(calibration, systematics=None).full_covariance)
+    fitted, terms = len(calibration.fitted_covariance), calibration.systematics.terms
     places: dict[str | int, int] = {n: n for n in range(fitted)}
-    if calibration.systematics is not None:
-        terms = calibration.systematics.terms
-        places |= {name: fitted + terms.index(name) for name in _OF_FIXTURE if name in terms}
-    return places
+    return places | {name: fitted + terms.index(name) for name in _OF_FIXTURE if name in terms}
 
 
 def calibration_var(
-    one: Array, other: Array, calibrations: tuple[Calibration, Calibration], *, same: bool
+    one: Array, other: Array, calibrations: tuple[RunCurve, RunCurve], *, same: bool
 ) -> Array:
     """Variance that calibrations add to the difference of two films.
 
@@ -112,7 +109,7 @@ def calibration_var(
     ----------
     one, other : array, (..., parameter)
         Change of each film with the parameters of its calibration.
-    calibrations : (Calibration, Calibration)
+    calibrations : (RunCurve, RunCurve)
     same : bool
         Whether both are of one fixture.
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 
-from erlif.calibration import Calibration
+from erlif.calibration import RunCurve
 from erlif.core.arrays import Array
 from erlif.core.errors import ErlifError
 from erlif.review.comparison.calibrations import quadratic
@@ -94,7 +94,7 @@ def cell_edges(films: list[xr.Dataset], axis: str) -> Array:
 
 
 def average_cells(
-    film: xr.Dataset, trigger: int, calibration: Calibration, *, x_edges: Array, y_edges: Array
+    film: xr.Dataset, trigger: int, calibration: RunCurve, *, x_edges: Array, y_edges: Array
 ) -> CellMeans:
     """Average the map of one trigger over cells.
 
@@ -105,7 +105,7 @@ def average_cells(
     ----------
     film : xarray.Dataset
     trigger : int
-    calibration : Calibration
+    calibration : RunCurve
         Of the film.
     x_edges, y_edges : array
         As `cell_edges` returns them. [mm]

@@ -186,7 +186,7 @@ def average_difference(
     use = np.isfinite(at) & np.isfinite(own1) & np.isfinite(own2)
     common = partial(
         calibration_var,
-        calibrations=(one.calibration, other.calibration),
+        calibrations=(one.curve, other.curve),
         same=one.calibration_key == other.calibration_key,
     )
     at_std = np.sqrt(own1**2 + own2**2 + common(g1, g2))

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from erlif.calibration import Calibration, calibration_of
+from erlif.calibration import RunCurve, calibration_of
 from erlif.core.arrays import Array
 from erlif.core.errors import ErlifError
 from erlif.io.files import applicable_theory, region_of, settings_of
@@ -44,7 +44,7 @@ class RunRecord:
     name : str
         Name of the run; `erlif.io.files.label_films` distinguishes runs of one name.
     settings : RunSettings
-    calibration : Calibration
+    curve : RunCurve
     calibration_key : str
         As `erlif.review.comparison.calibrations.key_of`: equal for films of one fixture.
     frames_key : str
@@ -79,7 +79,7 @@ class RunRecord:
 
     name: str
     settings: RunSettings
-    calibration: Calibration
+    curve: RunCurve
     calibration_key: str
     frames_key: str
     identity: str
@@ -161,7 +161,7 @@ def read_run(film: xr.Dataset) -> RunRecord:
     return RunRecord(
         name=settings.name,
         settings=settings,
-        calibration=calibration,
+        curve=calibration,
         calibration_key=key_of(calibration),
         frames_key=str(hashes.get(settings.camera1.files, "")),
         identity=str(film.attrs.get("identity", "")),
@@ -175,9 +175,7 @@ def read_run(film: xr.Dataset) -> RunRecord:
     )
 
 
-def _conditions(
-    film: xr.Dataset, settings: RunSettings, calibration: Calibration
-) -> dict[str, Any]:
+def _conditions(film: xr.Dataset, settings: RunSettings, calibration: RunCurve) -> dict[str, Any]:
     """Speed, load, viscosity and theory of the triggers, and the reference patch, where known."""
     name = next((each for each in ("rocker_speed", "sliding_speed") if each in film), "")
     theory = applicable_theory(film)
@@ -210,7 +208,7 @@ def _shares(film: xr.Dataset) -> Array:
     return film.share_passed.values if known else np.ones(film.sizes["trigger"])
 
 
-def _film_gradients(value: Array, calibration: Calibration, passed: Array) -> Array:
+def _film_gradients(value: Array, calibration: RunCurve, passed: Array) -> Array:
     """Change of a film of each trigger with the parameters, (trigger, parameter)."""
     if not calibration.varies:
         return calibration.film_gradient(value).T
@@ -228,7 +226,7 @@ def _remainder(std: Array, gradient: Array, covariance: Array) -> Array:
     return np.asarray(np.sqrt(np.maximum(std**2 - shared, (_LEAST_OWN * std) ** 2)))
 
 
-def _mean_errors(film: xr.Dataset, trigger: int, calibration: Calibration) -> tuple[float, Array]:
+def _mean_errors(film: xr.Dataset, trigger: int, calibration: RunCurve) -> tuple[float, Array]:
     """Noise of the mean film of one map, and its change with the parameters of the calibration."""
     region = region_of(film)
     # names of further columns could be those of methods: the axes are selected by position

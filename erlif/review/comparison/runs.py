@@ -165,8 +165,8 @@ def _choose_triggers(one: xr.Dataset, other: xr.Dataset, angle: float | None) ->
 
 def _distinct(records: list[RunRecord], further: list[Calibration]) -> list[Calibration]:
     """Calibrations of the films and further ones, each once."""
-    by_key = {record.calibration_key: record.calibration for record in records}
-    kept = list(by_key.values())
+    by_key = {record.calibration_key: record.curve for record in records}
+    kept = [replace(one.calibration, systematics=one.systematics) for one in by_key.values()]
     for each in further:
         # a film stores the parameters of its calibration to the last digit
         if not any(np.array_equal(each.parameters, other.parameters) for other in kept):
@@ -345,7 +345,7 @@ def fit_runs(records: list[RunRecord], duties: list[Array], statistic: str) -> l
 def _fit_power(records: list[RunRecord], duties: list[Array], statistic: str) -> Exponent:
     """One power for all triggers of some runs."""
     calibrations = joint_covariance(
-        [record.calibration for record in records], [record.calibration_key for record in records]
+        [record.curve for record in records], [record.calibration_key for record in records]
     )
     ends = np.cumsum([record.gradient[statistic].shape[1] for record in records])
     shared = ends[-1]

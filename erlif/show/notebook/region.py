@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
-from erlif.calibration import Calibration, calibration_of
+from erlif.calibration import RunCurve, calibration_of
 from erlif.core.errors import ConfigError, ErlifError
 from erlif.core.products import RatioImages, ThicknessMaps
 from erlif.core.tables import read_table
@@ -98,7 +98,7 @@ def _find_region(film: xr.Dataset, x: Interval | None, y: Interval | None) -> Re
 
 
 def _summarise(
-    maps: xr.Dataset, calibration: Calibration, contact: GapShape, *, along_x: bool
+    maps: xr.Dataset, calibration: RunCurve, contact: GapShape, *, along_x: bool
 ) -> FilmStatistics:
     """Statistics of one trigger: the logarithm of the ratio follows from the calibration."""
     thickness = maps.thickness.values.astype(float)

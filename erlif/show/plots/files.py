@@ -144,7 +144,7 @@ class FigureSource:
     @cached_property
     def calibration(self) -> Calibration:
         """The calibration, with its points if its file is at hand and is that of the film."""
-        kept = calibration_of(self.film)
+        kept = calibration_of(self.film).calibration
         for path in self._calibration_files():
             # a calibration that was made again since is not the one of the film
             if not path.is_file():

@@ -9,6 +9,7 @@ import pytest
 import xarray as xr
 from scenes.results import make_result
 
+from erlif.calibration import RunCurve
 from erlif.core.flags import Flag
 from erlif.core.progress import silent
 from erlif.io.files import PartialFilm
@@ -61,7 +62,8 @@ def test_finished_triggers_are_not_computed_again(tmp_path):
 
 
 def task_of(run, chain, calibration):
-    return TriggerTask(chain, calibration, ObjectPlane(run.settings, run.pairs.shape), frozenset())
+    plane = ObjectPlane(run.settings, run.pairs.shape)
+    return TriggerTask(chain, RunCurve.of(calibration), plane, frozenset())
 
 
 @pytest.fixture(scope="module")

@@ -12,6 +12,7 @@ import xarray as xr
 from scenes.film import RUN_TOML
 from scenes.results import make_result
 
+from erlif.calibration import RunCurve
 from erlif.io.settings import RunSettings
 from erlif.pipeline.physics.errors import describe_errors, name_largest_error
 from erlif.pipeline.physics.systematics import add_systematics
@@ -24,7 +25,8 @@ def settings_with(text=""):
 
 def with_systematics(text):
     """The calibration of the example with the systematics of settings; no frame is sampled."""
-    return add_systematics(example_calibration(), settings_with(text), SimpleNamespace(), ())
+    plain = RunCurve.of(example_calibration())
+    return add_systematics(plain, settings_with(text), SimpleNamespace(), ())
 
 
 def test_sources_of_error_add_up_and_the_largest_is_named():

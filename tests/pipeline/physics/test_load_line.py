@@ -12,7 +12,7 @@ from scenes.gap import VIEW, WHOLE, circle_gap, known_calibration, noisy_ratios
 from scenes.orbits import CRANK, FRAMES, MOTION, STD, STEPS, free_orbit
 from scenes.results import make_position
 
-from erlif.calibration import record_calibration
+from erlif.calibration import RunCurve, record_calibration
 from erlif.io.settings import RunSettings, to_toml
 from erlif.pipeline.physics.load_line import (
     LoadLine,
@@ -70,7 +70,10 @@ def seen_by(orbit, line, rng=None):
 
 def placed(variables, **options):
     about = plane(**options)
-    attrs = {"settings": to_toml(about.settings), "calibration": record_calibration(CALIBRATION)}
+    attrs = {
+        "settings": to_toml(about.settings),
+        "calibration": record_calibration(RunCurve.of(CALIBRATION)),
+    }
     film = xr.Dataset(variables, {"x": about.x, "y": about.y}, attrs)
     return place_positions(about, film, frames())
 

@@ -10,6 +10,7 @@ import pytest
 from scenes.film import RUN_TOML
 from scenes.fixture import with_systematics
 
+from erlif.calibration import RunCurve
 from erlif.io.settings import LightOptions, RunSettings
 from erlif.pipeline.engines.results import FrameResult, TriggerResult
 from erlif.pipeline.physics.dark import DarkLevel
@@ -32,6 +33,7 @@ from erlif.trend import (
 )
 
 PLAIN = example_calibration()
+CURVE = RunCurve.of(PLAIN)
 REPORT, CORRECT = LightOptions(), LightOptions(background="correct", bleaching="correct")
 
 
@@ -39,7 +41,7 @@ def settings_with(text=""):
     return RunSettings.model_validate(tomllib.loads(RUN_TOML + text))
 
 
-def calibration_of(text="", plain=PLAIN):
+def calibration_of(text="", plain=CURVE):
     """With the systematics of settings; no frame is sampled."""
     return add_systematics(plain, settings_with(text), SimpleNamespace(), ())
 
@@ -210,7 +212,7 @@ def test_at_the_end_of_a_run_the_less_certain_of_two_fixtures_counts(scale):
         f'{name} = "0 %"'
         for name in ("ratio", "lag", "temperature", "bleaching", "wall", "linearity", "background")
     )
-    run = calibration_of(excluded, plain=PLAIN.until(later))
+    run = calibration_of(excluded, plain=RunCurve.of(PLAIN, later))
     films = np.linspace(*PLAIN.thickness_range, 50)
     mean = [np.mean(run.at(share).log_ratio_std(films) ** 2) for share in (0.0, 1.0)]
     alone = np.mean(PLAIN.log_ratio_std(films) ** 2)
@@ -236,7 +238,7 @@ def test_films_of_the_patch_have_the_error_of_its_scale_whatever_else_a_run_show
 
 def test_ratios_beyond_those_of_all_films_put_their_scale_in_doubt():
     """By 5 % beside a width of 1 %."""
-    found = add_systematics(PLAIN, settings_with(), SimpleNamespace(), (), misfit=0.05)
+    found = add_systematics(CURVE, settings_with(), SimpleNamespace(), (), misfit=0.05)
     npt.assert_allclose(widths(found)["ratio"], np.hypot(0.01, 0.05))
 
 

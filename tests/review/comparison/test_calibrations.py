@@ -8,7 +8,7 @@ import numpy.testing as npt
 import pytest
 from scenes.fixture import with_systematics
 
-from erlif.calibration import record_calibration
+from erlif.calibration import NO_SYSTEMATICS, RunCurve, record_calibration
 from erlif.review.comparison import average_difference, difference_map, read_run
 from erlif.review.comparison.calibrations import joint_covariance, key_of
 from erlif.show.plots import example_calibration
@@ -28,8 +28,8 @@ def run():
 
 def test_runs_of_one_fixture_have_one_key(run):
     assert key_of(run) == key_of(run_with(light=(2.0, 1.5), ratio=0.002))
-    assert key_of(run) == key_of(replace(run, systematics=None))
-    assert key_of(run) != key_of(replace(run, ratio_at_zero=0.7))
+    assert key_of(run) == key_of(replace(run, systematics=NO_SYSTEMATICS))
+    assert key_of(run) != key_of(RunCurve.of(replace(run.calibration, ratio_at_zero=0.7)))
 
 
 def test_errors_of_the_fixture_are_common_and_those_of_the_run_are_not(run):
@@ -37,7 +37,7 @@ def test_errors_of_the_fixture_are_common_and_those_of_the_run_are_not(run):
     size, whole = len(run.full_covariance), joint_covariance([run, other], ["a", "a"])
     common = whole[:size, size:]
 
-    npt.assert_allclose(common[:3, :3], run.covariance)
+    npt.assert_allclose(common[:3, :3], run.fitted_covariance)
     for name, std in FIXTURE.items():
         here, there = (3 + one.systematics.terms.index(name) for one in (run, other))
         assert common[here, there] == pytest.approx(std**2)
