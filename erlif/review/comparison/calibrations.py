@@ -14,9 +14,7 @@ import numpy as np
 
 from erlif.calibration import Calibration, record_calibration
 from erlif.core.arrays import Array
-
-# Terms of the systematics that belong to the fixture.
-_OF_FIXTURE = ("position", "size")
+from erlif.core.terms import TERMS
 
 
 def key_of(calibration: Calibration) -> str:
@@ -95,8 +93,9 @@ def _of_fixture(calibration: Calibration) -> dict[str | int, int]:
     fitted = len(replace(calibration, systematics=None).full_covariance)
     places: dict[str | int, int] = {n: n for n in range(fitted)}
     if calibration.systematics is not None:
-        terms = calibration.systematics.terms
-        places |= {name: fitted + terms.index(name) for name in _OF_FIXTURE if name in terms}
+        for n, term in enumerate(calibration.systematics.terms):
+            if TERMS[term].file == "fixture":
+                places[calibration.systematics.parameters[n].name] = fitted + n
     return places
 
 
