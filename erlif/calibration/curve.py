@@ -247,17 +247,18 @@ class Calibration:
         film = np.maximum(np.asarray(thickness, float), _THINNEST)
         return np.asarray(found + self._added(np.log(film), 1) / film)
 
-    def gradient(self, thickness: npt.ArrayLike) -> Array:
+    def gradient(self, thickness: npt.ArrayLike, **at: Any) -> Array:
         """Derivatives of the logarithm of the ratio by all fitted parameters, (n, ...).
 
-        They are those of the model, the coefficients of the departure, then the systematics.
+        They are those of the model, the coefficients of the departure, then the systematics, with
+        the keywords of `Systematics.gradient`.
         """
         parts = [self.model.gradient(thickness)]
         if self.departure is not None:
             parts.append(self.departure.basis(thickness))
         if self.systematics is not None:
             slope, change = self.slope(thickness), self.change(thickness)
-            parts.append(self.systematics.gradient(thickness, self.model, slope, change))
+            parts.append(self.systematics.gradient(thickness, self.model, slope, change, **at))
         return np.concatenate(parts)
 
     def film_gradient(self, thickness: npt.ArrayLike) -> Array:
@@ -285,7 +286,7 @@ class Calibration:
         Returns
         -------
         dict of str to float
-            "calibration", then the terms of `TERMS` that have an error. Where errors compensate
+            "calibration", then the terms that have an error. Where errors compensate
             each other, they are scaled to add up to the total. [unit of the quantity]
         """
         return self.split_errors([gradient])[0]

@@ -12,7 +12,7 @@ lower the errors by another fifth, at the price of its energies and of the model
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -374,17 +374,7 @@ class _ErrorFit:
         """The equations at these films."""
         calibration, slope = self.calibration, self.calibration.slope(film)
         variance = np.where(self.chosen, self.record.variance + noise, np.inf)
-        errors = replace(calibration, systematics=None).gradient(film)
-        if calibration.systematics is not None:
-            acts = calibration.systematics.gradient(
-                film,
-                calibration.model,
-                slope,
-                np.zeros_like(film),
-                illumination=bright,
-                passed=self.passed[:, None],
-            )
-            errors = np.concatenate([errors, acts])
+        errors = calibration.gradient(film, illumination=bright, passed=self.passed[:, None])
         return RatioEquations(slope, errors, variance, *self.gap)
 
     def _rest(self, film: Array, acts: Array, errors: Array) -> Array:
