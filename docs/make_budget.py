@@ -6,13 +6,12 @@ show. Tests hold both to what erlif computes.
 
 from __future__ import annotations
 
-import tomllib
 from dataclasses import replace
 from pathlib import Path
 
 import erlif
-from erlif.calibration import NO_SYSTEMATICS, TERMS, Systematics
-from erlif.io.settings import FixtureSettings, RunSettings, keys_of
+from erlif.calibration import NO_SYSTEMATICS, Systematics
+from erlif.core.terms import SOURCES, TERMS
 from erlif.show.report import render_budget
 
 ROOT = Path(__file__).parents[1]
@@ -31,29 +30,23 @@ def limits() -> str:
     )
     one = float(calibration.model.light(MEDIAN).signal)
     light = one, one * float(calibration.predict(MEDIAN))
-    widths = RunSettings.model_fields["systematics"].default.shares
-    of_fixture = FixtureSettings.model_fields["systematics"].default
-    widths |= {"position": 0.06 * STEEPNESS, "size": of_fixture.size / 100}
+    widths = {key: (term.width or 0.0) / 100 for key, term in TERMS.items() if term.file}
+    widths["position"] = 0.06 * STEEPNESS
     parameters = len(calibration.full_covariance)
     whole = replace(
         calibration, systematics=Systematics.of(widths, parameters=parameters, light=light)
     )
     split = [whole.split_error(whole.film_gradient(film)) for film in FILMS]
 
-    named = tomllib.loads((ROOT / "erlif/pipeline/terms.toml").read_text(encoding="utf-8"))
-    stated = {
-        key.name: key.default
-        for kind in (type(RunSettings.model_fields["systematics"].default), type(of_fixture))
-        for key in keys_of(kind)
-    }
     rows = []
     for term in ("calibration", *TERMS):
         if term not in split[0]:  # two fixtures have it
             continue
-        what, cure = named[term]
-        default = stated.get(term) or ("one pixel" if term == "position" else "")
+        source = SOURCES[term]
         sizes = " | ".join(f"{1e3 * each[term]:.0f}" for each in split)
-        rows.append(f"| `{term}`: {what} | {default} | {sizes} | {cure} |\n")
+        default = "one pixel" if term == "position" else ""
+        default = default if source.width is None else f"{source.width:g} %"
+        rows.append(f"| `{term}`: {source.what} | {default} | {sizes} | {source.cure} |\n")
     total = " | ".join(f"**{1e3 * float(whole.thickness_std(film)):.0f}**" for film in FILMS)
     head = (
         "| key | default | 1 um | 3 um | 6 um | 10 um | what removes it |\n"

@@ -19,6 +19,5 @@ from .storage import open_calibration as open_calibration
 from .storage import record_calibration as record_calibration
 from .storage import save_calibration as save_calibration
 from .systematics import NO_SYSTEMATICS as NO_SYSTEMATICS
-from .systematics import TERMS as TERMS
 from .systematics import Systematics as Systematics
 from .wall import change_wall as change_wall

@@ -110,16 +110,17 @@ class RatioCurve(ABC):
         """Ratio camera 2 / camera 1 of a film. `thickness` in um."""
         return np.exp(self.predict_log(thickness))
 
-    def gradient(self, thickness: npt.ArrayLike) -> Array:
+    def gradient(self, thickness: npt.ArrayLike, **at: Any) -> Array:
         """Derivatives of the logarithm of the ratio by all parameters, (n, ...).
 
-        They are those of `fitted_gradient`, then the systematics.
+        They are those of `fitted_gradient`, then the systematics, with the keywords of
+        `Systematics.gradient`.
         """
         fitted, systematics = self.fitted_gradient(thickness), self.systematics
         if not systematics:
             return fitted
         slope, change = self.slope(thickness), self.change(thickness)
-        acts = systematics.gradient(thickness, self.model, slope, change)
+        acts = systematics.gradient(thickness, self.model, slope, change, **at)
         return np.concatenate([fitted, acts])
 
     def film_gradient(self, thickness: npt.ArrayLike) -> Array:
@@ -142,7 +143,7 @@ class RatioCurve(ABC):
         Returns
         -------
         dict of str to float
-            "calibration", then the terms of `TERMS` that have an error. Where errors compensate
+            "calibration", then the terms that have an error. Where errors compensate
             each other, they are scaled to add up to the total. [unit of the quantity]
         """
         return self.split_errors([gradient])[0]

@@ -15,7 +15,7 @@ from erlif.calibration.curve import PARAMETERS, Calibration, RatioCurve
 from erlif.calibration.departure import Departure
 from erlif.calibration.profile import THICKEST
 from erlif.calibration.regression import BLACK
-from erlif.calibration.systematics import COURSES, TERMS, Systematics
+from erlif.calibration.systematics import Systematics
 from erlif.core.arrays import Array, Image
 from erlif.core.errors import CalibrationError
 from erlif.core.format import is_later
@@ -265,10 +265,6 @@ def _curve_faults(curve: xr.Dataset) -> Iterator[str]:
 
 
 def _systematics_faults(systematics: Systematics, parameters: int) -> Iterator[str]:
-    known = {(term, kind) for term, kinds in TERMS.items() for kind in kinds} | {*COURSES}
-    unknown = set(zip(systematics.terms, systematics.kinds, strict=True)) - known
-    if unknown:
-        yield f"its systematics have a term that this version does not know, {min(unknown)[0]}"
     covariance, size = systematics.covariance, len(systematics.terms)
     if covariance.shape != (size, size) or systematics.cross.shape != (parameters, size):
         yield f"the covariance of its {size} systematics has the shape {covariance.shape}"

@@ -1,63 +1,25 @@
 """Errors that the frames do not show, as further parameters of a calibration (GUM, type B).
 
-Each parameter has a standard deviation, and the derivative of the logarithm of the ratio by it
-follows from the curve of the calibration:
-
-================  ==================================================================
-ratio             gain, exposure and filters between fixture and run: 1
-lag               light that a camera keeps from the frame before: 1
-temperature       brightness of both dyes, between fixture and run and during it: 1
-bleaching         brightness of both dyes: 1; their absorption: -h s
-wall              reflectance behind the film: the derivative of the model by R
-linearity         counts that a camera loses in proportion to its light: -L1, +L2
-background        light that is not film, in both bands: -1/L1, +1/L2
-position          origin of the fixture's profile: s
-size              scale of the fixture's profile: h s
-course            change between the fixtures before and after a run, off a straight line: D
-later             curve of the fixture after a run, beyond the error of that before it: 1
-================  ==================================================================
-
-with the film h, the slope s of the curve, the light L of each band over its median in the run and
-the change D of the curve from fixture to fixture. What grows during the run is multiplied by the
-share t of it that has passed, the course by 4 t (1 - t): it is known at both ends. A change of the
-ratio that a run shows is a further parameter of the term ratio: a drift that grows, or a step.
+Each parameter of the terms of `erlif.core.terms` has a standard deviation, and the derivative of
+the logarithm of the ratio by it follows from the curve of the calibration. What grows during the
+run is multiplied by the share t of it that has passed, the course between two fixtures by
+4 t (1 - t): it is known at both ends. A change of the ratio that a run shows is a further parameter
+of the term ratio: a drift that grows, or a step.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import numpy.typing as npt
 
 from erlif.calibration.regression import LASER_SHARE, Reabsorption
 from erlif.core.arrays import Array, Mask
-
-# Parameters of each term. What is "rising" grows from nothing at the first frame of the run.
-TERMS: dict[str, tuple[str, ...]] = {
-    "ratio": ("constant",),
-    "lag": ("constant",),
-    "temperature": ("constant", "rising constant"),
-    "bleaching": ("rising constant", "rising absorption"),
-    "wall": ("wall",),
-    "linearity": ("light 1", "light 2"),
-    "background": ("background 1", "background 2"),
-    "position": ("position",),
-    "size": ("size",),
-    "course": ("course",),
-    "later": ("rising constant",),
-}
-
-# Kinds of the ratio that a run adds, with a step or a drift (`Systematics.with_course`).
-COURSES = (("ratio", "rising constant"), ("ratio", "stepped constant"))
-
-# Correlation of the background of both bands where it is not measured: fluorescence of a window
-# and light that leaks through a filter change little from 580 to 610 nm.
-ALIKE = 0.9
+from erlif.core.terms import PARAMETERS, RISE, STEP, TERMS, Acts, Parameter, Where
 
 _THINNEST = 0.01  # um: film below which the light is not extrapolated
-_LEVEL = 0.4  # median light of a run, of full scale
 
 
 @dataclass(frozen=True)
@@ -67,9 +29,9 @@ class Systematics:
     Attributes
     ----------
     terms : tuple[str, ...]
-        Term of each parameter, (parameter,).
-    kinds : tuple[str, ...]
-        How each acts on the ratio, (parameter,).
+        Key of the term of each parameter, (parameter,).
+    parameters : tuple[Parameter, ...]
+        (parameter,).
     covariance : Array
         Covariance of the parameters, (parameter, parameter). [1; um for a position]
     cross : Array
@@ -88,7 +50,7 @@ class Systematics:
     """
 
     terms: tuple[str, ...]
-    kinds: tuple[str, ...]
+    parameters: tuple[Parameter, ...]
     covariance: Array
     cross: Array
     light: tuple[float, float]
@@ -110,8 +72,8 @@ class Systematics:
         Parameters
         ----------
         widths : dict of str to float
-            Standard deviation of each term of `TERMS`; one that is not named has no parameter, one
-            of 0 has no error until a run measures it. [1; um for a position]
+            Standard deviation of each term of `erlif.core.terms.TERMS`; one that is not named has
+            no parameter, one of 0 has no error until a run measures it. [1; um for a position]
         parameters : int
             Of the calibration, its departure included.
         light : tuple of float, optional
@@ -122,20 +84,20 @@ class Systematics:
         Systematics
             Without a parameter where nothing has an error.
         """
-        rows = [
-            (term, kind, widths[term])
-            for term, kinds in TERMS.items()
-            for kind in kinds
-            if term in widths
-        ]
-        terms, kinds = (tuple(str(row[n]) for row in rows) for n in (0, 1))
-        std = np.array([width for _, _, width in rows])
-        covariance = np.diag(std**2)
-        found = cls(terms, kinds, covariance, np.zeros((parameters, len(rows))), light)
-        if (shares := found.places("background")).size:
-            one, two = shares
-            covariance[one, two] = covariance[two, one] = ALIKE * std[one] * std[two]
-        return found
+        rows = [(key, one) for key in TERMS if key in widths for one in TERMS[key].parameters]
+        terms = np.array([key for key, _ in rows])
+        correlation = np.where(
+            np.equal.outer(terms, terms), [TERMS[key].correlation for key in terms], 0.0
+        )
+        np.fill_diagonal(correlation, 1.0)
+        std = np.array([widths[key] for key in terms])
+        return cls(
+            tuple(key for key, _ in rows),
+            tuple(one for _, one in rows),
+            correlation * std[:, None] * std,
+            np.zeros((parameters, len(rows))),
+            light,
+        )
 
     def __bool__(self) -> bool:
         return bool(self.terms)
@@ -147,41 +109,43 @@ class Systematics:
         return {term: float(std[self.terms.index(term)]) for term in self.terms}
 
     @property
-    def rising(self) -> Mask:
-        """Parameters that grow during the run, (parameter,)."""
-        return np.array([kind.startswith("rising") for kind in self.kinds], bool)
-
-    @property
     def rise(self) -> float:
         """Width of the change of the ratio of all films alike during the run. [1]"""
-        rises = [kind == "rising constant" for kind in self.kinds]
-        return float(np.sqrt(np.diag(self.covariance)[rises].sum()))
+        return float(np.sqrt(np.diag(self.covariance)[self._rises].sum()))
+
+    @property
+    def _rises(self) -> npt.NDArray[np.intp]:
+        """Numbers of the parameters of `rise`."""
+        return np.flatnonzero([one is RISE for one in self.parameters])
 
     @property
     def grows_apart(self) -> bool:
         """Whether errors that grow during the run are uncorrelated with all other errors."""
-        grows = self.rising
+        grows = np.array([one.acts is Acts.RISING for one in self.parameters], bool)
         return not (self.covariance[np.ix_(grows, ~grows)].any() or self.cross[:, grows].any())
 
     @property
     def varies(self) -> Mask:
         """Parameters that act differently during the run, (parameter,)."""
-        return np.array(
-            [kind.startswith(("rising", "stepped", "course")) for kind in self.kinds], bool
-        )
+        return np.array([one.acts is not Acts.ALWAYS for one in self.parameters], bool)
 
     def weight_at(self, passed: npt.ArrayLike) -> Array:
         """Factors of the parameters when shares of the run have passed, (parameter, ...). [1]"""
         share = np.asarray(passed, float)
-        shape = (-1, *[1] * share.ndim)
-        stepped = np.array([kind.startswith("stepped") for kind in self.kinds], bool)
-        cases = [each.reshape(shape) for each in (self.rising, stepped, self.varies)]
-        factors = [share, share >= self.start, 4 * share * (1 - share)]
-        return np.select(cases, factors, 1.0)
+        factors = {
+            Acts.ALWAYS: 1.0,
+            Acts.RISING: share,
+            Acts.STEPPED: share >= self.start,
+            Acts.BETWEEN: 4 * share * (1 - share),
+        }
+        rows = np.empty((len(self.parameters), *share.shape))
+        for n, parameter in enumerate(self.parameters):
+            rows[n] = factors[parameter.acts]
+        return rows
 
-    def place(self, term: str, kind: str) -> int:
-        """Number of the parameter of a term that acts in one way."""
-        return list(zip(self.terms, self.kinds, strict=True)).index((term, kind))
+    def place(self, term: str, parameter: Parameter) -> int:
+        """Number of a parameter of a term."""
+        return list(zip(self.terms, self.parameters, strict=True)).index((term, parameter))
 
     def places(self, term: str) -> npt.NDArray[np.intp]:
         """Numbers of the parameters of a term; empty if it is not among the terms."""
@@ -194,7 +158,7 @@ class Systematics:
         return replace(
             self,
             terms=tuple(self.terms[n] for n in kept),
-            kinds=tuple(self.kinds[n] for n in kept),
+            parameters=tuple(self.parameters[n] for n in kept),
             covariance=self.covariance[np.ix_(kept, kept)],
             cross=self.cross[:, kept],
             value=None
@@ -264,15 +228,6 @@ class Systematics:
             value=value,
         )
 
-    def with_width(self, kind: str, width: float, *, term: str) -> Systematics:
-        """Return a copy with another standard deviation of one parameter of a term. [1]"""
-        covariance, n = self.covariance.copy(), self.place(term, kind)
-        covariance[n, :] = covariance[:, n] = 0.0
-        covariance[n, n] = width**2
-        cross = self.cross.copy()
-        cross[:, n] = 0.0
-        return replace(self, covariance=covariance, cross=cross)
-
     def with_rise(self, width: float) -> Systematics:
         """Return a copy with another width of the rise of the ratio of all films in the run.
 
@@ -287,13 +242,14 @@ class Systematics:
         -------
         Systematics
         """
-        before, found = self.rise, self
-        stds = np.sqrt(np.diag(self.covariance))
-        for term, kind, std in zip(self.terms, self.kinds, stds, strict=True):
-            if kind == "rising constant":
-                own = std / before if before else float(term == "bleaching")
-                found = found.with_width(kind, own * width, term=term)
-        return found
+        rises, before = self._rises, self.rise
+        std = np.sqrt(np.diag(self.covariance))[rises]
+        alone = np.array([self.terms[n] == "bleaching" for n in rises], float)
+        share = std / before if before else alone
+        covariance, cross = self.covariance.copy(), self.cross.copy()
+        covariance[rises, :] = covariance[:, rises] = cross[:, rises] = 0.0
+        covariance[rises, rises] = (share * width) ** 2
+        return replace(self, covariance=covariance, cross=cross)
 
     def with_course(self, size: float, *, start: float | None) -> Systematics:
         """Return a copy with a drift or step of the ratio during the run as last parameter.
@@ -325,7 +281,7 @@ class Systematics:
         return replace(
             self,
             terms=(*self.terms, "ratio"),
-            kinds=(*self.kinds, "rising constant" if start is None else "stepped constant"),
+            parameters=(*self.parameters, RISE if start is None else STEP),
             covariance=covariance,
             cross=np.column_stack([self.cross, np.zeros(len(self.cross))]),
             start=self.start if start is None else start,
@@ -338,10 +294,12 @@ class Systematics:
         slope: Array,
         change: Array,
         *,
+        of: Literal["ratio", "light"] = "ratio",
         illumination: Array | float = 1.0,
         passed: Array | float | None = None,
+        place: tuple[Array, Array] | None = None,
     ) -> Array:
-        """Derivatives of the logarithm of the ratio by the parameters, (parameter, ...).
+        """Derivatives by the parameters, (parameter, ...).
 
         Parameters
         ----------
@@ -353,94 +311,72 @@ class Systematics:
             Derivative of the logarithm of the ratio by thickness. [1/um]
         change : array
             Logarithm of the ratio of this film after the run less that before it. [1]
+        of : {"ratio", "light"}
+            Of which the logarithm is derived: the ratio, or the light of camera 1, without what
+            changes the light of all films alike, or is a background.
         illumination : array, optional
             Over that of the median light. [1]
         passed : array, optional
             Share of the run that has passed, with the axes of the films; default: the attribute.
+        place : (array, array), optional
+            x and y of the films in the field. [mm]
 
         Returns
         -------
         array
             By each parameter at its full size, times its factor at that share.
         """
-        h = np.asarray(thickness, float)
-        one = illumination * model.light(np.maximum(h, _THINNEST)).signal
-        two = one * np.exp(model.predict(h))
-        acts: dict[str, Any] = {
-            "constant": np.ones_like(h),
-            "absorption": -h * slope,
-            "wall": _with_wall(model).before_wall(h).by_reflectance,
-            "light 1": -_LEVEL * one / self.light[0],
-            "light 2": _LEVEL * two / self.light[1],
-            "background 1": -self.light[0] / one,
-            "background 2": self.light[1] / two,
-            "position": slope,
-            "size": h * slope,
-            "course": change,
-        }
-        rows = np.empty((len(self.kinds), *h.shape))
-        for n, kind in enumerate(self.kinds):
-            rows[n] = acts[_act_of(kind)]
-        return self._weigh(rows, passed)
-
-    def _weigh(self, rows: Array, passed: Array | float | None) -> Array:
-        """Rows (parameter, ...) times the factors of the parameters."""
-        if passed is None:
-            passed = np.full([1] * (rows.ndim - 1), self.passed)
-        return np.asarray(rows * self.weight_at(passed))
-
-    def light_gradient(
-        self,
-        thickness: npt.ArrayLike,
-        model: Reabsorption,
-        *,
-        illumination: Array | float = 1.0,
-        passed: Array | float | None = None,
-    ) -> Array:
-        """Derivatives of the logarithm of the light of camera 1, (parameter, ...).
-
-        What changes the light of all films alike, or is a background, is left out.
-
-        Parameters
-        ----------
-        thickness, model, illumination, passed
-            As for `gradient`.
-
-        Returns
-        -------
-        array
-            By each parameter at its full size, times its factor at that share.
-        """
-        h = np.maximum(np.asarray(thickness, float), _THINNEST)
-        light = model.light(h)
-        shape = h * light.slope - 1  # of a film that is thicker, or absorbs more, by a share
-        acts = {
-            "absorption": -shape,
-            "wall": _with_wall(model).light(h).gradient[-1],
-            "light 1": -_LEVEL * illumination * light.signal / self.light[0],
-            "size": shape,
-        }
-        rows = np.zeros((len(self.kinds), *h.shape))
-        for n, kind in enumerate(self.kinds):
-            rows[n] = acts.get(_act_of(kind), 0.0)
-        return self._weigh(rows, passed)
+        film = np.asarray(thickness, float)
+        lit = np.maximum(film, _THINNEST)
+        light, wall = model.light(lit), _with_wall(model)
+        one = illumination * light.signal
+        at = Where(
+            film=film,
+            slope=slope,
+            change=change,
+            light=light.signal,
+            illumination=illumination,
+            one=one,
+            two=one * np.exp(model.predict(film)),
+            unit=self.light,
+            by_wall=wall.before_wall(film).by_reflectance,
+            light_by_share=lit * light.slope - 1,
+            light_by_wall=wall.light(lit).gradient[-1],
+            passed=np.full([1] * film.ndim, self.passed) if passed is None else passed,
+            place=place,
+        )
+        rows = np.empty((len(self.parameters), *film.shape))
+        for n, parameter in enumerate(self.parameters):
+            rows[n] = parameter.of_ratio(at) if of == "ratio" else parameter.of_light(at)
+        return np.asarray(rows * self.weight_at(at.passed))
 
     def to_record(self) -> dict[str, Any]:
         """Fields for a file."""
+        fields = {"terms": self.terms, "kinds": [one.name for one in self.parameters], **vars(self)}
         return {
             name: value.tolist() if isinstance(value, np.ndarray) else value
-            for name, value in vars(self).items()
-            if value is not None
+            for name, value in fields.items()
+            if value is not None and name != "parameters"
         }
 
     @classmethod
     def from_record(cls, record: dict[str, Any]) -> Systematics:
-        """Systematics of the fields that `to_record` gives."""
-        size = len(record["terms"])
+        """Systematics of the fields that `to_record` gives.
+
+        Raises
+        ------
+        ValueError
+            If this version does not know one of the terms.
+        """
+        names = list(zip(record["terms"], record["kinds"], strict=True))
+        if unknown := set(names) - set(PARAMETERS):
+            term, _ = min(unknown)
+            raise ValueError(f"its systematics have a term that this version does not know, {term}")
+        size = len(names)
         one, two = record["light"]
         return cls(
-            terms=tuple(map(str, record["terms"])),
-            kinds=tuple(map(str, record["kinds"])),
+            terms=tuple(term for term, _ in names),
+            parameters=tuple(PARAMETERS[name] for name in names),
             covariance=np.asarray(record["covariance"], float).reshape(size, size),
             cross=np.asarray(record["cross"], float).reshape(-1, size),
             light=(float(one), float(two)),
@@ -469,11 +405,6 @@ class Systematics:
 
 # A calibration whose fixture has no error but those that its frames show.
 NO_SYSTEMATICS = Systematics.of({}, parameters=0)
-
-
-def _act_of(kind: str) -> str:
-    """Strip "rising" or "stepped" from a kind: the effect of the parameter at full size."""
-    return kind.removeprefix("rising ").removeprefix("stepped ")
 
 
 def _with_wall(model: Reabsorption) -> Reabsorption:

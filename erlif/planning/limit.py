@@ -65,7 +65,7 @@ def attainable_errors(
     film : WantedFilm
         The minimum film of the joint moves through the wanted range.
     widths : dict of str to float
-        Standard deviation of each term of `erlif.calibration.TERMS`. [1]
+        Standard deviation of each term of `erlif.core.terms.TERMS`. [1]
     joint : ImagedJoint or None
         None: the form of the gap is not known.
 

@@ -15,12 +15,11 @@ from erlif.core.arrays import Array
 from erlif.core.described import Columns, describe
 from erlif.core.errors import ConfigError
 from erlif.core.tables import read_table
+from erlif.core.terms import TERMS
 from erlif.core.units import Quantity
 from erlif.io.settings import (
     DyeSettings,
-    FixtureSystematics,
     PlanSettings,
-    SystematicsOptions,
     read_plan_settings,
     settings_of,
     to_toml,
@@ -406,9 +405,10 @@ def _describe_tolerances(design: Design, film: WantedFilm, settings: PlanSetting
 
 def _describe_limit(design: Design, film: WantedFilm, settings: PlanSettings) -> xr.Dataset:
     """Dataset of the systematic errors, without and with the known gap of a joint."""
-    widths = SystematicsOptions().shares | {"size": FixtureSystematics().size / 100}
-    # no frames of a dry joint are planned, and no second fixture
-    del widths["energy"], widths["course"]
+    # the place of the fixture is not planned, nor is a second one
+    widths = {
+        key: term.width / 100 for key, term in TERMS.items() if term.width and not term.of_two
+    }
     given = settings.joint
     joint = None
     if given is not None:

@@ -10,12 +10,13 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from erlif.calibration import TERMS, Calibration, RunCurve
+from erlif.calibration import Calibration, RunCurve
 from erlif.core.arrays import Array, Mask
 from erlif.core.detector import QUANTISATION_VAR
 from erlif.core.errors import ConfigError
 from erlif.core.products import AlignedFrames, CorrectedFrames, RatioImages
 from erlif.core.progress import ShowProgress, choose_progress
+from erlif.core.terms import TERMS
 from erlif.io.files import takes
 from erlif.io.ingest import open_run
 from erlif.pipeline.chain import FrameChain, one_thread_per_frame
@@ -57,6 +58,9 @@ _NOISE_TERMS = tuple(_term(what, camera) for what in _KINDS for camera in range(
 _MARKS, _FORM = "marks of the surfaces", "form of the gap"
 _SHARED_TERMS = ("registration", "calibration", *TERMS, _MARKS, _FORM)
 _ALL_NOISE = "noise of all kinds"
+
+# Rows that a budget may lack: an error that is absent, or that the settings exclude, has none.
+_MAY_LACK = {*(_term(_DRY, camera) for camera in range(2)), *TERMS, _FORM}
 
 _NEAR = 0.05  # relative distance within which pixels represent a film thickness
 
@@ -359,13 +363,8 @@ def _as_dataset(columns: Sequence[_Column], name: str, trigger: int, frames: int
             for column in columns
         ]
 
-    # an error that the settings exclude has no row
     noise, shared = (
-        [
-            term
-            for term in terms
-            if not term.startswith((_DRY, _FORM, *TERMS)) or np.nan_to_num(rows[term]).any()
-        ]
+        [term for term in terms if term not in _MAY_LACK or np.nan_to_num(rows[term]).any()]
         for terms in (_NOISE_TERMS, _SHARED_TERMS)
     )
     order = [*noise, "random part", *shared, "shared part", "total"]

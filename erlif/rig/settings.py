@@ -9,6 +9,7 @@ from typing import Any
 
 from erlif.core.errors import ModelError
 from erlif.core.tables import read_table
+from erlif.core.terms import keys_in
 
 _TABLE = read_table("erlif.rig", "settings.toml")
 
@@ -389,30 +390,23 @@ class RigSettings:
     flat_pages: int = 4
     flat_levels: tuple[float, ...] = (0.25, 0.5, 0.8)
 
-    @property
-    def excluded(self) -> list[str]:
-        """Terms of [systematics] in run.toml that the rig does not have."""
+    def excluded(self, file: str) -> dict[str, str]:
+        """Keys of [systematics] in a settings file that the rig does not have, with zero."""
         if not self.write_systematics:
-            return []
+            return {}
+        dark = (*self.dark_drift, self.dark_step[1])
         found = {
             "ratio": self.brightness != (1, 1) or self.gain_step[1] != 1,
-            "background": any(
-                (
-                    self.background,
-                    self.background_beam,
-                    self.glare,
-                    *self.dark_drift,
-                    self.dark_step[1],
-                )
-            ),
-            **({"energy": self.background_energy != 1} if self.background_pages else {}),
+            "background": any((self.background, self.background_beam, self.glare, *dark)),
+            "energy": not self.background_pages or self.background_energy != 1,
             "bleaching": any(self.bleaching),
             "temperature": self.warming != 0,
             "wall": self.wall[0] != self.wall[1],
             "linearity": any(self.compression),
             "lag": any(self.lag),
+            "course": True,  # the change between two fixtures may depart from a straight line
         }
-        return [name for name, has in found.items() if not has]
+        return {key: f"0 {one.unit}" for key, one in keys_in(file).items() if not found.get(key)}
 
     def __post_init__(self) -> None:
         self._check_each()

@@ -13,14 +13,15 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import scipy
 
-from erlif.calibration import TERMS, RatioCurve, Systematics
+from erlif.calibration import RatioCurve, Systematics
 from erlif.core.arrays import Array, Mask
 from erlif.core.statistics import covariance_root
+from erlif.core.terms import TERMS
 from erlif.ratio.cells import LightCells
 from erlif.trend.cells import FEWEST_FRAMES, choose_cells, separate_light
 
@@ -102,9 +103,8 @@ class BackgroundEstimate:
     def error(self) -> Systematics:
         """Error of the background if the estimate is subtracted."""
         one, two = (unit / self.brightness for unit in self.unit)
-        return Systematics(
-            ("background",) * 2, TERMS["background"], self.covariance, self.cross, (one, two)
-        )
+        parameters = TERMS["background"].parameters
+        return Systematics(("background",) * 2, parameters, self.covariance, self.cross, (one, two))
 
     @property
     def second_moment(self) -> Systematics:
@@ -390,10 +390,10 @@ class _BackgroundFit:
         if not systematics:
             return np.empty((0, *smooth.shape))
         bright = np.exp(illumination) * systematics.light[0] / self.unit[0]
-        slope, change = calibration.slope(smooth), calibration.change(smooth)
-        at = {"illumination": bright, "passed": self.passed}
-        of_ratio = systematics.gradient(smooth, calibration.model, slope, change, **at)
-        of_light = systematics.light_gradient(smooth, calibration.model, **at)
+        films = smooth, calibration.model, calibration.slope(smooth), calibration.change(smooth)
+        at: dict[str, Any] = {"illumination": bright, "passed": self.passed}
+        of_ratio = systematics.gradient(*films, **at)
+        of_light = systematics.gradient(*films, of="light", **at)
         return np.asarray(response * of_ratio - of_light)
 
     def _solve_linear(

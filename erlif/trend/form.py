@@ -18,6 +18,7 @@ import numpy as np
 
 from erlif.calibration import Systematics
 from erlif.core.arrays import Array
+from erlif.core.terms import TERMS
 from erlif.trend.position import FittedNumbers, PinPosition, PinView
 
 # Accuracy of the film scale of the method, Hidrovo and Hart (2001). [1]
@@ -255,7 +256,7 @@ def _find_imitations(
     width, scale = np.sqrt(np.diag(systematics.covariance)), covariance.variance
     for n, term in enumerate(systematics.terms):
         column = gradient[:, n - len(width)]
-        if term == "position" or width[n] == 0 or not column.any():  # a position is in um
+        if TERMS[term].unit != "%" or width[n] == 0 or not column.any():
             continue
         error, _ = _fit_last(values, covariance, column[None])
         cost = float(((values - error * column) ** 2 / scale).sum() + (error / width[n]) ** 2)

@@ -374,15 +374,7 @@ class _ErrorFit:
         """The equations at these films."""
         calibration, slope = self.calibration, self.calibration.slope(film)
         variance = np.where(self.chosen, self.record.variance + noise, np.inf)
-        acts = calibration.systematics.gradient(
-            film,
-            calibration.model,
-            slope,
-            np.zeros_like(film),
-            illumination=bright,
-            passed=self.passed[:, None],
-        )
-        errors = np.concatenate([calibration.fitted_gradient(film), acts])
+        errors = calibration.gradient(film, illumination=bright, passed=self.passed[:, None])
         return RatioEquations(slope, errors, variance, *self.gap)
 
     def _rest(self, film: Array, acts: Array, errors: Array) -> Array:

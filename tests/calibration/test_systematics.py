@@ -19,7 +19,6 @@ from scenes.fixture import (
 
 from erlif.calibration import (
     NO_SYSTEMATICS,
-    TERMS,
     RunCurve,
     Systematics,
     calibration_of,
@@ -27,6 +26,7 @@ from erlif.calibration import (
     record_calibration,
     save_calibration,
 )
+from erlif.core.terms import TERMS
 from erlif.models.fluorescence import band_light, wall_ratio
 from erlif.show.plots import example_calibration, example_film
 
@@ -45,6 +45,10 @@ def extend(**widths):
     K, p, q = CALIBRATION.parameters
     light = float(band(MEDIAN, p)), float(K * band(MEDIAN, q))
     return with_systematics(CALIBRATION, light=light, **widths)
+
+
+def names(calibration):
+    return [one.name for one in calibration.systematics.parameters]
 
 
 def disturbed(term, size):
@@ -91,7 +95,7 @@ def test_gradient_is_the_change_of_the_ratio_of_a_disturbed_film(term):
     extended = extend(**{term: 0.01})
     step = 1e-6
     expected = (disturbed(term, step) - disturbed(term, -step)) / (2 * step)
-    row = 3 + extended.systematics.kinds.index(ROWS[term])
+    row = 3 + names(extended).index(ROWS[term])
     npt.assert_allclose(extended.gradient(FILMS)[row], expected, rtol=1e-5)
     npt.assert_array_equal(extended.gradient(FILMS)[:3], CALIBRATION.gradient(FILMS))
 
@@ -145,9 +149,8 @@ def test_what_grows_during_the_run_is_absent_at_its_first_frame():
 
 def test_a_drift_of_the_ratio_grows_and_a_step_leaves_both_parts_of_a_run_in_doubt():
     """Of a ratio of which 1 % is stated, and a change of 3 %; 0.4 of the run is before the step."""
-    extended = extend(ratio=0.01, wall=0.02)
+    alone = extend(ratio=0.01, wall=0.0)
     shares, std = (0.0, 0.3, 0.5, 1.0), 0.01
-    alone = replace(extended, systematics=extended.systematics.with_width("wall", 0, term="wall"))
 
     def films(start):
         changed = replace(alone, systematics=alone.systematics.with_course(0.03, start=start))
@@ -169,12 +172,12 @@ def test_a_course_is_stored_with_the_calibration_and_needs_the_ratio():
     systematics = extend(ratio=0.01, background=0.02).systematics.with_course(0.03, start=0.4)
     back = Systematics.from_record(systematics.to_record())
     npt.assert_array_equal(back.covariance, systematics.covariance)
-    assert (back.kinds, back.start) == (systematics.kinds, 0.4)
+    assert (back.parameters, back.start) == (systematics.parameters, 0.4)
     for start in (0.4, None):
         course = extend(ratio=0.01).systematics.with_course(0.03, start=start)
         changed = replace(RunCurve.of(CALIBRATION), systematics=course)
         film = example_film().assign_attrs(calibration=record_calibration(changed))
-        assert calibration_of(film).systematics.kinds == course.kinds
+        assert calibration_of(film).systematics.parameters == course.parameters
 
     without = extend(wall=0.01).systematics
     assert without.with_course(0.03, start=None) is without
@@ -192,7 +195,7 @@ def test_a_measured_background_takes_the_place_of_its_width():
     extended = extend(background=0.02, ratio=0.01)
     measured = Systematics(
         ("background",) * 2,
-        TERMS["background"],
+        TERMS["background"].parameters,
         np.array([[4e-6, 3e-6], [3e-6, 5e-6]]),
         1e-7 * np.arange(8).reshape(4, 2),  # K, p, q and the ratio
         (4.0, 3.0),
@@ -220,12 +223,13 @@ def test_a_measured_background_takes_the_place_of_its_width():
     npt.assert_array_equal(whole, whole.T)
 
 
-def test_a_width_of_one_parameter_is_replaced():
-    found = extend(temperature=0.01, bleaching=0.01).systematics
-    changed = found.with_width("rising constant", 0.05, term="bleaching")
-    expected = np.diag([0.01, 0.01, 0.05, 0.01]) ** 2
-    npt.assert_allclose(changed.covariance, expected)
-    assert changed.widths == {"temperature": 0.01, "bleaching": 0.05}
+def test_terms_share_the_rise_of_the_ratio_by_their_widths():
+    found = extend(temperature=0.03, bleaching=0.04).systematics
+    assert found.rise == pytest.approx(0.05)
+    changed = found.with_rise(0.01)
+    npt.assert_allclose(changed.covariance, np.diag([0.03, 0.006, 0.008, 0.04]) ** 2)
+    without = found.with_rise(0.0).with_rise(0.01)
+    npt.assert_allclose(without.covariance, np.diag([0.03, 0.0, 0.01, 0.04]) ** 2)
 
 
 def test_errors_of_a_fixture_are_stored_with_its_calibration(tmp_path):
@@ -262,26 +266,32 @@ def test_frames_of_a_run_have_the_errors_of_their_share():
     films, passed = np.stack([FILMS, FILMS]), np.array([[0.25], [1.0]])
     found = (
         systematics.gradient(films, model, run.slope(films), run.change(films), passed=passed),
-        systematics.light_gradient(films, model, passed=passed),
+        systematics.gradient(
+            films, model, run.slope(films), run.change(films), of="light", passed=passed
+        ),
     )
     for n, share in enumerate(passed[:, 0]):
         at = replace(systematics, passed=share)
-        one = at.gradient(FILMS, model, run.slope(FILMS), run.change(FILMS))
-        npt.assert_allclose(found[0][:, n], one, rtol=1e-12)
-        npt.assert_allclose(found[1][:, n], at.light_gradient(FILMS, model), rtol=1e-12)
+        for whole, of in zip(found, ("ratio", "light"), strict=True):
+            one = at.gradient(FILMS, model, run.slope(FILMS), run.change(FILMS), of=of)
+            npt.assert_allclose(whole[:, n], one, rtol=1e-12)
+
+
+def light_gradient(calibration, film):
+    slope, change = calibration.slope(film), calibration.change(film)
+    return calibration.systematics.gradient(film, calibration.model, slope, change, of="light")
 
 
 def test_light_agrees_with_films_that_are_wrong_by_a_share():
     """Light and ratio change as one with the size of the fixture and the absorption of the dyes."""
     extended = extend(size=0.01, bleaching=0.01)
     systematics, model = extended.systematics, extended.model
-
     film = np.array([1.0, 3.0, 8.0])
     response = model.light(film).slope / extended.slope(film)
-    own = extended.gradient(film)[-len(systematics.kinds) :]
-    left = response * own - systematics.light_gradient(film, model)
-    for kind in ("rising absorption", "size"):
-        n = systematics.kinds.index(kind)
+    own = extended.gradient(film)[-len(systematics.parameters) :]
+    left = response * own - light_gradient(extended, film)
+    for name in ("rising absorption", "size"):
+        n = names(extended).index(name)
         npt.assert_allclose(left[n], left[n][0], rtol=1e-9)
 
 
@@ -293,7 +303,7 @@ def test_light_before_a_wall_is_that_of_the_model():
         np.log(band_light(film, attenuation=p, attenuation_laser=0.8 * q, reflectance=R).signal)
         for R in (0.0, 1e-6)
     ]
-    found = extended.systematics.light_gradient(film, extended.model)[0]
+    found = light_gradient(extended, film)[0]
     npt.assert_allclose(found, (lights[1] - lights[0]) / 1e-6, rtol=1e-4)
 
 

@@ -54,7 +54,7 @@ def case(request, tmp_path_factory):
     (lab.run / "run.toml").unlink()
     erlif.init(lab.run, kind=kind, full=True)
     fill_gaps(lab.run / "run.toml")
-    excluded = "".join(f'{name} = "0 %"\n' for name in rig.excluded)
+    excluded = "".join(f'{name} = "{zero}"\n' for name, zero in rig.excluded("run").items())
     lab.edit("run/run.toml", ("[systematics]\n", f"[systematics]\n{excluded}"))
 
     film = erlif.process(lab.run, output=lab.film).load()

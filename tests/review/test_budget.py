@@ -11,7 +11,8 @@ import pytest
 import tifffile
 
 import erlif
-from erlif.calibration import TERMS, Systematics
+from erlif.calibration import Systematics
+from erlif.core.terms import TERMS
 from erlif.rig import RigSettings, simulate
 from erlif.show.plots import example_calibration
 from erlif.show.report import render_budget
@@ -138,8 +139,8 @@ def test_calibration_and_background_add_up_however_they_are_correlated(correlati
     """A background that is found with the calibration may compensate a part of its error."""
     plain = example_calibration()
     shares = size**2 * np.diag([1e-2, 1e-2])
-    kinds = TERMS["background"]
-    empty = Systematics(("background",) * 2, kinds, shares, np.zeros((3, 2)), (3.0, 2.0))
+    two = TERMS["background"].parameters
+    empty = Systematics(("background",) * 2, two, shares, np.zeros((3, 2)), (3.0, 2.0))
     gradient = replace(plain, systematics=empty).gradient(3.0)
     own, other = plain.full_covariance @ gradient[:3], shares @ gradient[3:]
     scale = correlation / np.sqrt((gradient[:3] @ own) * (gradient[3:] @ other))

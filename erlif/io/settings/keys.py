@@ -2,7 +2,7 @@
 
 Messages, the template of `erlif init`, the JSON schema and docs/settings.md are made from these.
 Form, bounds and default are those of the type of a field; its meaning stands in keys.toml
-beside the module of the table.
+beside the module of the table, or with the field.
 """
 
 from __future__ import annotations
@@ -179,7 +179,7 @@ def tables_in(annotation: Any) -> list[type[Settings]]:
 
 
 def meaning_of(kind: type[Settings], name: str) -> tuple[str, Any]:
-    """Meaning and example of a key or of an inner table, as keys.toml has them.
+    """Meaning and example of a key or of an inner table, as keys.toml or its field has them.
 
     Parameters
     ----------
@@ -200,6 +200,9 @@ def meaning_of(kind: type[Settings], name: str) -> tuple[str, Any]:
     >>> meaning_of(OpticsSettings, "pixel_pitch")[1]
     '60 um'
     """
+    described = kind.model_fields[name].description
+    if described is not None:
+        return " ".join(described.split()), None
     for one in kind.__mro__:  # a pin has the keys of any part
         if not issubclass(one, Settings):
             break

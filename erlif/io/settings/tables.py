@@ -21,9 +21,11 @@ from pydantic import (
     StrictFloat,
     WithJsonSchema,
     WrapValidator,
+    create_model,
     model_validator,
 )
 
+from erlif.core.terms import keys_in
 from erlif.core.units import Quantity, parse_quantity
 
 
@@ -473,18 +475,18 @@ class LightOptions(Settings):
             )
 
 
-class SystematicsOptions(Settings):
-    """Errors of a run that its frames do not show, as standard deviations."""
+def _with_widths(file: str) -> type[Settings]:
+    """A table with the standard deviations that a settings file states."""
+    types: dict[str, Any] = {"%": Share, "mm": Distance | None}
+    fields: dict[str, Any] = {
+        key: (types[source.unit], Field(source.width, description=source.__doc__))
+        for key, source in keys_in(file).items()
+    }
+    return create_model("_Widths", __base__=Settings, **fields)
 
-    ratio: Share = 1.0
-    background: Share = 1.5
-    energy: Share = 5.0
-    bleaching: Share = 1.0
-    temperature: Share = 0.5
-    wall: Share = 2.0
-    linearity: Share = 1.0
-    lag: Share = 0.5
-    course: Share = 7.0
+
+class SystematicsOptions(_with_widths("run")):  # type: ignore[misc]
+    """Errors of a run that its frames do not show, as standard deviations."""
 
     @property
     def shares(self) -> dict[str, float]:
@@ -513,11 +515,8 @@ class TemperatureOptions(Settings):
             yield "give camera1, camera2 and std of the change with temperature together"
 
 
-class FixtureSystematics(Settings):
+class FixtureSystematics(_with_widths("fixture")):  # type: ignore[misc]
     """Errors of a fixture that its frames do not show, as standard deviations."""
-
-    position: Distance | None = None
-    size: Share = 0.5
 
 
 class ReferenceSettings(Settings):

@@ -10,9 +10,9 @@ import xarray as xr
 
 from erlif.calibration import RunCurve
 from erlif.core.arrays import Array
+from erlif.core.terms import SOURCES
 from erlif.core.variables import FILM
 from erlif.io.settings import RunSettings
-from erlif.pipeline.physics.position import TERMS
 from erlif.pipeline.physics.systematics import has_dry_joint
 from erlif.trend import FilmStatistics
 
@@ -41,7 +41,10 @@ def describe_errors(statistics: Sequence[FilmStatistics], calibration: RunCurve)
         columns["film_min_error"].append(noise | minimum)
 
     known = {term for rows in columns.values() for row in rows for term in row}
-    terms = [term for term in TERMS if term in known]
+    # those of the run, then those of the fixture
+    terms = sorted(
+        (key for key in SOURCES if key in known), key=lambda key: SOURCES[key].file == "fixture"
+    )
     values: dict[str, Any] = {"error_term": np.array(terms)}
     for name, rows in columns.items():
         whole = np.array([[row.get(term, 0.0) for row in rows] for term in terms])
@@ -76,12 +79,10 @@ def name_largest_error(
     dry = term == "background" and has_dry_joint(settings)
     followed = term == "temperature" and settings.temperature.coefficient is not None
     on_patch = term == "ratio" and settings.light.ratio == "correct"
-    variant = "dry" if dry else "followed" if followed else "patch" if on_patch else term
-    what, cure = TERMS[variant]
-    key = "energy" if dry else "" if followed or on_patch else term
+    key = "energy" if dry else "followed" if followed else "patch" if on_patch else term
     source = _source_of(term, key, settings, before, after)
     size = f"{1e3 * errors.max():.0f} nm at {float(film.film_mean[trigger]):.2g} um"
-    return f"{size}: {what}. {source}{cure}"
+    return f"{size}: {SOURCES[key].what}. {source}{SOURCES[key].cure}"
 
 
 def _source_of(
@@ -91,7 +92,7 @@ def _source_of(
 
     Empty for what is no error of the run: fixture.toml states those of the fixture.
     """
-    if key not in type(settings.systematics).model_fields:
+    if SOURCES[key].file != "run":
         return ""
     changed = not np.array_equal(_covariance_of(term, before), _covariance_of(term, after))
     if after.follows_run or changed:

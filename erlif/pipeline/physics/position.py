@@ -13,7 +13,7 @@ import numpy as np
 from erlif.calibration import RunCurve
 from erlif.core.arrays import Array
 from erlif.core.notes import Note, remark, warn
-from erlif.core.tables import read_table
+from erlif.core.terms import SOURCES
 from erlif.core.units import Quantity
 from erlif.core.variables import FILM
 from erlif.io.settings import JointSettings
@@ -29,9 +29,6 @@ from erlif.trend import (
     PinView,
     judge_form,
 )
-
-TERMS = read_table("erlif.pipeline", "terms.toml")
-"""What each source of an error is, and what lowers it."""
 
 # Errors that frames do not show, of those that a note names.
 _LISTED = 3
@@ -156,7 +153,7 @@ def note_form(
 def _note_cause(form: GapForm, view: PinView, joint: JointSettings) -> Note:
     """A deviation of the form, with its causes by likelihood."""
     imitations = [
-        f"{TERMS[one.term][0]} ({100 * one.size:+.1f} %)" for one in form.imitations[:_LISTED]
+        f"{SOURCES[one.term].what} ({100 * one.size:+.1f} %)" for one in form.imitations[:_LISTED]
     ]
     if form.cause is Cause.BENDING:
         by_dark = (

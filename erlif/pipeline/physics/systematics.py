@@ -10,6 +10,7 @@ import numpy as np
 
 from erlif.calibration import NO_SYSTEMATICS, Calibration, RunCurve, Systematics
 from erlif.core.arrays import Array
+from erlif.core.terms import CONSTANT, RISE, TERMS
 from erlif.io.settings import LightOptions, RunSettings
 from erlif.pipeline.chain import FrameChain
 from erlif.pipeline.engines.results import TriggerResult, shares_passed
@@ -21,8 +22,8 @@ from erlif.pipeline.physics.temperature import error_of_warming
 from erlif.pipeline.recording.sample import Bands, ratios_of
 from erlif.trend import BackgroundEstimate, CourseChange, Trend
 
-# Terms that the difference of two fixtures holds.
-_BETWEEN_FIXTURES = ("ratio", "temperature", "bleaching")
+# Terms of the curve between two fixtures.
+_OF_TWO = {key for key, term in TERMS.items() if term.of_two}
 
 _FILMS = 50  # of the range, at which two curves are compared
 
@@ -87,10 +88,10 @@ def _widths_of_run(calibration: RunCurve, settings: RunSettings) -> dict[str, fl
     if settings.temperature.coefficient is not None:
         shown.add("temperature")
     if calibration.later is None:
-        del shares["course"]
+        shares = {key: share for key, share in shares.items() if key not in _OF_TWO}
     else:
-        # a fixture after the run shows their sum
-        shown |= set(_BETWEEN_FIXTURES)
+        # a fixture after the run shows the sum of what lies between both
+        shown |= {key for key, term in TERMS.items() if term.between}
         shares["later"] = _less_certain(calibration.calibration, calibration.later)
     return shares | dict.fromkeys(shown - stated, 0.0)
 
@@ -164,10 +165,10 @@ def with_scale_of_patch(calibration: RunCurve, scale: PatchScale) -> RunCurve:
         With the same parameters.
     """
     systematics = calibration.systematics
-    parameters, kinds = len(systematics.cross), np.array(systematics.kinds)
-    alike = parameters + np.flatnonzero(np.isin(kinds, ("constant", "rising constant")))
-    constant = parameters + systematics.place("ratio", "constant")
-    rising = parameters + systematics.place("bleaching", "rising constant")
+    parameters = len(systematics.cross)
+    alike = parameters + np.flatnonzero([one in (CONSTANT, RISE) for one in systematics.parameters])
+    constant = parameters + systematics.place("ratio", CONSTANT)
+    rising = parameters + systematics.place("bleaching", RISE)
 
     # change of the ratio of the patch with all other errors, at the first frame and until the last
     first, last = (calibration.at(share).gradient(scale.film) for share in (0.0, 1.0))

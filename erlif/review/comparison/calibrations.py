@@ -14,9 +14,7 @@ import numpy as np
 
 from erlif.calibration import NO_SYSTEMATICS, RunCurve, record_calibration
 from erlif.core.arrays import Array
-
-# Terms of the systematics that belong to the fixture.
-_OF_FIXTURE = ("position", "size")
+from erlif.core.terms import TERMS
 
 
 def key_of(calibration: RunCurve) -> str:
@@ -94,7 +92,10 @@ def _of_fixture(calibration: RunCurve) -> dict[str | int, int]:
     """Places of the errors of the fixture in the full covariance."""
     fitted, terms = len(calibration.fitted_covariance), calibration.systematics.terms
     places: dict[str | int, int] = {n: n for n in range(fitted)}
-    return places | {name: fitted + terms.index(name) for name in _OF_FIXTURE if name in terms}
+    for n, term in enumerate(terms):
+        if TERMS[term].file == "fixture":
+            places[calibration.systematics.parameters[n].name] = fitted + n
+    return places
 
 
 def calibration_var(

@@ -11,6 +11,7 @@ from scenes.film import RUN_TOML
 from scenes.fixture import with_systematics
 
 from erlif.calibration import RunCurve
+from erlif.core.terms import RISE
 from erlif.io.settings import LightOptions, RunSettings
 from erlif.pipeline.engines.results import FrameResult, TriggerResult
 from erlif.pipeline.physics.dark import DarkLevel
@@ -249,8 +250,7 @@ def test_a_drift_that_is_not_significant_takes_the_place_of_what_rises():
     found = update_systematics(before, LightFindings(course=chance), REPORT, pulses=50)
     gain = 0.25 / (0.25 + 0.09)
     rise = np.hypot(0.002 * gain, 0.005 * np.sqrt(1 - gain))
-    names = list(zip(found.systematics.terms, found.systematics.kinds, strict=True))
     std = np.sqrt(np.diag(found.systematics.covariance))
     for term, share in (("bleaching", 0.8), ("temperature", 0.6)):
-        npt.assert_allclose(std[names.index((term, "rising constant"))], share * rise)
+        npt.assert_allclose(std[found.systematics.place(term, RISE)], share * rise)
     assert widths(found)["ratio"] == widths(before)["ratio"]
