@@ -1,14 +1,18 @@
 """The keys of a settings file, described: form, unit, default, bounds and meaning of each.
 
 Messages, the template of `erlif init`, the JSON schema and docs/settings.md are made from these.
-Form, bounds and default are those of the type of a field; its meaning stands in keys.toml
-beside the module of the table.
+Form, bounds and default are those of the type of a field; its meaning is the text below it.
 """
 
 from __future__ import annotations
 
+import ast
+import inspect
+import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cache
+from itertools import pairwise
 from types import UnionType
 from typing import Any, Literal, Union, get_args, get_origin
 
@@ -179,7 +183,7 @@ def tables_in(annotation: Any) -> list[type[Settings]]:
 
 
 def meaning_of(kind: type[Settings], name: str) -> tuple[str, Any]:
-    """Meaning and example of a key or of an inner table, as keys.toml has them.
+    """Meaning and example of a key or of an inner table, as they stand at its field.
 
     Parameters
     ----------
@@ -196,18 +200,32 @@ def meaning_of(kind: type[Settings], name: str) -> tuple[str, Any]:
 
     Examples
     --------
-    >>> from erlif.io.settings import OpticsSettings
-    >>> meaning_of(OpticsSettings, "pixel_pitch")[1]
-    '60 um'
+    >>> from erlif.io.settings import EncoderSettings
+    >>> meaning_of(EncoderSettings, "frame_rate")[1]
+    '500 Hz'
     """
     for one in kind.__mro__:  # a pin has the keys of any part
         if not issubclass(one, Settings):
             break
-        package = one.__module__.rpartition(".")[0]
-        text = read_table(package, "keys.toml").get(one.__name__, {}).get(name)
+        text = read_table("erlif.io.settings", "keys.toml").get(one.__name__, {}).get(name)
         if text is not None:
             return " ".join(text["meaning"].split()), text.get("example")
+        if meaning := _texts_below_fields(one.__module__).get((one.__name__, name)):
+            return meaning, next(iter(kind.model_fields[name].examples or ()), None)
     return "", None
+
+
+@cache
+def _texts_below_fields(module: str) -> dict[tuple[str, str], str]:
+    """Text below each field of a module, by class and field."""
+    texts = {}  # read from the source when it is asked for: classes do not keep it
+    classes = ast.parse(inspect.getsource(sys.modules[module])).body
+    for table in (one for one in classes if isinstance(one, ast.ClassDef)):
+        for pair in pairwise(table.body):
+            match pair:
+                case ast.AnnAssign(ast.Name(field)), ast.Expr(ast.Constant(str(text))):
+                    texts[table.name, field] = " ".join(text.split())
+    return texts
 
 
 def _describe(kind: type[Settings], name: str, field: FieldInfo) -> Key:
