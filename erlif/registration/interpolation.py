@@ -136,7 +136,7 @@ def filter_rows(out: AnyArray, start: int, stop: int) -> None:
         out[y, n + 2], out[y, n + 3] = out[y, n], out[y, n - 1]
 
 
-def spline_coefficients(image: AnyArray, *, threads: int = 1, out: Image | None = None) -> Image:
+def spline_coefficients(image: AnyArray, *, threads: int = 1) -> Image:
     """Return the cubic B-spline coefficients of an image, mirrored about its outer pixels.
 
     Parameters
@@ -145,8 +145,6 @@ def spline_coefficients(image: AnyArray, *, threads: int = 1, out: Image | None 
         Finite values, at least 3 by 3 pixels.
     threads : int
         Threads to use; the result does not depend on it.
-    out : array, (y + 4, x + 4), float32, optional
-        Filled and returned.
 
     Returns
     -------
@@ -167,7 +165,7 @@ def spline_coefficients(image: AnyArray, *, threads: int = 1, out: Image | None 
            [ 0., 36.,  0.],
            [ 0.,  0.,  0.]], dtype=float32)
     """
-    found = filtered_columns(image, threads=threads, out=out)
+    found = filtered_columns(image, threads=threads)
     in_bands(lambda a, b: filter_rows(found, a, b), image.shape[0], threads)
     mirror_rows(found)
     return found
