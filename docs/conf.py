@@ -25,8 +25,6 @@ os.environ["PYTHONPATH"] = os.pathsep.join(
 )  # for the kernel of the tutorial
 
 from erlif.core.version import __version__  # noqa: E402
-from erlif.io.settings import Settings  # noqa: E402
-from erlif.io.settings.keys import meaning_of  # noqa: E402
 
 project = "erlif"
 author = "The erlif developers"
@@ -261,17 +259,6 @@ def escape_bars(
             lines[n] = re.sub(r"(?<!\\)\|", r"\|", line)
 
 
-def list_settings(
-    app: Sphinx, what: str, name: str, thing: object, options: object, lines: list[str]
-) -> None:
-    """Append the keys of a table of the settings with their meanings."""
-    if what == "class" and isinstance(thing, type) and issubclass(thing, Settings):
-        lines.append("")
-        for key in thing.model_fields:
-            meaning = meaning_of(thing, key)[0] or "See the table of this name."
-            lines += [f"``{key}``", f"    {meaning}", ""]
-
-
 def add_navigation(app: Sphinx, docname: str, source: list[str]) -> None:
     """Append the pages below a page, which its side bar lists."""
     if pages := NAVIGATION.get(docname):
@@ -297,4 +284,3 @@ def setup(app: Sphinx) -> None:
     app.connect("builder-inited", write_api_pages, priority=100)
     app.connect("source-read", add_navigation)
     app.connect("autodoc-process-docstring", escape_bars)
-    app.connect("autodoc-process-docstring", list_settings, priority=900)

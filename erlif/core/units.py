@@ -38,7 +38,7 @@ def _factor(text: str) -> Fraction:
 
 # By the unit of the result, what one of each usual unit is in it.
 _USUAL = {
-    unit: {name: _factor(text) for name, text in names.items()}
+    unit: {unit: Fraction(1)} | {name: _factor(text) for name, text in names.items()}
     for unit, names in read_table("erlif.core", "units.toml").items()
 }
 

@@ -90,7 +90,7 @@ def _read_variables() -> dict[str, Mapping[str, Variable]]:
     table = read_table("erlif.core", "variables.toml")
     return {
         file: MappingProxyType(
-            {name: _read_variable(name, keys, table) for name, keys in variables.items()}
+            {name: _read_variable(file, name, table) for name in variables if name != "dims"}
         )
         for file, variables in table.items()
     }
@@ -99,9 +99,10 @@ def _read_variables() -> dict[str, Mapping[str, Variable]]:
 _ATTRIBUTES = ("units", "long_name", "comment", "ancillary_variables")  # of a variable, after CF
 
 
-def _read_variable(name: str, keys: dict[str, Any], table: dict[str, Any]) -> Variable:
+def _read_variable(file: str, name: str, table: dict[str, Any]) -> Variable:
     """Read an entry of the table; missing keys are taken from the file that `like` names."""
-    keys = table[keys["like"]][name] | keys if "like" in keys else dict(keys)
+    like = table[file][name].get("like", file)
+    keys = {"dims": table[like]["dims"], **table[like][name], **table[file][name]}
     keys.pop("like", None)
     attrs = {key: keys.pop(key) for key in list(keys) if key in _ATTRIBUTES}
     title = attrs.get("long_name", "")

@@ -19,7 +19,6 @@ from erlif.core.arrays import AnyArray, Mask
 from erlif.core.detector import QUANTISATION_VAR, reading_var
 from erlif.core.notes import Note, remark, warn
 from erlif.core.products import References
-from erlif.core.tables import read_table
 from erlif.core.units import count_of
 from erlif.correction.camera import CameraMeasurement
 from erlif.correction.flats import make_flat_field
@@ -42,9 +41,6 @@ _ASSUMED_READ_NOISE = 10.0
 _TRIAL_VAR = 1.0
 
 _NAN = float("nan")
-
-# Attributes of the numbers of a camera.
-_CHARACTERISTICS = read_table("erlif.correction", "characteristics.toml")
 
 
 @dataclass(frozen=True)
@@ -304,24 +300,41 @@ class _CameraEvidence:
             "flat_var": (response.flat_var, "1"),
         }
 
-        # characteristics after EMVA 1288, with the values in use beside the measured ones
-        numbers = {
-            "gain": gain.value,
-            "gain_measured": gain.measured,
-            "gain_std": gain.std,
-            "bend": transfer.bend if transfer else _NAN,
-            "bend_std": transfer.bend_std if transfer else _NAN,
-            "read_noise": read_noise.value,
-            "read_noise_measured": read_noise.measured,
-            "read_noise_std": read_noise.std,
-            "full_scale": measured.saturation,
-            "dark_signal": darks.level,
-            "dark_signal_std": darks.level_std,
-            "dark_spread": darks.spread,
-            "response_spread": response.spread,
-            "saturation_capacity": self.capacity,
+        # characteristics after EMVA 1288, with the values in use beside the measured ones: value,
+        # unit, and name in words
+        bend, bend_std = (transfer.bend, transfer.bend_std) if transfer else (_NAN, _NAN)
+        numbers: dict[str, tuple[float, str, str]] = {
+            "gain": (gain.value, "electron/DN", "gain in use"),
+            "gain_measured": (gain.measured, "electron/DN", "gain as measured"),
+            "gain_std": (gain.std, "electron/DN", "standard deviation of gain_measured"),
+            "bend": (bend, "1", "bend of the photon transfer curve"),
+            "bend_std": (bend_std, "1", "standard deviation of bend"),
+            "read_noise": (read_noise.value, "electron", "read noise in use"),
+            "read_noise_measured": (read_noise.measured, "electron", "read noise as measured"),
+            "read_noise_std": (
+                read_noise.std,
+                "electron",
+                "standard deviation of read_noise_measured",
+            ),
+            "full_scale": (measured.saturation, "DN", "count at which the camera saturates"),
+            "dark_signal": (darks.level, "DN", "mean dark level"),
+            "dark_signal_std": (
+                darks.level_std,
+                "DN",
+                "standard deviation of dark_signal, from page to page",
+            ),
+            "dark_spread": (
+                darks.spread,
+                "DN",
+                "standard deviation of the dark level over the pixels (DSNU)",
+            ),
+            "response_spread": (
+                response.spread,
+                "1",
+                "standard deviation of the response from pixel to pixel (PRNU)",
+            ),
+            "saturation_capacity": (self.capacity, "electron", "electrons at saturation"),
         }
-
         # single precision: the images are multiplied with counts of at most 16 bits
         return xr.Dataset(
             {
@@ -334,7 +347,10 @@ class _CameraEvidence:
                 "read_noise_known": ((), read_noise.known),
                 "has_flat": ((), measured.has_flat),
             }
-            | {name: ((), value, _CHARACTERISTICS[name]) for name, value in numbers.items()}
+            | {
+                name: ((), value, {"units": unit, "long_name": words})
+                for name, (value, unit, words) in numbers.items()
+            }
         )
 
     def notes(self) -> Iterator[Note]:

@@ -141,7 +141,7 @@ def combine_frames(ratios: RatioImages) -> RatioImages:
     for n in range(ratios.sizes["frame"]):
         total.add(PairRatio.of(ratios, n))
     mean = total.mean().to_images().isel(frame=0, drop=True)
-    return RatioImages(mean[[*names, "noise_correlation"]].reset_coords(drop=True))
+    return RatioImages(mean[[*names, "noise_correlation"]])
 
 
 def _weigh(pair: PairRatio) -> Image:

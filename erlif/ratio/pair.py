@@ -88,22 +88,15 @@ class PairRatio:
         Parameters
         ----------
         ratios : RatioImages
-            On dim frame, as `erlif.ratio.compute_ratio` returns them; the coordinates drift_x,
-            drift_y, peak_camera1, peak_camera2, digest_camera1 and digest_camera2 are read where
-            they exist.
+            On dim frame, as `erlif.ratio.compute_ratio` returns them.
         frame : int
             Position on dim frame.
 
         Returns
         -------
         PairRatio
+            Without drift, peaks and digests, which images do not have.
         """
-
-        def number(name: str, default: float) -> float:
-            return float(ratios[name].values[frame]) if name in ratios.variables else default
-
-        def text(name: str) -> str:
-            return str(ratios[name].values[frame]) if name in ratios.variables else ""
 
         def image(name: str) -> Image:
             return np.ascontiguousarray(ratios[name].values[frame], np.float32)
@@ -118,10 +111,7 @@ class PairRatio:
             shared,
             ratios.flags.values[frame],
             image("signal_camera1") if known else np.full_like(log_ratio, np.nan),
-            number("noise_correlation", 1.0),
-            (number("drift_x", 0.0), number("drift_y", 0.0)),
-            (int(number("peak_camera1", 0)), int(number("peak_camera2", 0))),
-            (text("digest_camera1"), text("digest_camera2")),
+            float(ratios.noise_correlation[frame]) if "noise_correlation" in ratios else 1.0,
         )
 
     def to_images(self) -> RatioImages:
@@ -130,18 +120,9 @@ class PairRatio:
         Returns
         -------
         RatioImages
-            As `erlif.ratio.compute_ratio` returns them, with the coordinates that `of` reads.
+            As `erlif.ratio.compute_ratio` returns them.
         """
-        return RatioImages(
-            gather_ratios([self]).assign_coords(
-                drift_x=("frame", [self.drift[0]]),
-                drift_y=("frame", [self.drift[1]]),
-                peak_camera1=("frame", [self.peaks[0]]),
-                peak_camera2=("frame", [self.peaks[1]]),
-                digest_camera1=("frame", [self.digests[0]]),
-                digest_camera2=("frame", [self.digests[1]]),
-            )
-        )
+        return gather_ratios([self])
 
 
 def gather_ratios(pairs: Sequence[PairRatio]) -> RatioImages:

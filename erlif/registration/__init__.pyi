@@ -12,8 +12,6 @@ from .drift import estimate_drift as estimate_drift
 from .estimate import register as register
 from .estimate import register_frames as register_frames
 from .interpolation import interpolation_variance_factor as interpolation_variance_factor
-from .interpolation import sample_spline as sample_spline
-from .interpolation import spline_coefficients as spline_coefficients
 from .interpolation import warp as warp
 from .inverse import InverseComparison as InverseComparison
 from .inverse import MapNodes as MapNodes

@@ -136,7 +136,7 @@ def filter_rows(out: AnyArray, start: int, stop: int) -> None:
         out[y, n + 2], out[y, n + 3] = out[y, n], out[y, n - 1]
 
 
-def spline_coefficients(image: AnyArray, *, threads: int = 1, out: Image | None = None) -> Image:
+def spline_coefficients(image: AnyArray, *, threads: int = 1) -> Image:
     """Return the cubic B-spline coefficients of an image, mirrored about its outer pixels.
 
     Parameters
@@ -145,13 +145,11 @@ def spline_coefficients(image: AnyArray, *, threads: int = 1, out: Image | None 
         Finite values, at least 3 by 3 pixels.
     threads : int
         Threads to use; the result does not depend on it.
-    out : array, (y + 4, x + 4), float32, optional
-        Filled and returned.
 
     Returns
     -------
     array, (y + 4, x + 4), float32
-        Coefficients with a margin of two mirrored ones on every side, ready for `sample_spline`.
+        Coefficients with a margin of two mirrored ones on every side, ready for `sample_rows`.
 
     Examples
     --------
@@ -167,7 +165,7 @@ def spline_coefficients(image: AnyArray, *, threads: int = 1, out: Image | None 
            [ 0., 36.,  0.],
            [ 0.,  0.,  0.]], dtype=float32)
     """
-    found = filtered_columns(image, threads=threads, out=out)
+    found = filtered_columns(image, threads=threads)
     in_bands(lambda a, b: filter_rows(found, a, b), image.shape[0], threads)
     mirror_rows(found)
     return found
@@ -205,53 +203,8 @@ def mirror_rows(out: Image) -> None:
 NOTHING: Final = np.zeros((0, 0), np.float32)
 # Stands for flags that are not asked for.
 NO_FLAGS: Final = np.zeros((0, 0), np.uint16)
-# Mask for `sample_spline` if all pixels are valid.
+# Mask for `sample_rows` if all pixels are valid.
 NOTHING_BAD: Final = np.zeros((0, 0), np.bool_)
-
-
-def sample_spline(
-    coefficients: AnyArray,
-    displacement_x: AnyArray,
-    displacement_y: AnyArray,
-    drift_x: float,
-    drift_y: float,
-    bad: AnyArray,
-    out: AnyArray,
-    start: int,
-    stop: int,
-) -> None:
-    """Evaluate the spline at x + displacement + drift in the rows ``start`` to ``stop``.
-
-    Parameters
-    ----------
-    coefficients : array, (y2 + 4, x2 + 4), float32
-        As `spline_coefficients` makes them from the image of camera 2.
-    displacement_x, displacement_y : array, (y, x), float32
-        Camera-2 pixel minus camera-1 pixel. [px]
-    drift_x, drift_y : float
-        Translation of this frame, added to the displacement. [px]
-    bad : array, (y2, x2), bool
-        Marked pixels of camera 2, or an array of size 0.
-    out : array, (y, x), float32
-        Receives the values; NaN where the point falls outside the image, or where one of the four
-        pixels around it is marked in ``bad``.
-    start, stop : int
-        Rows to evaluate.
-
-    Examples
-    --------
-    A ramp of 2 per column, half a pixel to the right:
-
-    >>> ramp = spline_coefficients(np.tile(2.0 * np.arange(60), (40, 1)))
-    >>> half = np.full((40, 60), 0.5, np.float32)
-    >>> out = np.empty((40, 60), np.float32)
-    >>> sample_spline(ramp, half, 0 * half, 0.0, 0.0, np.zeros((0, 0), np.bool_), out, 0, 40)
-    >>> round(float(out[20, 30]), 4)
-    61.0
-    """
-    field = displacement_x, displacement_y, np.float32(drift_x), np.float32(drift_y)
-    noise = NOTHING, NOTHING, NO_FLAGS
-    sample_rows(coefficients, *field, bad, *noise, out, *noise, 0, start, stop)
 
 
 @njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST, inline="always")
@@ -405,8 +358,14 @@ def sample_rows(  # type: ignore[no-untyped-def]
 
     Parameters
     ----------
-    coefficients, displacement_x, displacement_y, drift_x, drift_y, bad, out, start, stop
-        As of `sample_spline`; the drift in single precision.
+    coefficients : array, (y2 + 4, x2 + 4), float32
+        As `spline_coefficients` makes them from the image of camera 2.
+    displacement_x, displacement_y : array, (y, x), float32
+        Camera-2 pixel minus camera-1 pixel. [px]
+    drift_x, drift_y : float32
+        Translation of this frame, added to the displacement. [px]
+    bad : array, (y2, x2), bool
+        Marked pixels of camera 2, or an array of size 0.
     variance, fixed : array, (y2, x2), float32
         Two variances of camera 2, or arrays of size 0. They are interpolated bilinearly and
         multiplied by the factor of `interpolation_variance_factor`. With fewer rows than camera 2,
@@ -414,12 +373,17 @@ def sample_rows(  # type: ignore[no-untyped-def]
     flags : array, (y2, x2), uint16
         Flags of all pixels from which a point between this pixel and the next is interpolated, or
         an array of size 0.
+    out : array, (y, x), float32
+        Receives the values; NaN where the point falls outside the image, or where one of the four
+        pixels around it is marked in ``bad``.
     out_variance, out_fixed : array, (y, x), float32
         Receive the variances; NaN outside the image.
     out_flags : array, (y, x), uint16
         Receives the flags; OUTSIDE_OVERLAP outside the image.
     first : int
         The row that is stored as row 0 of `out_variance`, `out_fixed` and `out_flags`.
+    start, stop : int
+        Rows to evaluate.
 
     Returns
     -------
@@ -512,7 +476,7 @@ def laid_over(
     Parameters
     ----------
     spline : (array, array)
-        Coefficients of camera 2 and its marked pixels, as for `sample_spline`.
+        Coefficients of camera 2 and its marked pixels, as for `sample_rows`.
     dx, dy : array, (y, x), float32
         Displacement at each pixel of camera 1. [px]
     drift : (float, float)
@@ -525,19 +489,29 @@ def laid_over(
     Returns
     -------
     array, (y, x), float32
-        NaN as for `sample_spline`.
+        NaN as for `sample_rows`.
+
+    Examples
+    --------
+    A ramp of 2 per column, half a pixel to the right:
+
+    >>> ramp = spline_coefficients(np.tile(2.0 * np.arange(60), (40, 1))), NOTHING_BAD
+    >>> half = np.full((40, 60), 0.5, np.float32)
+    >>> round(float(laid_over(ramp, half, 0 * half, (0.0, 0.0), 1)[20, 30]), 4)
+    61.0
     """
     out = np.empty(dx.shape, np.float32)
     coefficients, bad = spline
-    x, y = float(drift[0]), float(drift[1])
-    if only is not None:
-        for s, t in only:
-            sample_spline(coefficients, dx, dy, x, y, bad, out, s, t)
-        return out
+    field = dx, dy, np.float32(drift[0]), np.float32(drift[1])
+    noise = NOTHING, NOTHING, NO_FLAGS
 
-    in_bands(
-        lambda s, t: sample_spline(coefficients, dx, dy, x, y, bad, out, s, t), dx.shape[0], threads
-    )
+    def read(start: int, stop: int) -> None:
+        sample_rows(coefficients, *field, bad, *noise, out, *noise, 0, start, stop)
+
+    if only is None:
+        in_bands(read, dx.shape[0], threads)
+    for start, stop in only or ():
+        read(start, stop)
     return out
 
 

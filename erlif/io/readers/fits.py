@@ -10,9 +10,8 @@ from pathlib import Path
 
 import numpy as np
 
-from erlif.core.arrays import AnyArray
 from erlif.core.errors import FrameError
-from erlif.io.readers.base import Format, FrameFile, FrameKind, check_claim
+from erlif.io.readers.base import Format, FrameFile, check_claim
 from erlif.io.readers.raw import FrameLayout, RawFrames
 from erlif.io.readers.source import Source
 
@@ -26,29 +25,7 @@ _MOST_BLOCKS = 1000
 _TYPES = {8: "|u1", 16: ">i2", 32: ">i4", 64: ">i8", -32: ">f4", -64: ">f8"}
 
 # BZERO by which FITS stores unsigned numbers, by BITPIX; table 11 of the standard.
-_UNSIGNED = {16: (2**15, "uint16"), 32: (2**31, "uint32"), 64: (2**63, "uint64")}
-
-
-class FitsFrames(RawFrames):
-    """Frames of a FITS image, unsigned where the header moves their zero."""
-
-    def __init__(self, path: Path, layout: FrameLayout, start: int, count: int, dtype: str) -> None:
-        super().__init__(path, layout, layout.in_a_row(start, count))
-        self._dtype = dtype
-        if dtype != layout.kind.dtype:
-            kind = FrameKind(layout.shape, dtype)
-            self.kinds = [kind if one == layout.kind else one for one in self.kinds]
-
-    def read(self, index: int) -> AnyArray:
-        """As `FrameFile.read`."""
-        stored = super().read(index)
-        if self._dtype == stored.dtype.name:
-            return stored
-
-        # adding half the range is turning over the highest bit
-        unsigned: AnyArray = stored.view(self._dtype)
-        unsigned ^= unsigned.dtype.type(1 << (8 * unsigned.itemsize - 1))
-        return unsigned
+_UNSIGNED = {16: 2**15, 32: 2**31, 64: 2**63}
 
 
 def open_fits(path: Path) -> FrameFile:
@@ -77,13 +54,18 @@ def open_fits(path: Path) -> FrameFile:
     if bits not in _TYPES:
         raise FrameError(f"the file is damaged: BITPIX is {bits}")
     upside_down = cards.get("ROWORDER", "").upper() == "BOTTOM-UP"
-    layout = FrameLayout((shape[1], shape[0]), _TYPES[bits], bottom_up=upside_down)
+    layout = FrameLayout(
+        (shape[1], shape[0]),
+        _TYPES[bits],
+        bottom_up=upside_down,
+        unsigned=_is_unsigned(cards, bits),
+    )
     check_claim(1, layout.kind, path.stat().st_size)
-    return FitsFrames(path, layout, place, frames, _dtype(cards, bits, layout))
+    return RawFrames(path, layout, layout.in_a_row(place, frames))
 
 
-def _dtype(cards: dict[str, str], bits: int, layout: FrameLayout) -> str:
-    """Type of the counts: unsigned where BZERO is half the range."""
+def _is_unsigned(cards: dict[str, str], bits: int) -> bool:
+    """Whether the counts are unsigned: BZERO is half the range."""
     try:
         # an exponent may be written with the letter D
         zero, scale = (
@@ -92,11 +74,8 @@ def _dtype(cards: dict[str, str], bits: int, layout: FrameLayout) -> str:
         )
     except ValueError:
         raise FrameError("the file is damaged: BZERO or BSCALE is no number") from None
-    half, name = _UNSIGNED.get(bits, (0, ""))
-    if scale == 1 and zero == 0:
-        return layout.kind.dtype
-    if scale == 1 and name and zero == half:
-        return name
+    if scale == 1 and zero in (0, _UNSIGNED.get(bits)):
+        return zero != 0
     raise FrameError(
         f"its values are scaled (BSCALE = {scale:g}, BZERO = {zero:g}) and no longer counts. Save "
         "the raw counts of the camera."

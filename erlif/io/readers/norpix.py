@@ -8,7 +8,7 @@ Format; the versions 3 to 5 are read.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import cached_property
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -45,32 +45,6 @@ _BAYER = (101, 113, 115, 132, 134)
 _STAMP = [("second", "<u4"), ("thousandth", "<u2"), ("millionth", "<u2")]
 
 
-class NorpixFrames(RawFrames):
-    """The frames of a SEQ file."""
-
-    has_microseconds = True
-    rate = 0.0
-
-    # read when they are asked for: they lie between the frames, over the whole file
-    @cached_property
-    def times(self) -> Array | None:  # type: ignore[override]
-        """Time of each frame from the first; after the rate where the stamps are not set. [s]"""
-        stamps, held = self.read_stamps(self.layout.size, _STAMP)
-
-        # before version 5 the last number is padding; seconds are counted from the first frame on,
-        # because 64 bits resolve a time since 1970 to a quarter of a microsecond only
-        seconds = stamps["second"].astype(np.float64) - stamps["second"][0]
-        times = seconds + stamps["thousandth"] * 1e-3
-        if self.has_microseconds:
-            times += stamps["millionth"] * 1e-6
-
-        if held[0] and (len(times) == 1 or np.ptp(times[held]) > 0):
-            elapsed: Array = np.where(held, times - times[0], np.nan)
-            return elapsed
-        interval = frame_interval(self.rate)
-        return None if interval is None else interval * np.arange(len(times), dtype=np.float64)
-
-
 def open_norpix(path: Path) -> FrameFile:
     """Open a SEQ file.
 
@@ -100,15 +74,28 @@ def open_norpix(path: Path) -> FrameFile:
         # a loop goes on at its first place after the last; a lying number takes no memory
         in_time = np.roll(np.asarray(places), -header.oldest)
     bits = header.significant_bits if 1 <= header.significant_bits <= header.bits else header.bits
-    file = NorpixFrames(
+    return RawFrames(
         path,
         layout,
         in_time,
         bits=None if header.format in _HIGH_BITS and bits < header.bits else bits,
+        interval=frame_interval(header.rate),
+        find_times=partial(_read_times, has_microseconds=is_large),
     )
-    file.has_microseconds = is_large
-    file.rate = header.rate
-    return file
+
+
+def _read_times(file: RawFrames, *, has_microseconds: bool) -> Array | None:
+    """Times by the stamps behind the frames; None where these are not set."""
+    stamps, held = file.read_stamps(file.layout.size, _STAMP)
+    # before version 5 the last number is padding; seconds are counted from the first frame on,
+    # because 64 bits resolve a time since 1970 to a quarter of a microsecond only
+    seconds = stamps["second"].astype(np.float64) - stamps["second"][0]
+    times = seconds + stamps["thousandth"] * 1e-3
+    if has_microseconds:
+        times += stamps["millionth"] * 1e-6
+    if held[0] and (len(times) == 1 or np.ptp(times[held]) > 0):
+        return np.asarray(np.where(held, times - times[0], np.nan))
+    return None
 
 
 def _find_layout(header: Any) -> FrameLayout:

@@ -122,12 +122,15 @@ def open_phantom(path: Path) -> FrameFile:
     # counts of 8 bits may come from a camera of more
     bits = 12 if layout.packing is not None else min(later.depth, bitmap.bits) or None
     interval = frame_interval(later.rate or setup.rate, step=max(later.decimation, 1))
-    file = PhantomFrames(
-        path, layout, places, before=2 * _NUMBER.size, bits=bits, interval=interval
+    return PhantomFrames(
+        path,
+        layout,
+        places,
+        before=2 * _NUMBER.size,
+        bits=bits,
+        interval=interval,
+        find_times=lambda file: times,
     )
-    if times is not None:  # the stamps of the camera go before its rate
-        file.times = times
-    return file
 
 
 def _read_times(source: Source, start: int, header: Any) -> Array | None:

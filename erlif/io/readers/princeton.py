@@ -8,7 +8,7 @@ the sensor are not read.
 from __future__ import annotations
 
 import re
-from functools import cached_property
+from functools import partial
 from pathlib import Path
 
 from erlif.core.arrays import Array
@@ -34,28 +34,6 @@ _LONGEST_TEXT = 64 * 2**20
 
 # Events of a time stamp, the preferred first.
 _EVENTS = ("ExposureStarted", "ExposureEnded")
-
-
-class LightfieldFrames(RawFrames):
-    """Frames of LightField, with the time stamps behind each of them.
-
-    Attributes
-    ----------
-    stamp : tuple[int, float] | None
-        Place of the stamp from the start of a frame [byte] and its unit [s]; None without stamps.
-    """
-
-    stamp: tuple[int, float] | None = None
-
-    # read when they are asked for: they lie between the frames, over the whole file
-    @cached_property
-    def times(self) -> Array | None:  # type: ignore[override]
-        """Time of each frame from the first; None without stamps or where frames were cut. [s]"""
-        if self.stamp is None:
-            return None
-        place, unit = self.stamp
-        ticks, held = self.read_stamps(place, "<i8")
-        return (ticks - ticks[0]) * unit if held.all() else None
 
 
 def open_princeton(path: Path) -> FrameFile:
@@ -106,9 +84,21 @@ def _open_lightfield(path: Path, source: Source, start: int) -> FrameFile:
         raise FrameError(
             f"the file is damaged: frames of {layout.size} bytes cannot lie {step} apart"
         )
-    file = LightfieldFrames(path, layout, layout.in_a_row(_HEADER_SIZE, count, step))
-    file.stamp = _find_stamp(text, layout.size, step)
-    return file
+    return RawFrames(
+        path,
+        layout,
+        layout.in_a_row(_HEADER_SIZE, count, step),
+        find_times=partial(_read_times, stamp=_find_stamp(text, layout.size, step)),
+    )
+
+
+def _read_times(file: RawFrames, stamp: tuple[int, float] | None) -> Array | None:
+    """Times by the stamps behind the frames; None without stamps or where frames were cut."""
+    if stamp is None:
+        return None
+    place, unit = stamp
+    ticks, held = file.read_stamps(place, "<i8")
+    return (ticks - ticks[0]) * unit if held.all() else None
 
 
 def _find_stamp(text: str, start: int, end: int) -> tuple[int, float] | None:

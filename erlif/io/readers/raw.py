@@ -14,14 +14,15 @@ GigE Vision). The wrong order raises no error, it yields wrong counts.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from enum import Enum
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
 
-from erlif.core.arrays import AnyArray, Counts, Mask
+from erlif.core.arrays import AnyArray, Array, Counts, Mask
 from erlif.core.errors import FrameError
 from erlif.io.readers.base import MOST_FRAMES, TRUNCATED, FrameFile, FrameKind, check_claim
 from erlif.io.readers.source import Source
@@ -56,6 +57,8 @@ class FrameLayout:
         Whether the lowest row comes first.
     table : Counts | None
         Counts by packed value, for values that the camera compressed; None for plain counts.
+    unsigned : bool
+        Whether the counts are unsigned and stored less half their range.
     """
 
     shape: tuple[int, int]
@@ -64,11 +67,13 @@ class FrameLayout:
     row_bytes: int = 0
     bottom_up: bool = False
     table: Counts | None = None
+    unsigned: bool = False
 
     @property
     def kind(self) -> FrameKind:
         """Kind of a decoded frame."""
-        return FrameKind(self.shape, np.dtype(self.dtype).newbyteorder("=").name)
+        name = np.dtype(self.dtype).name
+        return FrameKind(self.shape, f"u{name}" if self.unsigned else name)
 
     @property
     def size(self) -> int:
@@ -98,7 +103,9 @@ class RawFrames(FrameFile):
     before : int
         Bytes of a header of the frame between that place and its counts, at least.
     interval : float or None
-        Time between two frames; None where the file has none. [s]
+        Time between two frames, where the file states one. [s]
+    find_times : callable
+        Finds the time of each frame from the first one; None where the interval gives it. [s]
     described_by : str
         Name of the file beside the counts that holds their header; empty where there is none.
     bits, companions
@@ -131,11 +138,13 @@ class RawFrames(FrameFile):
         before: int = 0,
         bits: int | None = None,
         interval: float | None = None,
+        find_times: Callable[[RawFrames], Array | None] = lambda file: None,
         companions: Sequence[Path] = (),
         described_by: str = "",
     ) -> None:
         self.layout, self.offsets = layout, offsets
         self.bits, self.companions = bits, companions
+        self._interval, self._find_times = interval, find_times
         self._source = Source(path)
         try:
             self.kinds = self._find_kinds(before)
@@ -144,8 +153,15 @@ class RawFrames(FrameFile):
         except BaseException:
             self.close()
             raise
-        if interval is not None:
-            self.times = interval * np.arange(len(self.kinds), dtype=np.float64)
+
+    # found when they are asked for: stamps lie between the frames, over the whole file
+    @cached_property
+    def times(self) -> Array | None:  # type: ignore[override]
+        """As `FrameFile.times`."""
+        times = self._find_times(self)
+        if times is None and self._interval is not None:
+            times = self._interval * np.arange(len(self.kinds), dtype=np.float64)
+        return times
 
     def _find_kinds(self, before: int) -> Sequence[FrameKind]:
         """Kind of each frame; those behind the end of the file are truncated."""
@@ -310,18 +326,19 @@ def read_counts(source: Source, layout: FrameLayout, offset: int) -> AnyArray:
         source.fill(packed, offset)
         flat = unpack(packed, rows * columns, layout.packing, table=layout.table)
         counts: AnyArray = flat.reshape(rows, columns)
-    elif layout.row_bytes:
-        padded = np.empty((rows, layout.row_bytes), np.uint8)
+    else:
+        padded = np.empty((rows, layout.size // rows), np.uint8)
         source.fill(padded, offset)
         width = columns * np.dtype(layout.dtype).itemsize
         counts = np.ascontiguousarray(padded[:, :width]).view(layout.dtype)
-    else:
-        counts = np.empty((rows, columns), layout.dtype)
-        source.fill(counts, offset)
 
     if layout.bottom_up:
         counts = np.ascontiguousarray(counts[::-1])
-    return counts.astype(layout.kind.dtype, copy=False)
+    counts = counts.astype(counts.dtype.newbyteorder("="), copy=False)
+    if layout.unsigned:  # adding half the range is turning over the highest bit
+        counts = counts.view(layout.kind.dtype)
+        counts ^= counts.dtype.type(1 << (8 * counts.itemsize - 1))
+    return counts
 
 
 class Packing(Enum):

@@ -1,20 +1,23 @@
 """The keys of a settings file, described: form, unit, default, bounds and meaning of each.
 
 Messages, the template of `erlif init`, the JSON schema and docs/settings.md are made from these.
-Form, bounds and default are those of the type of a field; its meaning stands in keys.toml
-beside the module of the table, or with the field.
+Form, bounds and default are those of the type of a field; its meaning is the text below it.
 """
 
 from __future__ import annotations
 
+import ast
+import inspect
+import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cache
+from itertools import pairwise
 from types import UnionType
 from typing import Any, Literal, Union, get_args, get_origin
 
 from pydantic.fields import FieldInfo
 
-from erlif.core.tables import read_table
 from erlif.core.units import parse_quantity
 from erlif.io.settings.tables import Form, Settings
 from erlif.io.settings.toml import toml_value
@@ -178,45 +181,60 @@ def tables_in(annotation: Any) -> list[type[Settings]]:
     return [found for argument in get_args(annotation) for found in tables_in(argument)]
 
 
-def meaning_of(kind: type[Settings], name: str) -> tuple[str, Any]:
-    """Meaning and example of a key or of an inner table, as keys.toml or its field has them.
+def meaning_of(kind: type[Settings], name: str) -> str:
+    """Meaning of a key or of an inner table: the description of its field, or the text below it.
 
     Parameters
     ----------
     kind : type of Settings
-        Class of the table around it.
+        Its table.
     name : str
-        Name of the key.
+        Name in the table.
 
     Returns
     -------
-    str, Any
-        The meaning, empty for a table that describes itself; the example as a user writes it, None
-        where that of the type serves.
+    str
+        Empty for a table that describes itself.
 
     Examples
     --------
-    >>> from erlif.io.settings import OpticsSettings
-    >>> meaning_of(OpticsSettings, "pixel_pitch")[1]
-    '60 um'
+    >>> from erlif.io.settings import OilSettings
+    >>> meaning_of(OilSettings, "pressure_viscosity")
+    'Pressure-viscosity coefficient of Barus.'
     """
-    described = kind.model_fields[name].description
-    if described is not None:
-        return " ".join(described.split()), None
+    if described := kind.model_fields[name].description:
+        return " ".join(described.split())
     for one in kind.__mro__:  # a pin has the keys of any part
-        if not issubclass(one, Settings):
-            break
-        package = one.__module__.rpartition(".")[0]
-        text = read_table(package, "keys.toml").get(one.__name__, {}).get(name)
-        if text is not None:
-            return " ".join(text["meaning"].split()), text.get("example")
-    return "", None
+        text = issubclass(one, Settings) and _texts_below_fields(one.__module__).get(
+            (one.__name__, name)
+        )
+        if text:
+            return text
+    return ""
+
+
+@cache
+def _texts_below_fields(module: str) -> dict[tuple[str, str], str]:
+    """Text below each field of a module, by class and field."""
+    texts = {}  # read from the source when it is asked for: classes do not keep it
+    classes = ast.parse(inspect.getsource(sys.modules[module])).body
+    for table in (one for one in classes if isinstance(one, ast.ClassDef)):
+        for pair in pairwise(table.body):
+            match pair:
+                case ast.AnnAssign(ast.Name(field)), ast.Expr(ast.Constant(str(text))):
+                    texts[table.name, field] = " ".join(text.split())
+    return texts
+
+
+def example_of(field: FieldInfo) -> Any:
+    """Example of a field as a user writes it; None where that of its type serves."""
+    return next(iter(field.examples or ()), None)
 
 
 def _describe(kind: type[Settings], name: str, field: FieldInfo) -> Key:
     """Key of a field."""
     plain, metadata = _unwrap(field)
-    meaning, own = meaning_of(kind, name)
+    own = example_of(field)
     form = next((item for item in metadata if isinstance(item, Form)), None)
     choices = get_args(plain) if get_origin(plain) is Literal else ()
 
@@ -244,7 +262,7 @@ def _describe(kind: type[Settings], name: str, field: FieldInfo) -> Key:
         default=default,
         bounds=_describe_bounds(metadata),
         choices=choices,
-        meaning=meaning,
+        meaning=meaning_of(kind, name),
     )
 
 

@@ -41,22 +41,48 @@ class CoefficientSettings(Settings):
     """A dye by its coefficients at the laser and in the bands of the cameras."""
 
     laser: MolarAbsorption
+    """Molar absorption coefficient at the laser."""
     camera1: MolarAbsorption
+    """The same in the band of camera 1."""
     camera2: MolarAbsorption
+    """The same in the band of camera 2."""
     emission1: EmissionDensity
+    """Share of the emitted photons per nm in the band of camera 1."""
     emission2: EmissionDensity
+    """The same in the band of camera 2."""
 
 
 class DyeSettings(Settings):
     """One dye: what dissolves, absorbs and emits."""
 
-    name: Text = ""
+    name: Text = Field("", examples=["Pyrromethene 605"])
+    """Name of the dye."""
     concentration: Concentration
-    quantum_yield: float = Field(strict=True, gt=0, le=1)
+    """Concentration in the oil."""
+    quantum_yield: float = Field(strict=True, gt=0, le=1, examples=[0.7])
+    """Photons emitted for one absorbed."""
     spectra: Literal["synthetic 605", "synthetic 650"] | None = None
-    absorption: FileName | None = None
-    emission: FileName | None = None
-    coefficients: CoefficientSettings | None = None
+    """Invented spectra of no real dye, for a first look. Give this, or absorption and emission, or
+    coefficients."""
+    absorption: FileName | None = Field(None, examples=["dye1_absorption.csv"])
+    """Molar absorption coefficient, decadic, in L/mol/cm: CSV file with the columns
+    wavelength_nm,value, beside this file."""
+    emission: FileName | None = Field(None, examples=["dye1_emission.csv"])
+    """Emission over its whole band in any unit, photons per wavelength: CSV file with the columns
+    wavelength_nm,value."""
+    coefficients: CoefficientSettings | None = Field(
+        None,
+        examples=[
+            {
+                "laser": "8.5e4 L/mol/cm",
+                "camera1": "3.5e3 L/mol/cm",
+                "camera2": "0 L/mol/cm",
+                "emission1": "0.017 1/nm",
+                "emission2": "0.008 1/nm",
+            }
+        ],
+    )
+    """Coefficients at the laser and in both bands, where no spectra are at hand."""
 
     def faults(self) -> Iterator[str]:
         files = (self.absorption is not None, self.emission is not None)
@@ -79,32 +105,51 @@ class DyeSettings(Settings):
 class LaserSettings(Settings):
     """The laser."""
 
-    wavelength: Wavelength
+    wavelength: Wavelength = Field(examples=["532 nm"])
+    """Wavelength."""
     pulse_energy: Energy
-    beam_diameter: Length | None = None
+    """Energy of one pulse."""
+    beam_diameter: Length | None = Field(None, examples=["25 mm"])
+    """Diameter of the beam on the film. Default: it is not known, and light follows from thick_film
+    of the cameras."""
     corner: float = Field(1.0, ge=0.1, le=1)
+    """Light at the corners of the field over that in its middle, of beam and lens."""
 
 
 class OpticsOfPlan(Settings):
     """How much of the light reaches a pixel. Needed where thick_film is not given."""
 
-    pixel_pitch: Length
-    numerical_aperture: float = Field(strict=True, gt=0, lt=1)
+    pixel_pitch: Length = Field(examples=["60 um"])
+    """Size of a pixel in the object plane."""
+    numerical_aperture: float = Field(strict=True, gt=0, lt=1, examples=[0.1])
+    """Sine of the half angle of the light collected, in air."""
     refractive_index: float = Field(1.47, strict=True, ge=1, le=2)
+    """Refractive index of the oil."""
 
 
 class CameraOfPlan(Settings):
     """One camera and its filter."""
 
     band: Wavelength
+    """Centre wavelength of the filter. Camera 1 has the band that dye 2 reabsorbs."""
     bandwidth: Width = 10.0
+    """Full width of the filter at half of its transmission."""
     bit_depth: int = Field(12, strict=True, ge=8, le=16)
+    """Bits of a count: full scale is 2^bit_depth - 1."""
     gain: Gain
+    """Photo-electrons of one count."""
     read_noise: Electrons
+    """Rms read noise of a pixel."""
     offset: Counts = 64.0
+    """Dark level."""
     full_well: FullWell | None = None
-    thick_film: Electrons | None = None
-    efficiency: float | None = Field(None, strict=True, gt=0, le=1)
+    """Largest signal of a pixel. Default: full scale of the converter."""
+    thick_film: Electrons | None = Field(None, examples=["11000 electron"])
+    """Photo-electrons of a pixel in mid-beam from a very thick film, at the concentrations and the
+    pulse energy of this file. It replaces [optics], beam diameter and efficiency."""
+    efficiency: float | None = Field(None, strict=True, gt=0, le=1, examples=[0.3])
+    """Photo-electrons for one photon that enters the lens: lens, filter and quantum efficiency.
+    Either efficiency or thick_film is required."""
 
     def faults(self) -> Iterator[str]:
         if (self.thick_film is None) == (self.efficiency is None):
@@ -128,11 +173,16 @@ class CameraOfPlan(Settings):
 class FilmOfPlan(Settings):
     """The films to be measured."""
 
-    thinnest: Length
-    thickest: Length
-    uncertainty: float = Field(0.05, strict=True, gt=0, lt=1)
+    thinnest: Length = Field(examples=["2 um"])
+    """Thinnest film to be measured."""
+    thickest: Length = Field(examples=["10 um"])
+    """Thickest film to be measured."""
+    uncertainty: float = Field(0.05, strict=True, gt=0, lt=1, examples=[0.01])
+    """Standard deviation wanted, share of the film."""
     frames: int = Field(1, strict=True, ge=1)
+    """Frame pairs that are averaged into one map."""
     average: int = Field(1, strict=True, ge=1, le=500)
+    """Side of the squares of pixels over which a map is averaged. 1: single pixels. [px]"""
 
     def faults(self) -> Iterator[str]:
         if not self.thinnest < self.thickest:
@@ -145,17 +195,23 @@ class FilmOfPlan(Settings):
 class FixtureOfPlan(Settings):
     """Films of the calibration fixture."""
 
-    thinnest: Length | None = None
-    thickest: Length | None = None
+    thinnest: Length | None = Field(None, examples=["0.1 um"])
+    """Default: a twentieth of the thinnest film to be measured."""
+    thickest: Length | None = Field(None, examples=["18 um"])
+    """Default: 1.5 times the thickest film to be measured."""
 
 
 class JointOfPlan(Settings):
     """The joint whose gap shows what no frame shows."""
 
-    pin_radius: Length
-    bushing_radius: Length
-    width: Length
+    pin_radius: Length = Field(examples=["33.36 mm"])
+    """Radius of the pin."""
+    bushing_radius: Length = Field(examples=["33.59 mm"])
+    """Radius of the bore."""
+    width: Length = Field(examples=["19.2 mm"])
+    """Extent of the image along sliding."""
     frames: int = Field(50, strict=True, ge=12)
+    """Frame pairs of a run."""
 
     def faults(self) -> Iterator[str]:
         if not self.pin_radius < self.bushing_radius:
@@ -168,32 +224,46 @@ class ReferencesOfPlan(Settings):
     """Dark and flat pages."""
 
     dark_pages: int = Field(8, strict=True, ge=1)
+    """Dark pages of each camera."""
     flat_pages: int = Field(12, strict=True, ge=0)
+    """Flat pages of each camera, all levels together. 0: the response of the pixels is left out of
+    the plan."""
     flat_level: float = Field(0.5, strict=True, gt=0, le=1)
+    """Mean light of the flat pages, share of full scale."""
 
 
 class OptimumOptions(Settings):
     """What the concentrations may be where the best ones are sought."""
 
     largest_concentration: Concentration = 0.05
+    """Largest concentration that dissolves."""
     fill: float = Field(0.75, strict=True, gt=0, le=1)
+    """Largest mean signal, share of full scale. Speckle and the scatter of the pulse energy need
+    the rest."""
 
 
 class ToleranceOptions(Settings):
     """Tolerances, as shares of the value unless a unit is given."""
 
     concentration: Share = 0.05
+    """Concentration of each dye."""
     filter: Shift = 2.0
+    """Centre wavelength of each filter."""
     pulse_energy: Share = 0.10
+    """Pulse energy."""
     gain: Share = 0.05
+    """Gain of each camera."""
     read_noise: Share = 0.20
+    """Read noise of both cameras."""
     full_well: Share = 0.10
+    """Full well of both cameras."""
 
 
 class NameOfPlan(Settings):
     """The plan."""
 
-    name: Text
+    name: Text = Field(examples=["pin of the crank"])
+    """Name, for figures and tables."""
 
 
 class PlanSettings(Settings):
@@ -201,7 +271,9 @@ class PlanSettings(Settings):
 
     plan: NameOfPlan
     dye1: DyeSettings
+    """The dye whose light is reabsorbed."""
     dye2: DyeSettings
+    """The dye that reabsorbs it."""
     laser: LaserSettings
     camera1: CameraOfPlan
     camera2: CameraOfPlan

@@ -41,11 +41,8 @@ def json_schema(kind: type[Settings]) -> dict[str, Any]:
     for table in tables_of(kind):
         definition = schema if table.kind is kind else schema["definitions"][table.kind.__name__]
         for name, entry in definition["properties"].items():
-            meaning, example = meaning_of(table.kind, name)
-            if meaning:
+            if meaning := meaning_of(table.kind, name):
                 entry["description"] = meaning
-            if example is not None:
-                entry["examples"] = [example]
 
         # defaults as a user writes them: pydantic has them in the unit in which they are kept
         for key in keys_of(table.kind):

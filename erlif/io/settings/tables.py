@@ -208,20 +208,47 @@ class CameraSettings(Settings):
     """One camera: its files, its filter and its noise."""
 
     files: FileName
+    """Frames of this camera, in natural order (frame_2 before frame_10): a pattern, or one
+    multi-page file, relative to this file."""
     band: Band
+    """Centre wavelength of the filter of this camera. Camera 1 has the shorter one, whose light dye
+    2 reabsorbs."""
     bit_depth: int = Field(12, strict=True, ge=8, le=16)
+    """Bits of a count: full scale is 2^bit_depth - 1. The data sheet of the camera states it."""
     alignment: Literal["right", "left"] = "right"
+    """Bits of a 16-bit word that hold the count: low (right) or high (left), as in multiples of 16
+    at 12 bits."""
     part: FilePart | None = None
-    dataset: Text | None = None
-    dark_dataset: Text | None = None
-    flat_dataset: Text | None = None
-    background_dataset: Text | None = None
-    dark: FileName | None = None
+    """Part of the files that belongs to this camera where one file holds both, also of darks and
+    flats: half of the sensor, odd or even pages (the first is odd), a channel of an OME or ImageJ
+    file, a frame of a LaVision image. Default: the whole file."""
+    dataset: Text | None = Field(None, examples=["/camera1/counts"])
+    """Path of the frames in an HDF5 or netCDF file. Default: its only dataset of three
+    dimensions."""
+    dark_dataset: Text | None = Field(None, examples=["/camera1/dark"])
+    """Path of the dark frames in an HDF5 or netCDF file. Default: that of the frames."""
+    flat_dataset: Text | None = Field(None, examples=["/camera1/flat"])
+    """Path of the flat frames in an HDF5 or netCDF file. Default: that of the frames."""
+    background_dataset: Text | None = Field(None, examples=["/camera1/background"])
+    """Path of the frames of the dry joint in an HDF5 or netCDF file. Default: that of the
+    frames."""
+    dark: FileName | None = Field(None, examples=["camera1_dark.tif"])
+    """Dark frames: lens capped, exposure time and camera gain as in the run. Either dark or offset
+    is required."""
     offset: Counts | None = None
-    flat: FileName | None = None
-    background: FileName | None = None
+    """Dark level of the camera where no dark frames were taken."""
+    flat: FileName | None = Field(None, examples=["camera1_flat.tif"])
+    """Flat frames of an evenly lit target, several at each light level. Default: all pixels are
+    equally sensitive."""
+    background: FileName | None = Field(None, examples=["camera1_background.tif"])
+    """Frames of the dry or dye-free joint under the laser, at the mean pulse energy of the run.
+    Their light is subtracted, scaled by the pulse energy where the log has it."""
     gain: Gain | None = None
+    """Photo-electrons per count. Default: measured from the flats by photon transfer (EMVA 1288),
+    without flats from the frames."""
     read_noise: Electrons | None = None
+    """Rms read noise of a pixel. Default: measured from the darks, without darks from the
+    frames."""
 
     @property
     def full_scale(self) -> int:
@@ -251,8 +278,15 @@ class OpticsSettings(Settings):
     """Scale and direction of the image of camera 1 in the object plane, and the wall there."""
 
     pixel_pitch: PixelPitch
+    """Size of a pixel of camera 1 in the object plane. Photograph a scale there and divide a length
+    by the number of pixels it covers."""
     x_axis: Literal["sliding", "axial"] = "sliding"
+    """Direction of the joint along image x: the sliding (circumferential) or the axial
+    direction."""
     wall: Reflectance | None = None
+    """Share of laser and fluorescence that the wall behind the film returns; [systematics] wall is
+    its error. Default: as the fit of the fixture finds it, and that of the fixture for the
+    joint."""
 
     @property
     def reflectance(self) -> float | None:
@@ -273,39 +307,73 @@ PulseEnergyUnit = Literal["mJ", "J", "uJ", "V", "1"]
 class ColumnUnits(Settings):
     """Units of columns whose header has none; they take precedence over the header."""
 
-    angle: AngleUnit | None = None
-    time: TimeUnit | None = None
-    load: ForceUnit | None = None
-    temperature: TemperatureUnit | None = None
-    speed: SpeedUnit | None = None
-    pulse_energy: PulseEnergyUnit | None = None
+    angle: AngleUnit | None = Field(None, examples=["rad"])
+    """Unit of the angle; tick needs ticks_per_turn."""
+    time: TimeUnit | None = Field(None, examples=["ms"])
+    """Unit of the time."""
+    load: ForceUnit | None = Field(None, examples=["lbf"])
+    """Unit of the load."""
+    temperature: TemperatureUnit | None = Field(None, examples=["degF"])
+    """Unit of the temperature."""
+    speed: SpeedUnit | None = Field(None, examples=["mm/s"])
+    """Unit of the speed."""
+    pulse_energy: PulseEnergyUnit | None = Field(None, examples=["mJ"])
+    """Unit of the pulse energy."""
 
 
 class EncoderSettings(Settings):
     """The encoder and its log."""
 
-    file: FileName | None = None
+    file: FileName | None = Field(None, examples=["encoder.csv"])
+    """Encoder log: one row for each frame pair, or a column of times. Default: there is none, as
+    for a static film."""
     mounted_on: Literal["rocker", "crank", "coupler"] = "rocker"
+    """Link whose angle against the ground link the encoder measures."""
     zero: Angle | None = None
-    triggers_per_cycle: int | None = Field(None, strict=True, ge=1)
-    bins: int | None = Field(None, strict=True, ge=2)
+    """Angle of that link, counted from the ground link, at encoder reading 0; of a disc, its angle;
+    of a sinusoidal slider, the angle of its drive, 0 at mid-stroke. Default: the extremes of the
+    log are matched to the dead points of the linkage; 0 for disc and slider."""
+    triggers_per_cycle: int | None = Field(None, strict=True, ge=1, examples=[50])
+    """Triggers in one cycle, for folding several cycles; 1 averages all frames of a static film.
+    Default: from the log of a linkage whose triggers repeat; else each frame is a trigger."""
+    bins: int | None = Field(None, strict=True, ge=2, examples=[50])
+    """Parts of a cycle, by the angle of the crank, over which frames are averaged. No part holds
+    frames of both strokes. Default: none."""
     direction: Literal["rising", "falling"] | None = None
+    """Whether the reading rises or falls while the angle of the link rises. Default: as the log
+    shows; rising where it does not show it."""
 
     # columns of the log
     angle: ColumnName | None = None
-    frame: ColumnName | None = None
-    time: ColumnName | None = None
-    load: ColumnName | None = None
-    temperature: ColumnName | None = None
-    speed: ColumnName | None = None
-    pulse_energy: ColumnName | None = None
-    units: ColumnUnits = ColumnUnits()
-    ticks_per_turn: float | None = Field(None, strict=True, gt=0)
+    """Column with the reading of the encoder. Default: angle_deg, else a column called angle or
+    encoder."""
+    frame: ColumnName | None = Field(None, examples=["Image No"])
+    """Column with the number of the frame. Default: frame, else one row for each frame."""
+    time: ColumnName | None = Field(None, examples=["Time [ms]"])
+    """Column with the time. Default: time_s, else a column called time or t."""
+    load: ColumnName | None = Field(None, examples=["Force [lbf]"])
+    """Column with the load on the joint. Default: load_N, else a column called load or force."""
+    temperature: ColumnName | None = Field(None, examples=["T oil [°C]"])
+    """Column with the temperature of the oil. Default: temperature_C, else a column called
+    temperature."""
+    speed: ColumnName | None = Field(None, examples=["Speed [mm/s]"])
+    """Column with the sliding speed or the speed of rotation. Default: speed_m_s."""
+    pulse_energy: ColumnName | None = Field(None, examples=["Laser [mJ]"])
+    """Column with the energy of the laser pulse. Default: none."""
+    units: ColumnUnits = Field(ColumnUnits(), examples=[{"angle": "rad", "load": "lbf"}])
+    """Units of columns that have none in their header."""
+    ticks_per_turn: float | None = Field(None, strict=True, gt=0, examples=[3600])
+    """Ticks that the encoder counts in a turn. Required where the unit of the angle is tick."""
 
     # frames in a continuous log
-    pulse: ColumnName | None = None
-    frame_rate: Frequency | None = None
+    pulse: ColumnName | None = Field(None, examples=["Trigger [V]"])
+    """Column of a continuous log with the trigger of the cameras: a voltage that rises at each
+    frame, or a count of the frames. Default: none."""
+    frame_rate: Frequency | None = Field(None, examples=["500 Hz"])
+    """Rate of the frames in a continuous log. Default: times in the headers of the camera files."""
     start: Start | None = None
+    """Time of the first frame on the clock of a continuous log. "fit" finds it from the light of
+    the frames over the cycle. Default: none."""
 
     def faults(self) -> Iterator[str]:
         if self.bins is not None and self.triggers_per_cycle is not None:
@@ -326,56 +394,85 @@ class CrankRockerSettings(Settings):
     """The four links and the speed of the crank."""
 
     kind: Literal["crank-rocker"]
+    """Kind of linkage."""
     crank: Length
-    coupler: Length
-    rocker: Length
-    ground: Length
+    """Length of the crank, from pivot to pivot."""
+    coupler: Length = Field(examples=["44 cm"])
+    """Length of the coupler between crank and rocker, from pivot to pivot."""
+    rocker: Length = Field(examples=["26 cm"])
+    """Length of the rocker, from pivot to pivot."""
+    ground: Length = Field(examples=["51 cm"])
+    """Distance of the fixed pivots of crank and rocker."""
     crank_speed: Speed
+    """Speed of rotation of the crank."""
 
 
 class SliderCrankSettings(Settings):
     """Crank, connecting rod and the speed of the crank."""
 
     kind: Literal["slider-crank"]
+    """Kind of linkage."""
     crank: Length
-    coupler: Length
+    """Length of the crank, from pivot to pivot."""
+    coupler: Length = Field(examples=["44 cm"])
+    """Length of the connecting rod, from pivot to pivot."""
     crank_speed: Speed
+    """Speed of rotation of the crank."""
 
 
 class RotationSettings(Settings):
     """A disc, ring or shaft that turns past the contact, as in a pin-on-disc tribometer."""
 
     kind: Literal["rotation"]
-    radius: Length
-    speed: Speed | None = None
-    load: Force | None = None
+    """Kind of motion."""
+    radius: Length = Field(examples=["20 mm"])
+    """Radius of the track: distance of the contact from the axis of rotation."""
+    speed: Speed | None = Field(None, examples=["60 rpm"])
+    """Speed of rotation. Default: from the angle and the time of the log."""
+    load: Force | None = Field(None, examples=["20 N"])
+    """Load on the contact, where the encoder log has no column load_N. Default: the film has no
+    load."""
 
 
 class SinusoidalSettings(Settings):
     """A slider that moves to and fro in a straight line, as a sine of the time."""
 
     kind: Literal["sinusoidal"]
-    stroke: Length
+    """Kind of motion."""
+    stroke: Length = Field(examples=["10 mm"])
+    """Travel from end to end, twice the amplitude."""
     frequency: Frequency
-    load: Force | None = None
+    """Cycles to and fro in a unit of time."""
+    load: Force | None = Field(None, examples=["20 N"])
+    """Load on the contact, where the encoder log has no column load_N. Default: the film has no
+    load."""
 
 
 class MaterialSettings(Settings):
     """One side of the joint."""
 
     youngs_modulus: Pressure
-    poissons_ratio: float = Field(strict=True, gt=-1, le=0.5)
-    roughness: Length | None = None
+    """Young's modulus."""
+    poissons_ratio: float = Field(strict=True, gt=-1, le=0.5, examples=[0.37])
+    """Poisson's ratio."""
+    roughness: Length | None = Field(None, examples=["0.2 um"])
+    """Rms roughness of the surface. Default: no film parameter Lambda is computed."""
 
 
 class JointSettings(Settings):
     """The pin and the bushing it turns in."""
 
-    pin_radius: Length
-    bushing_radius: Length
-    clearance_std: Length | None = None
-    length: Length
+    pin_radius: Length = Field(examples=["33.36 mm"])
+    """Radius of the pin."""
+    bushing_radius: Length = Field(examples=["33.59 mm"])
+    """Inner radius of the bushing, larger than pin_radius."""
+    clearance_std: Length | None = Field(None, examples=["1 um"])
+    """Standard deviation of the radial clearance, for the pressure and `predict --fit`. Default:
+    exact for the pressure; known to the last digits of both radii for the fit."""
+    length: Length = Field(examples=["237 mm"])
+    """Loaded length of the joint along its axis."""
     load: Force | None = None
+    """Load on the joint. Used where the encoder log has no column load_N, and required there."""
     pin: MaterialSettings
     bushing: MaterialSettings
 
@@ -390,20 +487,35 @@ class JointSettings(Settings):
 class VogelSettings(Settings):
     """Vogel's law, viscosity = a exp(b/(T - c))."""
 
-    a: Viscosity
+    a: Viscosity = Field(examples=["0.05 mPa s"])
+    """Viscosity in the limit of high temperature."""
     b: TemperatureDifference
+    """Slope of ln(viscosity) over 1/(T - c)."""
     c: Temperature
+    """Temperature of the pole, below every temperature logged."""
 
 
 class OilSettings(Settings):
     """The oil between pin and bushing."""
 
-    name: Text = ""
+    name: Text = Field("", examples=["80W-90"])
+    """Name of the oil in figures and reports."""
     viscosity: Viscosity | None = None
-    vogel: VogelSettings | None = None
-    viscosity_std: Viscosity | None = None
-    drift_std: Share | None = None
+    """Dynamic viscosity at the temperature of the run. Either viscosity or vogel is required."""
+    vogel: VogelSettings | None = Field(
+        None, examples=[{"a": "0.05 mPa s", "b": "1100 K", "c": "-115 degC"}]
+    )
+    """Viscosity from the logged temperature by Vogel's law, a exp(b/(T - c)), in place of one
+    value."""
+    viscosity_std: Viscosity | None = Field(None, examples=["0.004 Pa s"])
+    """Standard deviation of the viscosity, with a vogel law at the mean temperature of the run, for
+    the pressure and `predict --fit`. Default: the viscosity is exact."""
+    drift_std: Share | None = Field(None, examples=["5 %"])
+    """Standard deviation of the change of the viscosity from the first frame to the last, beside
+    that of the logged temperature, for `predict --fit`. Default: of a vogel law, what reading_std
+    of [temperature] makes; else no change."""
     pressure_viscosity: PressureViscosity
+    """Pressure-viscosity coefficient of Barus."""
 
     def faults(self) -> Iterator[str]:
         if (self.viscosity is None) == (self.vogel is None):
@@ -414,20 +526,31 @@ class RegistrationOptions(Settings):
     """Registration of camera 2 to camera 1."""
 
     window: int = Field(32, strict=True, ge=16, le=256)
+    """Side of the interrogation window. [px]"""
     step: int = Field(8, strict=True, ge=4, le=128)
+    """Distance between window centres. [px]"""
     model: Literal["auto", "surface", "local"] = "auto"
+    """Form of the camera map: one smooth surface, one displacement for each window, or the surface
+    unless the distortion is finer."""
     orientation: Literal[
         "normal", "mirrored_x", "mirrored_y", "rotated_90", "rotated_180", "rotated_270"
     ] = "normal"
+    """Turn or mirror image that lays camera 2 over camera 1; rotated_90 turns it
+    counter-clockwise."""
     reuse: bool = False
-    frames: int | None = Field(None, strict=True, ge=1)
+    """Use the camera map stored with the calibration, after a check on the frames of this run."""
+    frames: int | None = Field(None, strict=True, ge=1, examples=[12])
+    """Number of frame pairs for the fixed part of the camera map. Default: 12 small or 4 large
+    ones."""
 
 
 class RegionOfInterest(Settings):
     """Region of the film statistics, from the centre of the first pixel. [mm]"""
 
     x: Interval
-    y: Interval
+    """Interval along image x. [mm]"""
+    y: Interval = Field(examples=[[2, 13]])
+    """Interval along image y, which points down. [mm]"""
 
     def faults(self) -> Iterator[str]:
         for name, (low, high) in (("x", self.x), ("y", self.y)):
@@ -438,19 +561,33 @@ class RegionOfInterest(Settings):
 class ThicknessOptions(Settings):
     """Thickness maps and the statistics of a trigger."""
 
-    roi: RegionOfInterest | None = None
-    least_signal: Electrons = 100.0
+    roi: RegionOfInterest | None = Field(None, examples=[{"x": [4, 15], "y": [2, 13]}])
+    """Region in mm in which film_mean and film_min are taken. Default: the whole image."""
+    least_signal: Electrons = Field(100.0, examples=["100 electron"])
+    """Signal below which a pixel is flagged dim."""
     no_film_below: float = Field(0.25, strict=True, gt=0, lt=1)
-    smoothing: int | None = Field(None, strict=True, ge=2, le=50)
+    """A pixel whose fluorescence is below this share of its surroundings is flagged no_film (a
+    bubble)."""
+    smoothing: int | None = Field(None, strict=True, ge=2, le=50, examples=[4])
+    """Resolution of the smoothed ratio behind the maps, full width at half maximum [px]. Default:
+    no smoothing."""
 
 
 class LightOptions(Settings):
     """Light that is not film, and what light and films show of other errors."""
 
     background: Literal["report", "correct"] = "report"
+    """Even light of joint and filters that the run shows, beyond the frames of the dry joint:
+    reported, or subtracted from the frames."""
     bleaching: Literal["report", "correct"] = "report"
+    """Change of the ratio with every pulse, on the reference patch or over several cycles:
+    reported, or taken out of the ratio."""
     ratio: Literal["report", "correct"] = "report"
+    """Scale of the ratio on the patch of [reference], and its change over the frames: reported, or
+    taken out of all frames."""
     errors: Literal["report", "correct"] = "report"
+    """Errors of [systematics] that the gap of the joint shows: reported, or taken out of the curve
+    of the calibration."""
 
     @property
     def corrects(self) -> bool:
@@ -498,9 +635,15 @@ class TemperatureOptions(Settings):
     """Light of both bands and the temperature of the oil, by which the ratio is corrected."""
 
     camera1: TemperatureCoefficient | None = None
-    camera2: TemperatureCoefficient | None = None
+    """Relative change of the light in the band of camera 1 with the temperature of the oil.
+    Default: the ratio is not corrected."""
+    camera2: TemperatureCoefficient | None = Field(None, examples=["-0.1 %/K"])
+    """The same in the band of camera 2."""
     std: TemperatureCoefficientStd | None = None
+    """Standard deviation of the difference of both."""
     reading_std: TemperatureStd = 1.0
+    """Standard deviation of the temperature between fixture and run, and again from the first frame
+    of the run to the last."""
 
     @property
     def coefficient(self) -> float | None:
@@ -522,9 +665,12 @@ class FixtureSystematics(_with_widths("fixture")):  # type: ignore[misc]
 class ReferenceSettings(Settings):
     """A patch of known film that both cameras see in every frame."""
 
-    region: RegionOfInterest | None = None
-    thickness: Length | None = None
-    uncertainty: Length | None = None
+    region: RegionOfInterest | None = Field(None, examples=[{"x": [1.2, 3.4], "y": [6, 9]}])
+    """Region of the patch in mm."""
+    thickness: Length | None = Field(None, examples=["5.2 um"])
+    """Film of the patch. Default: there is no patch."""
+    uncertainty: Length | None = Field(None, examples=["0.02 um"])
+    """Standard deviation of that film. Default: it is exact."""
 
     def faults(self) -> Iterator[str]:
         if (self.region is None) != (self.thickness is None):
@@ -535,20 +681,41 @@ class PredictionOptions(Settings):
     """The film that theory predicts for an oscillating joint."""
 
     sideways: Sideways = "free"
+    """How the pin is held at right angles to the load: free, guided (it does not move), or by a
+    spring of this stiffness."""
     cavitation_pressure: CavitationPressure = -1e5
-    cavitation_pressure_std: Pressure | None = None
+    """Pressure at which the oil film ruptures, relative to ambient; 0 Pa where air enters the
+    cavities."""
+    cavitation_pressure_std: Pressure | None = Field(None, examples=["20 kPa"])
+    """Standard deviation of that pressure, within which `predict --fit` finds the one of a held
+    pin. Default: it is exact."""
     start_film: StartFilm = "fit"
+    """Minimum film thickness at the first frame; "fit" is the one whose film is nearest to the
+    measured minima."""
     load_line: Place | None = None
-    load_line_std: Length | None = None
+    """Place along the sliding direction, from the centre of the first pixel, where the pin would
+    touch the bushing at rest. Default, for position and prediction alike: the line that is fitted
+    to the orbit of a free pin; where the orbit does not determine it, and for a pin that is held,
+    the middle of the swing; without a crank-rocker the middle of the image. The attribute load_line
+    of pin_displacement states it, and its standard deviation is in that of the sideways
+    displacement."""
+    load_line_std: Length | None = Field(None, examples=["0.2 mm"])
+    """Standard deviation of the load line, for the sideways displacement, the pressure and `predict
+    --fit`. Default: that of a fitted line; of a given one none, and 0.5 mm for the fit."""
     load_std: Share = 1.0
+    """Standard deviation of the load over the load, the same at all triggers, for `predict
+    --fit`."""
     direction: Literal["along", "against"] = "along"
+    """Motion of the bushing in the image while the angle of the rocker rises."""
     long: bool = False
+    """Leave out the flow along the axis: an infinitely long joint."""
 
 
 class RunName(Settings):
     """Name of the run."""
 
     name: Text
+    """Name of the run in figures and reports."""
 
 
 # "kind" selects the form of the table, so that a fault is reported for that form alone
@@ -562,7 +729,10 @@ MechanismSettings = Annotated[
 class RunSettings(Settings):
     """run.toml."""
 
-    calibration: CalibrationNames | None = None
+    calibration: CalibrationNames | None = Field(None, examples=["../fixture/calibration.nc"])
+    """calibration.nc of a fixture photographed with the same cameras and filters; made on the way
+    if only its fixture.toml exists. Two names: the fixture before and after the run. The option
+    --calibration takes precedence."""
     run: RunName
     camera1: CameraSettings
     camera2: CameraSettings
@@ -640,12 +810,19 @@ class RunSettings(Settings):
 class FixtureProfile(Settings):
     """The calibration fixture and its profile from the coordinate measuring machine."""
 
-    name: Text
-    profile: FileName
+    name: Text = Field(examples=["wedge"])
+    """Name of the fixture."""
+    profile: FileName = Field(examples=["profile.csv"])
+    """Profile: CSV with the columns x_mm, thickness_um and, if known, y_mm and uncertainty_um."""
     origin: tuple[StrictFloat, StrictFloat] = (0.0, 0.0)
+    """Pixel (x, y) of camera 1 at profile x = 0 (and y = 0)."""
     direction: Angle = 0.0
+    """Turn from image x to profile x."""
     align: bool = False
-    temperature: Temperature | None = None
+    """Refine origin and scale against the image."""
+    temperature: Temperature | None = Field(None, examples=["23 degC"])
+    """Temperature of the oil while the fixture was photographed, to which [temperature] of run.toml
+    refers. Default: it is not known."""
 
 
 class FixtureSettings(Settings):

@@ -8,7 +8,7 @@ from collections.abc import Collection, Iterator, Mapping
 from typing import Any, Final
 
 from erlif.core.tables import read_table
-from erlif.io.settings.keys import Key, Table, keys_of, meaning_of, tables_in, tables_of
+from erlif.io.settings.keys import Key, Table, example_of, keys_of, meaning_of, tables_in, tables_of
 from erlif.io.settings.tables import Settings
 from erlif.io.settings.toml import toml_value
 
@@ -191,10 +191,9 @@ def _table_lines(
 
     for name, field in table.kind.model_fields.items():
         if tables_in(field.annotation) and not field.is_required() and table.path:
-            meaning, example = meaning_of(table.kind, name)
             yield ""
-            yield from _comment(meaning)
-            yield f"# {name} = {toml_value(example)}"
+            yield from _comment(meaning_of(table.kind, name))
+            yield f"# {name} = {toml_value(example_of(field))}"
 
 
 def _short_lines(

@@ -36,16 +36,22 @@ WearRate = Annotated[
 class NameOfJoint(Settings):
     """The joint."""
 
-    name: Text
-    materials: FileName | None = None
+    name: Text = Field(examples=["boom of a loader"])
+    """Name, for report and tables."""
+    materials: FileName | None = Field(None, examples=["materials.csv"])
+    """Table of materials that adds to that of erlif, CSV, beside this file. `erlif design
+    --materials` prints the columns."""
 
 
 class LoadOfJoint(Settings):
     """Load and safety."""
 
     force: Force
-    mean_force: Force | None = None
-    safety: float = Field(strict=True, ge=1, le=100)
+    """Largest load on the joint."""
+    mean_force: Force | None = Field(None, examples=["60 kN"])
+    """Mean load in motion, for heat, pv and wear. Default: the largest load."""
+    safety: float = Field(strict=True, ge=1, le=100, examples=[2.0])
+    """Safety factor on every strength. The guide gives none, as it depends on the application."""
 
     def faults(self) -> Iterator[str]:
         if self.mean_force is not None and self.mean_force > self.force:
@@ -59,103 +65,157 @@ class MotionOfJoint(Settings):
     """Oscillation. Without it speed, pv, temperature and wear are left out."""
 
     half_swing: HalfSwing
+    """Half of the angle from end to end."""
     period: Time
+    """Time of a swing forth and back."""
 
 
 class LifeOfJoint(Settings):
     """Life. Without it wear is left out."""
 
-    time: Time
-    largest_wear: Length | None = None
+    time: Time = Field(examples=["5000 h"])
+    """Time in motion."""
+    largest_wear: Length | None = Field(None, examples=["0.5 mm"])
+    """Depth of the bushing that may wear away. Default: wear has no limit."""
 
 
 class PartOfJoint(Settings):
     """A part of the joint by its material; the other keys change values of the table."""
 
-    material: Text = ""
+    material: Text = Field("", examples=["42CrMo4 QT"])
+    """Name in the table of materials. Default: none, all values are given here."""
     yield_stress: Pressure | None = None
-    ultimate_stress: Pressure | None = None
+    """Yield stress or 0.2 % proof stress."""
+    ultimate_stress: Pressure | None = Field(None, examples=["900 MPa"])
+    """Tensile strength, from which hardness follows where it is not known."""
     hardness: Hardness | None = None
-    youngs_modulus: Pressure | None = None
-    poissons_ratio: float | None = Field(None, strict=True, ge=0, le=0.5)
-    expansion: Expansion | None = None
-    conductivity: Conductivity | None = None
+    """Hardness of the surface, in HB, HV or MPa."""
+    youngs_modulus: Pressure | None = Field(None, examples=["210 GPa"])
+    """Young's modulus."""
+    poissons_ratio: float | None = Field(None, strict=True, ge=0, le=0.5, examples=[0.3])
+    """Poisson's ratio."""
+    expansion: Expansion | None = Field(None, examples=["12e-6 1/K"])
+    """Coefficient of linear thermal expansion."""
+    conductivity: Conductivity | None = Field(None, examples=["42 W/m/K"])
+    """Thermal conductivity."""
 
 
 class PinOfJoint(PartOfJoint):
     """The pin."""
 
     diameter: Length | None = None
+    """Diameter. Default: it is chosen."""
     hole: LengthOrZero = 0.0
-    roughness: Length | None = None
+    """Lubrication hole across the pin, where bending is largest."""
+    roughness: Length | None = Field(None, examples=["0.4 um"])
+    """Ra."""
 
 
 class BushingOfJoint(PartOfJoint):
     """The bushing."""
 
-    width: Length | None = None
-    wall: Length | None = None
-    roughness: Length | None = None
-    largest_temperature: Temperature | None = None
-    largest_pressure: Pressure | None = None
+    width: Length | None = Field(None, examples=["100 mm"])
+    """Width. Default: it is chosen."""
+    wall: Length | None = Field(None, examples=["8 mm"])
+    """Wall thickness. Default: a tenth of the pin."""
+    roughness: Length | None = Field(None, examples=["0.8 um"])
+    """Ra."""
+    largest_temperature: Temperature | None = Field(None, examples=["230 degC"])
+    """Highest temperature of use."""
+    largest_pressure: Pressure | None = Field(None, examples=["140 MPa"])
+    """Largest projected pressure in motion."""
     largest_speed: SlidingSpeed | None = None
+    """Largest sliding speed."""
     pv_limit: PressureVelocity | None = None
+    """Largest product of projected pressure and speed."""
     wear: WearRate | None = None
+    """Specific wear rate k of eq. 32, from a test of the same pair and grease. Without it wear is
+    left out."""
 
 
 class SeatOfJoint(PartOfJoint):
     """The two seats of the pin."""
 
-    width: Length | None = None
+    width: Length | None = Field(None, examples=["40 mm"])
+    """Width of each seat. Default: it is chosen."""
 
 
 class HousingOfJoint(PartOfJoint):
     """The eye that holds the bushing."""
 
-    diameter: Length | None = None
+    diameter: Length | None = Field(None, examples=["200 mm"])
+    """Outer diameter. Default: it is chosen."""
 
 
 class FitOfJoint(Settings):
     """Play and press fit."""
 
-    play: SignedLength | None = None
-    interference: LengthOrZero = 0.0
-    lateral_play: LengthOrZero = 0.0
+    play: SignedLength | None = Field(None, examples=["160 um"])
+    """Bore of the bushing, before it is pressed in, less diameter of the pin; negative for an
+    interference. Default: it is chosen."""
+    interference: LengthOrZero = Field(0.0, examples=["60 um"])
+    """Outer diameter of the bushing less bore of the housing."""
+    lateral_play: LengthOrZero = Field(0.0, examples=["1 mm"])
+    """Play between bushing and seats, both sides together."""
 
 
 class LubricationOfJoint(Settings):
     """Friction and temperatures."""
 
     friction: float = Field(0.1, strict=True, ge=0, le=2)
+    """Friction coefficient: 0.1 newly greased, up to 0.8 dry."""
     outside_temperature: Temperature = 60.0
+    """Temperature on the outside of the bushing, one value: design once for each end of a range."""
     assembly_temperature: Temperature = 20.0
+    """Temperature at which play is measured."""
     largest_temperature: Temperature = 120.0
+    """Highest temperature of the grease."""
 
 
 class LockOfJoint(PartOfJoint):
     """Lock plate of the pin. Without it there is none."""
 
     kind: Literal["open", "closed"]
+    """Slot of the plate."""
     lever: Length
-    length: Length
-    thickness: Length = 10e-3
-    height: Length | None = None
-    end_width: Length | None = None
+    """Distance of the screw from the axis of the pin."""
+    length: Length = Field(examples=["30 mm"])
+    """Lever of the screw on the prongs, to their root."""
+    thickness: Length = Field(10e-3, examples=["10 mm"])
+    """Thickness of the plate."""
+    height: Length | None = Field(None, examples=["60 mm"])
+    """Height of a prong. Default: it is chosen."""
+    end_width: Length | None = Field(None, examples=["10 mm"])
+    """Width of the closed end. Default: it is chosen."""
     weld: Literal["internal", "external"] | None = None
-    throat: Length | None = None
-    weld_diameter: Length | None = None
-    screw_diameter: Length | None = None
-    screw_yield: Pressure | None = None
+    """Default: internal where there is room, else external."""
+    throat: Length | None = Field(None, examples=["3 mm"])
+    """Effective throat of the weld. Default: 3 mm, or more where it must be."""
+    weld_diameter: Length | None = Field(None, examples=["60 mm"])
+    """Inner diameter of the weld. Default: it is chosen."""
+    screw_diameter: Length | None = Field(None, examples=["24 mm"])
+    """Diameter of the screw where it is sheared. Default: it is chosen, if screw_yield is given."""
+    screw_yield: Pressure | None = Field(None, examples=["640 MPa"])
+    """Yield stress of the screw."""
     friction_bushing: float = Field(1.0, strict=True, ge=0, le=2)
+    """Worst friction in the bushing, which turns the pin."""
     friction_seat: float = Field(0.0, strict=True, ge=0, le=2)
+    """Worst friction in the seats, which holds it."""
 
 
 class SizingOptions(Settings):
     """How dimensions are chosen."""
 
     series: Literal["none", "R10", "R20", "R40"] = "none"
+    """Preferred numbers of ISO 3 to which chosen lengths are rounded up, with a seat of at least a
+    quarter of the pin and a play of at least a tolerance of ISO 286-1, grade 7; "none" leaves the
+    least ones."""
     eye_ratio: float = Field(3.0, strict=True, ge=2, le=4)
-    largest_diameter: Length | None = None
+    """Outer over inner diameter of a housing eye that is chosen. A smaller eye is lighter and needs
+    a wider bushing."""
+    largest_diameter: Length | None = Field(None, examples=["40 mm"])
+    """Largest pin diameter that is chosen. Where no pin up to it is enough, the steps that fail are
+    stated. Default: none."""
 
 
 class DesignSettings(Settings):
