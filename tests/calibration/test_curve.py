@@ -7,10 +7,6 @@ import numpy.testing as npt
 import pytest
 from scenes.fixture import FILMS, K, P, Q, log_ratio
 
-from erlif.calibration import RunCurve
-from erlif.core.errors import CalibrationError
-from erlif.show.plots import example_calibration
-
 
 def test_prediction_is_the_integrated_ratio(exact):
     npt.assert_allclose(exact.predict_log(FILMS), log_ratio(FILMS), rtol=1e-12)
@@ -60,22 +56,3 @@ def test_error_of_a_film_is_that_of_drawn_parameters(departing):
     npt.assert_allclose(
         departing.thickness_std(FILMS), departing.log_ratio_std(FILMS) / departing.slope(FILMS)
     )
-
-
-def test_curve_between_two_fixtures_is_their_mixture():
-    before = example_calibration()
-    later = replace(before, ratio_at_zero=0.6, attenuation_camera2=0.24, thickness_range=(1.0, 9.0))
-    run = RunCurve.of(before, later)
-    films = np.linspace(1.0, 9.0, 9)
-    expected = 0.7 * before.predict_log(films) + 0.3 * later.predict_log(films)
-    npt.assert_allclose(run.at(0.3).predict_log(films), expected, rtol=1e-12)
-    slope = (run.at(0.3).predict_log(films + 1e-5) - run.at(0.3).predict_log(films - 1e-5)) / 2e-5
-    npt.assert_allclose(run.at(0.3).slope(films), slope, rtol=1e-6)
-    npt.assert_allclose(run.at(0.3).inverse.look_up(expected), films, atol=1e-4)
-    assert run.thickness_range == (1.0, 9.0)
-
-
-def test_fixtures_without_a_common_film_are_refused():
-    before = example_calibration()
-    with pytest.raises(CalibrationError, match="share a range of films"):
-        RunCurve.of(before, replace(before, thickness_range=(90.0, 99.0)))

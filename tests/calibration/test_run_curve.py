@@ -1,0 +1,48 @@
+"""The curve of a run: between two fixtures, at its shares, and what it takes from a calibration."""
+
+from dataclasses import replace
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+from scenes.fixture import with_systematics
+
+from erlif.calibration import RunCurve
+from erlif.core.errors import CalibrationError
+from erlif.show.plots.example import example_calibration
+
+
+def test_curve_between_two_fixtures_is_their_mixture():
+    before = example_calibration()
+    later = replace(before, ratio_at_zero=0.6, attenuation_camera2=0.24, thickness_range=(1.0, 9.0))
+    run = RunCurve.of(before, later)
+    films = np.linspace(1.0, 9.0, 9)
+    expected = 0.7 * before.predict_log(films) + 0.3 * later.predict_log(films)
+    npt.assert_allclose(run.at(0.3).predict_log(films), expected, rtol=1e-12)
+    slope = (run.at(0.3).predict_log(films + 1e-5) - run.at(0.3).predict_log(films - 1e-5)) / 2e-5
+    npt.assert_allclose(run.at(0.3).slope(films), slope, rtol=1e-6)
+    npt.assert_allclose(run.at(0.3).inverse.look_up(expected), films, atol=1e-4)
+    assert run.thickness_range == (1.0, 9.0)
+
+
+def test_fixtures_without_a_common_film_are_refused():
+    before = example_calibration()
+    with pytest.raises(CalibrationError, match="share a range of films"):
+        RunCurve.of(before, replace(before, thickness_range=(90.0, 99.0)))
+
+
+def test_a_calibration_is_the_curve_of_a_run_that_adds_nothing():
+    """Its errors are those of the fixture, which do not change during the run."""
+    fixture = with_systematics(example_calibration(), position=0.05, size=0.01).calibration
+    run, films = RunCurve.of(fixture), np.linspace(1.0, 9.0, 9)
+    npt.assert_array_equal(run.predict_log(films), fixture.predict_log(films))
+    npt.assert_array_equal(run.thickness_std(films), fixture.thickness_std(films))
+    assert run.at(0.5) is run
+    assert (run.moves, run.varies) == (False, False)
+
+
+def test_errors_that_grow_change_a_run_and_leave_its_curve():
+    run = with_systematics(example_calibration(), bleaching=0.02)
+    assert (run.moves, run.varies) == (False, True)
+    assert run.at(0.0).log_ratio_std(5.0) < run.at(1.0).log_ratio_std(5.0)
+    assert run.at(0.0).predict_log(5.0) == run.at(1.0).predict_log(5.0)
