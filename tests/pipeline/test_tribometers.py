@@ -12,7 +12,7 @@ import xarray as xr
 from scenes.fixture import assert_covers
 
 import erlif
-from conftest import SMALL, Laboratory
+from conftest import FULL, SMALL, Laboratory
 from erlif.show.notebook import summarise_region
 
 KINDS = ("rotation", "sinusoidal", "static")
@@ -198,7 +198,11 @@ def test_curvature_of_a_ball_is_no_mark_of_its_surface(ball_on_disc):
 @pytest.mark.slow
 @pytest.mark.parametrize(("contact", "kind"), [("ball", "rotation"), ("plane", "static")])
 def test_error_bar_of_film_min_covers_whole_runs(contact, kind, tmp_path):
-    """Forty runs, each with its own cameras, surfaces and fixture; one trigger of each counts."""
+    """Each run has its own cameras, surfaces and fixture.
+
+    Both films of a run share the error of its calibration: they count as one. The bounds are those
+    of a binomial share of as many runs.
+    """
     rig = replace(
         SMALL,
         width=160,
@@ -210,12 +214,12 @@ def test_error_bar_of_film_min_covers_whole_runs(contact, kind, tmp_path):
         field_width=3.75 if contact == "ball" else 12.0,
         marks=0.04,
     )
-    pulls, contacts = [], []
-    for seed in range(40):
+    pulls, contacts, count = [], [], 40 if FULL else 20
+    for seed in range(count):
         lab = Laboratory.simulated(tmp_path / str(seed), seed=400 + seed, rig=rig)
         film = erlif.process(lab.run)
         error = film.film_min.values - np.array(rig.film_table)
-        pulls.append((error / film.film_min_std.values)[seed % 2])
+        pulls.extend(error / film.film_min_std.values)
         contacts.append(film.attrs["contact"])
-    assert contacts.count("point" if contact == "ball" else "plane") > 32
-    assert_covers(pulls)
+    assert contacts.count("point" if contact == "ball" else "plane") > 0.8 * count
+    assert_covers(pulls, count=count)

@@ -20,6 +20,7 @@ from scenes.orbits import (
     measure,
 )
 
+from conftest import FULL
 from erlif.models.reynolds import crank_motion, solve_journal
 from erlif.prediction import GivenErrors, fit_motion
 from erlif.prediction.given import follow_changes
@@ -268,7 +269,7 @@ def test_a_negative_error_is_refused():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("pin", "count"), [("free", 60), ("guided", 8)])
+@pytest.mark.parametrize(("pin", "count"), [("free", 60), ("guided", 8 if FULL else 4)])
 def test_errors_hold_their_share_of_rigs_that_are_drawn_from_their_widths(pin, count):
     """Clearance, load, load line, tilt and drift together; orbits are those of the virtual rig."""
     options = {"sideways": pin, "given": WIDTHS, "profiles": False}
