@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import argparse
 import ast
+import functools
 import importlib.util
 import io
 import re
@@ -87,11 +88,17 @@ def exported(package: Path) -> set[tuple[Path, str]]:
     return found
 
 
+@functools.cache
+def syntax(path: Path) -> ast.Module:
+    """Syntax tree of a module."""
+    return ast.parse(path.read_text(encoding="utf-8"))
+
+
 def find_undocumented(package: Path) -> list[str]:
     """Exported functions without a Returns section or an example that runs, with their lines."""
     found = []
     for path, name in sorted(exported(package)):
-        for node in ast.parse(path.read_text(encoding="utf-8")).body:
+        for node in syntax(path).body:
             if not isinstance(node, ast.FunctionDef) or node.name != name:
                 continue
             text = ast.get_docstring(node) or ""

@@ -154,6 +154,18 @@ def coarse_pressure(monkeypatch) -> None:
     monkeypatch.setattr(module, "find_pressures", coarse)
 
 
+@pytest.fixture
+def two_models(monkeypatch) -> None:
+    """A film compared with a free and a guided pin alone, where the other models do not matter."""
+    module = importlib.import_module("erlif.pipeline.physics.fit")
+    compare = module.compare_models
+
+    def compare_two(*measured, sideways, **options):
+        return compare(*measured, sideways=("free", "any guided"), **options)
+
+    monkeypatch.setattr(module, "compare_models", compare_two)
+
+
 def snapshot(directory: Path) -> dict[str, str]:
     """Every file below a directory with the hash of its bytes."""
     files = [

@@ -17,7 +17,6 @@ from damages.logs import LOGS, PROFILES
 from damages.products import CALIBRATIONS, FILMS, OUTPUTS, PLACES, TABLES, USAGE
 from damages.settings import SETTINGS
 from scenes.film import make_film
-from scenes.messages import STEPS
 from scenes.stores import contents
 
 import erlif
@@ -29,6 +28,17 @@ CATALOGUE = [
     *(*SETTINGS, *FRAMES, *LOGS, *PROFILES, *CALIBRATIONS, *FILMS, *OUTPUTS, *USAGE, *TABLES),
     *PLACES,
 ]
+
+_WORDS = """
+    add calibrate call change check choose clean close compare convert copy correct cover
+    delete divide draw exchange export give install keep lay leave log lower make measure
+    mount move name number open pass photograph pick point press put raise read record reduce
+    register reload remove rename repeat replace run save set show start take try use wait
+    widen write
+"""
+
+STEPS = frozenset(_WORDS.split())
+"""Words with which a sentence begins that names the next step."""
 
 LONGEST = 20.0
 """Processor time of one command. [s]"""

@@ -1,7 +1,5 @@
 """The order of the stages: imports go one way, within erlif and within each stage."""
 
-from __future__ import annotations
-
 import ast
 import functools
 from graphlib import CycleError, TopologicalSorter
@@ -61,10 +59,18 @@ MODULES = modules()
 
 
 @functools.cache
+def nodes(name: str) -> list[ast.AST]:
+    """All imports and constants of a module."""
+    tree = ast.parse(MODULES[name].read_text(encoding="utf-8"))
+    kinds = ast.Import | ast.ImportFrom | ast.Constant
+    return [node for node in ast.walk(tree) if isinstance(node, kinds)]
+
+
+@functools.cache
 def imports(name: str) -> frozenset[str]:
     """Modules of erlif that a module imports, for types only and inside functions included."""
     found = set()
-    for node in ast.walk(ast.parse(MODULES[name].read_text(encoding="utf-8"))):
+    for node in nodes(name):
         if isinstance(node, ast.Import):
             found |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom):
@@ -110,10 +116,10 @@ def test_nothing_of_the_film_knows_the_joint():
 def test_one_door_names_the_joint():
     naming = {
         name
-        for name, path in MODULES.items()
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
-        if isinstance(node, ast.Constant) and str(node.value).startswith("erlif.joint")
+        for name in MODULES
         if not name.startswith("erlif.joint")
+        for node in nodes(name)
+        if isinstance(node, ast.Constant) and str(node.value).startswith("erlif.joint")
     }
     assert naming == NAMING
 

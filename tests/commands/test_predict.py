@@ -2,12 +2,7 @@
 
 import re
 
-from erlif.pipeline.physics import fit
-from erlif.prediction import compare_models
-
-
-def compare_quickly(*measured, sideways, **options):
-    return compare_models(*measured, sideways=("free", "any guided"), **options)
+import pytest
 
 
 def test_a_prediction_lies_beside_its_film_and_is_replaced_on_request_only(own, command, refused):
@@ -30,9 +25,8 @@ def test_a_start_outside_the_clearance_is_refused(lab, film, refused):
     assert "outside the clearance" in refused("predict", lab.run)
 
 
-def test_fit_prints_which_physics_carries_the_film(own, command, monkeypatch):
-    """The films with cavities of a guided pin, which take half a minute, are left out."""
-    monkeypatch.setattr(fit, "compare_models", compare_quickly)
+@pytest.mark.usefixtures("two_models")
+def test_fit_prints_which_physics_carries_the_film(own, command):
     before = set(own.parent.iterdir())
     result = command("predict", own, "--fit")
     assert set(own.parent.iterdir()) == before

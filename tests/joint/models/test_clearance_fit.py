@@ -4,12 +4,15 @@ import numpy as np
 import numpy.testing as npt
 import pytest
 
+from conftest import FULL
 from erlif.joint.models.clearance_fit import fit_clearances
 from erlif.models.contact import winkler_contact
 
 WALL = {"load_per_length": 4e4, "shaft_radius": 5e-3, "thickness": 3e-3}
 CLEARANCE = np.array([200e-6, 100e-6, 50e-6, 25e-6, 15e-6])
 ERRORS = {"friction_std": 0.002, "clearance_std": 3e-6}
+SIZE = 300 if FULL else 100
+"""Number of simulated series."""
 
 
 def torques(clearance, friction=0.12, modulus=1e9):
@@ -27,15 +30,15 @@ def test_exact_torques_give_friction_and_modulus():
     npt.assert_allclose(found.modulus, 1e9, rtol=0.05)
 
 
-def held(scatter, place, known=None, load=0.0, modulus=1e9, size=300):
+def held(scatter, place, known=None, load=0.0, modulus=1e9):
     """Shares of series whose 68 and 95 % intervals hold the friction.
 
     Errors of torques, clearances and of the load that all bushings share, and of a known modulus.
     """
     rng = np.random.default_rng(11)
     told = CLEARANCE + 4 * max(place - 3e-6, 0.0)  # no error makes an interference
-    series = torques(told + place * rng.normal(size=(size, told.size)), modulus=modulus)
-    series *= 1 + load * rng.normal(size=(size, 1))
+    series = torques(told + place * rng.normal(size=(SIZE, told.size)), modulus=modulus)
+    series *= 1 + load * rng.normal(size=(SIZE, 1))
     series += scatter * rng.normal(size=series.shape)
     inside = []
     for measured in series:
@@ -55,7 +58,7 @@ def held(scatter, place, known=None, load=0.0, modulus=1e9, size=300):
 
 
 SHARES = np.array([0.683, 0.95])
-BOUNDS = 3 * np.sqrt(SHARES * (1 - SHARES) / 300)  # standard deviations of a binomial share
+BOUNDS = 3 * np.sqrt(SHARES * (1 - SHARES) / SIZE)  # standard deviations of a binomial share
 
 
 @pytest.mark.parametrize(

@@ -60,14 +60,15 @@ def law(tmp_path_factory):
     return Laboratory.simulated(directory, seed=40, rig=RIGS["law"])
 
 
-@pytest.fixture
-def evidence(law, monkeypatch, tmp_path):
-    """What the audits look at, as `process` gives it to them."""
+@pytest.fixture(scope="module")
+def evidence(law):
+    """What the audits look at, as `process` gives it to them; never to be changed."""
     given = []
-    monkeypatch.setattr(
-        "erlif.pipeline.film.audit_run", lambda one: given.append(one) or audit_run(one)
-    )
-    assert warnings_of(erlif.process(law.run, workers=1)) == []
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(
+            "erlif.pipeline.film.audit_run", lambda one: given.append(one) or audit_run(one)
+        )
+        assert warnings_of(erlif.process(law.run, workers=1)) == []
     return given[0]
 
 

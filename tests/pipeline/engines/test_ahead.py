@@ -4,6 +4,7 @@ import os
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -11,63 +12,53 @@ from erlif.pipeline.engines import ahead
 
 ROOT = Path(__file__).parents[3]
 
-# numba reports each kernel that it compiles, and none that it finds compiled
-LISTEN = """
-from numba.core import event
+# kernels with the types of arguments for which they were compiled, or taken from those kept
+CALLED = """
+import sys
 
-names = []
+import numba.core.dispatcher
 
-
-class Listener(event.Listener):
-    def on_start(self, event):
-        kernel = event.data["dispatcher"].py_func
-        if kernel.__module__.startswith("erlif"):
-            names.append(f"{kernel.__module__}.{kernel.__name__}")
-
-    def on_end(self, event):
-        pass
-
-
-event.register("numba:compile", Listener())
-"""
-
-AHEAD = """
-from erlif.pipeline.engines.ahead import compile_kernels, is_compiled
-
-assert not is_compiled()
-compile_kernels()
-assert is_compiled()
-print(*names)
-"""
-
-RUN = """
 import erlif
 from erlif.pipeline.engines import ahead
 
-ahead.is_compiled = lambda: True
+
+def known():
+    modules = [one for name, one in list(sys.modules.items()) if name.startswith("erlif")]
+    kernels = {kernel for one in modules for kernel in vars(one).values()
+               if isinstance(kernel, numba.core.dispatcher.Dispatcher) and kernel.signatures}
+    assert all(kernel.stats.cache_path for kernel in kernels)
+    return {f"{one.py_func.__module__}.{one.py_func.__name__}": set(one.signatures)
+            for one in kernels}
+
+
+ahead.compile_kernels()
+before = known()
 calibration = erlif.calibrate("calibration/wedge")
-names.clear()
 erlif.process("data_samples/straight_bushing", calibration=calibration)
-print(*names)
+after = known()
+print(*before)
+print(*(name for name in before if after[name] != before[name]))
 """
 
 
 @pytest.mark.slow
-def test_a_run_compiles_no_kernel_that_was_compiled_ahead(tmp_path):
-    environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path / "kernels")}
-
-    def compiled(code):
-        command = [sys.executable, "-c", LISTEN + code]
-        done = subprocess.run(
-            command, cwd=ROOT, env=environment, capture_output=True, text=True, check=True
-        )
-        return set(done.stdout.split())
-
-    before = compiled(AHEAD)
+def test_a_run_calls_no_kernel_with_other_arguments_than_those_compiled_ahead():
+    """numba compiles a kernel for the types of its arguments, and keeps it for later processes."""
+    command = [sys.executable, "-c", CALLED]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True)
+    names, others = done.stdout.splitlines()
     kernels = "pipeline.passes.film._measure_film", "ratio.log_ratio.divide_rows"
     for_long_runs = "models.reynolds.compiled.march"
-    assert {f"erlif.{kernel}" for kernel in (*kernels, for_long_runs)} <= before
-    assert not before & compiled(RUN)
+    assert {f"erlif.{kernel}" for kernel in (*kernels, for_long_runs)} <= set(names.split())
+    assert not others
+
+
+def test_kernels_are_known_as_compiled_by_the_largest_one(monkeypatch, tmp_path):
+    kernel = SimpleNamespace(stats=SimpleNamespace(cache_path=tmp_path))
+    monkeypatch.setattr(ahead.film, "_measure_film", kernel)
+    assert not ahead.is_compiled()
+    (tmp_path / "film._measure_film-72.py311.nbi").touch()
+    assert ahead.is_compiled()
 
 
 @pytest.mark.parametrize(("kept", "processors"), [(True, 2), (False, 1)])

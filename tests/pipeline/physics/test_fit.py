@@ -53,6 +53,7 @@ def test_free_pin_and_its_viscosity_are_found_in_photographs(sinking):
     npt.assert_allclose(viscosity.parts["load"], 0.01 * viscosity.value, rtol=0.02)
 
 
+@pytest.mark.usefixtures("two_models")
 def test_the_clearance_enters_the_fit_as_in_a_film_of_other_radii(sinking, small_rig, tmp_path):
     """The photographs are processed and fitted again with a bushing of other radius."""
     shutil.copytree(sinking, tmp_path / "run")

@@ -277,7 +277,7 @@ def test_cavities_in_a_part_of_a_turn_are_stated():
 def test_a_gap_at_a_dead_point_is_crossed_by_the_motion_of_a_guided_pin(monkeypatch):
     """Triggers at marks of the rocker, which rests there, leave out a tenth of a turn."""
     module = importlib.import_module("erlif.pipeline.physics.pressure")
-    cells = partial(module.find_pressures, cells=(192, 8))
+    cells = partial(module.find_pressures, cells=(128, 8))
     monkeypatch.setattr(module, "find_pressures", cells)
     film = make_film(count=50, sideways="guided", elapsed=6.0, load=2000.0)
     gap = film.isel(trigger=np.r_[0:20, 25:50]).assign_coords(trigger=np.arange(45))

@@ -1,11 +1,13 @@
 """Runs whose cameras are exchanged, and runs whose ratio is wrong by another cause."""
 
+import shutil
 from dataclasses import replace
 
 import pytest
 from scenes.preparing import prepare
 
 import erlif
+from conftest import FULL
 from erlif.core.errors import CalibrationError
 from erlif.core.notes import Level
 from erlif.rig import RigSettings, simulate
@@ -40,6 +42,13 @@ def test_exchanged_cameras_are_recognised_by_their_map(rehearsal):
         erlif.process(rehearsal / "run", calibration=calibration)
 
 
+@pytest.fixture(scope="module")
+def sound(tmp_path_factory):
+    """A rig and its calibration; never to be changed."""
+    out = simulate(tmp_path_factory.mktemp("sound"), seed=3, rig=RigSettings(**SMALL))
+    return out, erlif.calibrate(out / "fixture")
+
+
 def notes_on_ratio(directory, calibration):
     prepared = prepare(directory / "run", calibration)
     return [note for note in prepared.notes if note.subject == "ratio"]
@@ -52,9 +61,9 @@ def order_of(note, *causes):
     return places
 
 
-@pytest.mark.parametrize("seed", [20, 22, 24])
+@pytest.mark.parametrize("seed", [20, 22, 24] if FULL else [20, 24])
 def test_cameras_in_order_are_never_taken_for_exchanged(tmp_path, seed):
-    """Two of the rigs vibrate."""
+    """The later rigs vibrate."""
     rig = RigSettings(**SMALL, **NEAR_ONE, vibration=0.2 * (seed - 20))
     simulate(tmp_path, seed=seed, rig=rig)
     assert notes_on_ratio(tmp_path, erlif.calibrate(tmp_path / "fixture")) == []
@@ -69,30 +78,29 @@ def test_cameras_in_order_are_never_taken_for_exchanged(tmp_path, seed):
         {"wall": (0.1, 0.3)},
     ],
 )
-def test_wrong_ratio_is_a_warning_and_the_map_excludes_exchanged_cameras(tmp_path, damage):
+def test_wrong_ratio_is_a_warning_and_the_map_excludes_exchanged_cameras(sound, tmp_path, damage):
     """Light, filter or gain of one camera, and a wall of another reflectance."""
     simulate(tmp_path, seed=3, rig=RigSettings(**(SMALL | damage)))
-    (note,) = notes_on_ratio(tmp_path, erlif.calibrate(tmp_path / "fixture"))
+    before_wall = "wall" in damage  # the fixture has one too
+    calibration = erlif.calibrate(tmp_path / "fixture") if before_wall else sound[1]
+    (note,) = notes_on_ratio(tmp_path, calibration)
     assert note.level is Level.WARNING
     light, wall, fixture = order_of(note, "exposure, filter or gain", "the wall", "the profile")
     assert light < wall < fixture
     assert "The cameras are not exchanged" in note.text
 
 
-def test_camera_out_of_focus_is_the_first_cause(tmp_path):
-    rig = RigSettings(**SMALL)
-    simulate(tmp_path / "sharp", seed=3, rig=rig)
-    simulate(tmp_path / "blurred", seed=3, rig=replace(rig, blur=(0.5, 2.0)))
-    calibration = erlif.calibrate(tmp_path / "sharp" / "fixture")
-    (note,) = notes_on_ratio(tmp_path / "blurred", calibration)
+def test_camera_out_of_focus_is_the_first_cause(sound, tmp_path):
+    simulate(tmp_path, seed=3, rig=RigSettings(**SMALL, blur=(0.5, 2.0)))
+    (note,) = notes_on_ratio(tmp_path, sound[1])
     focus, light = order_of(note, "out of focus", "exposure, filter or gain")
     assert focus < light
 
 
-def test_exchanged_cameras_without_a_map_are_one_cause_among_others(tmp_path):
-    simulate(tmp_path, seed=3, rig=RigSettings(**SMALL))
+def test_exchanged_cameras_without_a_map_are_one_cause_among_others(sound, tmp_path):
+    out, calibration = sound
+    shutil.copytree(out / "run", tmp_path / "run")
     exchange_cameras(tmp_path / "run")
-    calibration = replace(erlif.calibrate(tmp_path / "fixture"), camera_map=None)
-    (note,) = notes_on_ratio(tmp_path, calibration)
+    (note,) = notes_on_ratio(tmp_path, replace(calibration, camera_map=None))
     light, exchanged = order_of(note, "exposure, filter or gain", "the cameras are exchanged")
     assert light < exchanged

@@ -1,9 +1,6 @@
 """The lines for the terminal: numbers of the film in plain words."""
 
-import ast
-import textwrap
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,7 +8,6 @@ import xarray as xr
 from scenes import film as scene
 from scenes.fixture import walled
 
-import erlif
 from erlif.calibration.departure import Departure
 from erlif.show import plots
 from erlif.show.report import (
@@ -222,18 +218,3 @@ def test_an_unknown_power_has_its_reason(film, used, reason):
     unknown = film.speed_exponent.copy(data=np.nan).assign_attrs(triggers_used=used)
     text = summarise_briefly(film.assign(speed_exponent=unknown))
     assert line_of(text, "exponent") == f"not determined: {reason}"
-
-
-@pytest.mark.parametrize("folder", ["calibration", "correction", "pipeline"])
-def test_what_a_warning_of_process_begins_with_fits_two_lines(folder):
-    """A number takes five characters; 68 of 80 columns are left beside the title."""
-    texts = []
-    for path in sorted((Path(erlif.__file__).parent / folder).rglob("*.py")):
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-            if isinstance(node, ast.Call) and ast.unparse(node.func) == "warn":
-                subject, text = (getattr(one, "values", [one]) for one in node.args)
-                values = [getattr(part, "value", "") for part in [*subject, *text]]
-                texts.append("".join(one if isinstance(one, str) else "+1.23" for one in values))
-    assert len(texts) > 5
-    for text in texts:
-        assert len(textwrap.wrap(text.partition(". ")[0], 68)) <= 2, text

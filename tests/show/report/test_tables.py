@@ -1,19 +1,15 @@
 """Tables of the report: numbers are those of the film, with units and standard deviations."""
 
 import re
-from types import SimpleNamespace
 
 import numpy as np
 import numpy.testing as npt
 import pytest
 from scenes import film as scene
-from scenes.fixture import walled
 
 from erlif.core.flags import Flag
 from erlif.io.files import open_film
-from erlif.show.plots import example_calibration
 from erlif.show.report.tables import (
-    calibration_table,
     flag_table,
     registration_table,
     results_table,
@@ -31,13 +27,6 @@ def groups(film_path):
         with open_film(film_path, group=name) as group:
             loaded.append(group.load())
     return loaded
-
-
-def test_wall_that_reflects_stands_among_the_parameters():
-    source = SimpleNamespace(calibration=walled(example_calibration()))
-    assert ("R, reflectance of the wall", "0.300 ± 0.010") in calibration_table(source).rows
-    plain = calibration_table(SimpleNamespace(calibration=example_calibration()))
-    assert "Reflectance" not in str(plain.rows)
 
 
 def test_values_have_two_digits_of_their_standard_deviation():
