@@ -27,15 +27,17 @@ class Layer:
         Unit of the values.
     palette : str
         Colour map after Crameri (2018), or grey.
-    stored : bool
-        Whether the film holds it; the others are computed again from the run.
     """
 
     name: str
     title: str
     unit: str
     palette: str
-    stored: bool = True
+
+    @property
+    def signed(self) -> bool:
+        """Whether its colours are symmetric about zero."""
+        return self.palette == "vik"
 
 
 _TABLES = read_table("erlif.show.view", "page.toml")

@@ -17,10 +17,10 @@ from erlif.core.flags import FLAG_COLOURS, Flag, count_flags
 from erlif.core.statistics import central_range
 from erlif.core.tables import read_table
 from erlif.io.conversion import table_csv
-from erlif.io.files import axis_labels, driven_link, fastest_trigger
+from erlif.io.files import axis_labels, driven_link, fastest_trigger, region_of
 from erlif.show.view import measures
 from erlif.show.view.exports import map_csv, map_tiff
-from erlif.show.view.films import FilmReader, check_one_grid
+from erlif.show.view.films import FilmReader, axis_of, check_one_grid
 from erlif.show.view.layers import (
     DIFFERENCE,
     LAYERS,
@@ -110,27 +110,37 @@ def list_films(request: Request) -> dict[str, Any]:
     """
     layers = [*LAYERS.values(), DIFFERENCE, SIGNIFICANCE]
     return {
-        "films": [_describe_film(reader) for reader in request.films],
+        "films": [
+            describe_film(reader.film, reader.name, reader.path.name, reader.layers)
+            for reader in request.films
+        ],
         "layers": [vars(layer) for layer in layers],
         "flags": describe_flags(),
         "palettes": {layer.palette: palette(layer.palette) for layer in layers},
     }
 
 
-def _describe_film(reader: FilmReader) -> dict[str, Any]:
-    rows, columns = reader.shape
+def describe_film(film: xr.Dataset, name: str, file: str, layers: list[str]) -> dict[str, Any]:
+    """Describe a film for the page: its grid, its triggers, and the layers that it offers."""
+    count, first, region = film.sizes["trigger"], fastest_trigger(film), region_of(film)
+    (x0, dx), (y0, dy) = (axis_of(film, name) for name in "xy")
+
+    # the first profile is the row of the minimum, or the middle one
+    row = float(film["film_min_y"][first]) if "film_min_y" in film else np.nan
+    y = y0 + dy * (row if np.isfinite(row) else (film.sizes["y"] - 1) / 2)
     return {
-        "name": reader.name,
-        "file": reader.path.name,
-        "triggers": reader.triggers,
-        "first": fastest_trigger(reader.film),
-        "width": columns,
-        "height": rows,
-        "x": reader.axis("x"),
-        "y": reader.axis("y"),
-        "labels": axis_labels(reader.film),
-        "region": [*reader.region.x, *reader.region.y],
-        "images": reader.has_images,
+        "name": name,
+        "file": file,
+        "numbers": list(range(count)),
+        "first": first,
+        "width": film.sizes["x"],
+        "height": film.sizes["y"],
+        "x": (x0, dx),
+        "y": (y0, dy),
+        "labels": axis_labels(film),
+        "region": [*region.x, *region.y],
+        "line": [x0, y, x0 + dx * (film.sizes["x"] - 1), y],
+        "layers": layers,
     }
 
 
@@ -227,7 +237,7 @@ def pack_values(
         "window": [window.left, window.top, window.right, window.bottom],
         "step": step,
         "shape": shown.shape,
-        "limits": colour_limits(shown, reasons, symmetric=layer in (DIFFERENCE, SIGNIFICANCE)),
+        "limits": colour_limits(shown, reasons, symmetric=layer.signed),
         "shares": _flag_shares(flags),
     }
     return join_parts(described, shown, reasons)
@@ -329,7 +339,8 @@ def send_profile(request: Request) -> dict[str, Any]:
     Returns
     -------
     dict
-        "position" [mm], "value" and "std" of the points; None where flagged.
+        "position" [mm], "value" and "std" of the points; None where flagged. "predicted" beside the
+        film thickness, where the film has a prediction.
     """
     return {name: to_list(values) for name, values in _find_profile(request).items()}
 
@@ -338,9 +349,19 @@ def _find_profile(request: Request) -> dict[str, Array]:
     chosen = _read_chosen(request)
     x0, y0, x1, y1 = request.numbers("line", 4)
     values = np.where(chosen.flags == 0, chosen.values, np.nan)
-    axes = {name: chosen.reader.axis(name) for name in ("x", "y")}
-    width = request.whole("width")
-    return measures.line_profile(values, chosen.std(request), (x0, y0, x1, y1), width=width, **axes)
+    place: dict[str, Any] = {name: axis_of(chosen.reader.film, name) for name in ("x", "y")}
+    place |= {"line": (x0, y0, x1, y1), "width": request.whole("width")}
+    profile = measures.line_profile(values, chosen.std(request), **place)
+    if (theory := _read_theory(request, chosen)) is not None:
+        profile["predicted"] = measures.line_profile(theory, 0 * theory, **place)["value"]
+    return profile
+
+
+def _read_theory(request: Request, chosen: _Chosen) -> Image | None:
+    """The predicted film beside a measured one, where the film has a prediction."""
+    if chosen.layer.name != "thickness" or "predicted" not in chosen.reader.layers:
+        return None
+    return chosen.reader.read("predicted", request.whole("trigger"))[0]
 
 
 def send_region(request: Request) -> dict[str, Any]:
@@ -371,8 +392,8 @@ def _find_region(request: Request) -> tuple[_Chosen, dict[str, float]]:
     return chosen, values
 
 
-def send_pixel(request: Request) -> dict[str, str]:
-    """Describe one pixel in a line.
+def send_pixel(request: Request) -> dict[str, Any]:
+    """Read one pixel.
 
     Parameters
     ----------
@@ -382,29 +403,31 @@ def send_pixel(request: Request) -> dict[str, str]:
     Returns
     -------
     dict
-        "text": position, value, standard deviations or flags.
+        "x", "y" [mm], "column" and "row" of the pixel; "flags", "value", "unit"; of the film
+        thickness "std", "std_shared" and "predicted". None where unknown.
     """
     chosen = _read_chosen(request)
     x, y = request.numbers("place", 2)
-    axes = chosen.reader.axis("x"), chosen.reader.axis("y")
+    (x0, dx), (y0, dy) = (axis_of(chosen.reader.film, name) for name in "xy")
     # a pointer at the edge belongs to the last pixel
     rows, columns = chosen.reader.shape
-    column = min(max(round((x - axes[0][0]) / axes[0][1]), 0), columns - 1)
-    row = min(max(round((y - axes[1][0]) / axes[1][1]), 0), rows - 1)
+    column = min(max(round((x - x0) / dx), 0), columns - 1)
+    row = min(max(round((y - y0) / dy), 0), rows - 1)
 
-    place = f"x = {x:.3f} mm, y = {y:.3f} mm (column {column}, row {row})"
+    maps = {
+        "value": chosen.values,
+        "std": chosen.std(request),
+        "std_shared": chosen.std_shared(request),
+        "predicted": _read_theory(request, chosen),
+    }
+    found = {name: _value_at(one, row, column) for name, one in maps.items()}
     flags = int(chosen.flags[row, column])
-    if flags:
-        names = ", ".join(flag.title for flag in FLAG_COLOURS if flags & flag)
-        return {"text": f"{place}: flagged, {names}"}
-    unit = "" if chosen.layer.unit == "1" else f" {chosen.layer.unit}"
-    text = f"{place}: {chosen.values[row, column]:.4g}{unit}"
-    if chosen.layer.name == "thickness":
-        random, shared = chosen.std(request), chosen.std_shared(request)
-        text += (
-            f" ± {random[row, column]:.2g}{unit} random ± {shared[row, column]:.2g}{unit} shared"
-        )
-    return {"text": text}
+    place = {"x": x, "y": y, "column": column, "row": row}
+    return {**place, **found, "flags": flags, "unit": chosen.layer.unit}
+
+
+def _value_at(values: Image | None, row: int, column: int) -> float | None:
+    return None if values is None else to_list(values[row, [column]].astype(float))[0]
 
 
 @dataclass(frozen=True)
@@ -475,7 +498,7 @@ def _export_map(request: Request, kind: str) -> MapExport:
         heading = f"{layer.name} [{unit}]"
         return _name_file(request, what, kind, map_csv(values, flags, name=heading, **place))
     title = f"{request.film().name}, {layer.title}, {chosen.text}"
-    pitch = (chosen.reader.axis("x")[1], chosen.reader.axis("y")[1])
+    pitch = (axis_of(film, "x")[1], axis_of(film, "y")[1])
     content = map_tiff(values, flags, title=title, unit=unit, pitch=pitch)
     return _name_file(request, what, kind, content)
 

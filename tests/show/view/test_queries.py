@@ -9,11 +9,14 @@ import pytest
 from scenes.motion import DISC, SLIDER, film_of
 
 from erlif.core.errors import ErlifError
+from erlif.core.flags import Flag
 from erlif.show.plots import example_film
+from erlif.show.plots.prediction import predicted_map
 from erlif.show.view import queries
 from erlif.show.view.films import open_films
 from erlif.show.view.queries import Request, describe_cycle
 
+PIXEL = ("value", "std", "std_shared", "predicted")
 MAP = {"film": "0", "trigger": "2", "layer": "thickness", "window": "0,0,64,24", "room": "640,240"}
 
 
@@ -81,9 +84,40 @@ def test_profile_region_and_pixel_agree_with_the_film(ask):
     assert region["mean"] == pytest.approx(float(inside.astype(float).mean()))
     assert region["mean_std"] == pytest.approx(0.05 / inside.size**0.5, rel=1e-5)
 
-    text = queries.send_pixel(ask(place="10.05,3.04"))["text"]
-    assert f"{row[40]:.4g} µm ± 0.05 µm random ± 0.02 µm shared" in text
-    assert "flagged, no film" in queries.send_pixel(ask(place="2.75,1"))["text"]
+    pixel = queries.send_pixel(ask(place="10.05,3.04"))
+    assert (pixel["column"], pixel["row"], pixel["unit"], pixel["flags"]) == (40, 12, "µm", 0)
+    expected = [row[40], 0.05, 0.02, profile["predicted"][40]]
+    npt.assert_allclose([pixel[name] for name in PIXEL], expected, rtol=1e-5)
+    flagged = queries.send_pixel(ask(place="2.75,1"))
+    assert flagged["flags"] == Flag.NO_FILM
+    assert flagged["value"] is None
+
+
+def test_theory_stands_beside_the_measured_film(ask):
+    film = example_film()
+    predicted = predicted_map(film, trigger=2)
+    about, values, flags = unpack(queries.pack_map(ask(layer="predicted")))
+    npt.assert_allclose(values, predicted, rtol=1e-6)
+    assert not flags.any()
+    about, values, flags = unpack(queries.pack_map(ask(layer="residual")))
+    npt.assert_allclose(values, film.thickness.values[2] - predicted, atol=1e-5)
+    npt.assert_array_equal(flags, film.flags.values[2])
+    assert about["limits"][0] == -about["limits"][1]
+    profile = queries.send_profile(ask(line="0,3,15.75,3", width=1))
+    npt.assert_allclose(profile["predicted"], predicted[12], rtol=1e-5)
+    assert "predicted" not in queries.send_profile(
+        ask(line="0,3,15.75,3", width=1, layer="thickness_std")
+    )
+
+
+def test_the_first_profile_is_the_row_of_the_minimum():
+    film = example_film()
+    middle = 0.25 * (film.sizes["y"] - 1) / 2
+    described = queries.describe_film(film, "a", "film.nc", [])
+    npt.assert_allclose(described["line"], [0.0, middle, 15.75, middle])
+    row = np.full(film.sizes["trigger"], 4.0)
+    described = queries.describe_film(film.assign(film_min_y=("trigger", row)), "a", "film.nc", [])
+    npt.assert_allclose(described["line"], [0.0, 1.0, 15.75, 1.0])
 
 
 def test_every_export_has_a_name_without_signs(ask):

@@ -64,7 +64,9 @@ export class ProfileChart extends Chart {
         series.push({ label: edge, width: 0, stroke: "transparent", class: "u-off-legend",
           points: { show: false } });
       }
-      bands.push({ series: [3 * n + 2, 3 * n + 3],
+      series.push({ label: "predicted", stroke: ink("--ink"), width: 1.5, dash: [6, 4], value,
+        points: { show: false } });
+      bands.push({ series: [4 * n + 2, 4 * n + 3],
         fill: () => `color-mix(in srgb, ${css(colour).trim()} 28%, transparent)` });
     }
     const x = { ...axis("distance along the line [mm]"), size: 34 };
@@ -84,10 +86,7 @@ export class ProfileChart extends Chart {
           u.root.classList.toggle("idle", share === null);
         }],
       },
-    }, [[0, 1], ...Array.from({ length: 3 * count }, () => [null, null])]);
-    for (const row of this.plot.root.querySelectorAll(".u-legend tr")) {
-      if (/above|below/.test(row.textContent)) row.hidden = true;
-    }
+    }, [[0, 1], ...Array.from({ length: 4 * count }, () => [null, null])]);
     this.plot.root.classList.add("idle"); // no values without a pointer
     this.plot.root.classList.toggle("one", count === 1);
     this.count = count;
@@ -100,9 +99,12 @@ export class ProfileChart extends Chart {
     for (const one of found) {
       const edge = (sign) => one.value.map((v, n) =>
         (v === null || one.std[n] === null ? null : v + sign * one.std[n]));
-      data.push(one.value, edge(1), edge(-1));
+      data.push(one.value, edge(1), edge(-1), one.predicted ?? one.value.map(() => null));
     }
-    this.found = found;
+    const hidden = found.some((one) => one.predicted) ? /above|below/ : /above|below|predicted/;
+    for (const row of this.plot.root.querySelectorAll(".u-legend tr")) {
+      row.hidden = hidden.test(row.textContent);
+    }
     this.plot.setData(data);
   }
 }

@@ -1,7 +1,8 @@
 // The page of `erlif watch`: the newest map, the film over the run, and alarms.
 import { MapPanel } from "./map.js";
 import { Chart, axis, ink } from "./charts.js";
-import { byId, fixed, follow, get, pause, percent, showAge, showFaults } from "./news.js";
+import { byId, fixed, follow, pause, percent, showAge, showFaults } from "./news.js";
+import { get } from "./server.js";
 
 const MOST = 2000; // pairs that a chart shows, the latest
 const QUICK = 200; // maps that follow each other in less have half the detail, in milliseconds

@@ -1,4 +1,6 @@
 // What the pages of `erlif watch` share: news from the server, the age of the picture, faults.
+import { get } from "./server.js";
+
 export const byId = (id) => document.getElementById(id);
 export const fixed = (value, digits) =>
   (value === null || value === undefined ? "–" : value.toFixed(digits).replace("-", "−"));
@@ -7,12 +9,6 @@ export const percent = (value) => (value === null ? "–" : `${fixed(100 * value
 const PACE = 500; // time between two requests for news, in milliseconds
 const OLD = 2; // age of the picture that is marked, in seconds
 let clock = 0; // of the server less that of this page, in seconds
-
-export async function get(name, values = {}) {
-  const response = await fetch(`${name}?${new URLSearchParams(values)}`);
-  if (!response.ok) throw new Error((await response.json()).message);
-  return response;
-}
 
 export const pause = () => new Promise((done) => { setTimeout(done, PACE); });
 

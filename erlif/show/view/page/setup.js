@@ -1,7 +1,8 @@
 // The page of `erlif watch --setup`: both cameras, their histograms, and what to turn.
 import { MapPanel } from "./map.js";
 import { Chart, axis, ink } from "./charts.js";
-import { byId, fixed, follow, get, listIn, percent, showAge, showFaults } from "./news.js";
+import { byId, fixed, follow, listIn, percent, showAge, showFaults } from "./news.js";
+import { get } from "./server.js";
 
 const about = await (await get("run")).json();
 const views = [1, 2].map(() => ({ window: null, limits: {}, tool: "move" }));
