@@ -391,72 +391,13 @@ def describe_calibration(calibration: Calibration, *, brief: bool = False) -> st
     return "\n".join([print_rows(head, rows, width=_CALIBRATION_TITLE), *notes])
 
 
-def render_budget(budget: xr.Dataset) -> str:
-    """Write a budget as a table in Markdown, in nanometres.
-
-    Parameters
-    ----------
-    budget : xarray.Dataset
-        From `erlif.budget`: std (term, quantity) [um], kind (term), value (quantity) [um].
-
-    Returns
-    -------
-    str
-        One row a term; the sums are bold.
-
-    Examples
-    --------
-    A single term of 12.3 nm, and a total that is the same:
-
-    >>> budget = xr.Dataset(
-    ...     {
-    ...         "std": (("term", "quantity"), [[0.0123], [0.0123]]),
-    ...         "kind": ("term", ["random", "sum"]),
-    ...         "value": ("quantity", [5.0]),
-    ...     },
-    ...     {"term": ["photons", "total"], "quantity": ["mean"]},
-    ...     {"run": "example", "trigger": 2, "frames": 1},
-    ... )
-    >>> print(render_budget(budget), end="")
-    Standard deviations in nm: example, trigger 2, 1 frame pair.
-    <BLANKLINE>
-    | term | mean | kind |
-    |---|---:|---|
-    | film thickness [um] | 5.00 |  |
-    | photons | 12 | random |
-    | **total** | **12** |  |
-    """
-    head, (titles, *rows) = _rows_of_budget(budget)
-    lines = [f"{head}.\n", f"| {' | '.join(titles)} |", f"|---|{'---:|' * (len(titles) - 2)}---|"]
-    for term, *cells, kind in rows:
-        # sums stand out among their terms
-        if kind == "sum":
-            term, kind, cells = f"**{term}**", "", [f"**{cell}**" for cell in cells]
-        lines.append(f"| {' | '.join([term, *cells, kind])} |")
-    return "\n".join(lines) + "\n"
-
-
-def _rows_of_budget(budget: xr.Dataset) -> tuple[str, list[tuple[str, ...]]]:
-    """First line of a budget, and its titles, films and terms with their kind behind them."""
-    attrs = budget.attrs
-    count = count_of(int(attrs["frames"]), "frame pair")
-    films = (f"{value:.2f}" for value in budget["value"].values)
-    terms = zip(budget.term.values, budget["std"].values, budget.kind.values, strict=True)
-    rows: list[tuple[str, ...]] = [
-        ("term", *map(str, budget.quantity.values), "kind"),
-        ("film thickness [um]", *films, ""),
-        *((str(term), *map(_in_nanometres, row), str(kind)) for term, row, kind in terms),
-    ]
-    return f"Standard deviations in nm: {attrs['run']}, trigger {attrs['trigger']}, {count}", rows
-
-
 def print_budget(budget: xr.Dataset) -> str:
     """Write a budget as a table for the terminal, in nanometres, by kinds of error.
 
     Parameters
     ----------
     budget : xarray.Dataset
-        As `render_budget` takes it.
+        From `erlif.budget`: std (term, quantity) [um], kind (term), value (quantity) [um].
 
     Returns
     -------
@@ -483,17 +424,22 @@ def print_budget(budget: xr.Dataset) -> str:
       photons              12
     total                  12
     """
-    head, ((term, *titles, _), (film, *films, _), *terms) = _rows_of_budget(budget)
+    attrs, titles = budget.attrs, [str(title) for title in budget.quantity.values]
     short = [title.removeprefix("pixel of ").removesuffix(" film") for title in titles]
-    rows, last = [(term, *short), (film, *films)], ""
-    for term, *cells, kind in terms:
+    films = (f"{value:.2f}" for value in budget["value"].values)
+    rows, last = [("term", *short), ("film thickness [um]", *films)], ""
+    columns = budget.term.values, budget["std"].values, budget.kind.values
+    for term, stds, kind in zip(*columns, strict=True):
         if kind not in (last, "sum"):
-            rows.append((kind, *[""] * len(titles)))
+            rows.append((str(kind), *[""] * len(titles)))
         last = kind
-        rows.append((term if kind == "sum" else f"  {term}", *cells))
-    pixels = [title for title in titles if title.startswith("pixel of ")]
-    below = ["", "Columns with a film in um: a single pixel of this film."] if pixels else []
-    return "\n".join([head, "", print_columns(rows, "<" + ">" * len(titles)), *below])
+        rows.append((f"{'' if kind == 'sum' else '  '}{term}", *map(_in_nanometres, stds)))
+    below = ["", "Columns with a film in um: a single pixel of this film."]
+    pixels = any(title.startswith("pixel of ") for title in titles)
+    count = count_of(int(attrs["frames"]), "frame pair")
+    head = f"Standard deviations in nm: {attrs['run']}, trigger {attrs['trigger']}, {count}"
+    table = print_columns(rows, "<" + ">" * len(titles))
+    return "\n".join([head, "", table, *(below if pixels else [])])
 
 
 def _in_nanometres(value: float) -> str:

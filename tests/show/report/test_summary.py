@@ -17,7 +17,6 @@ from erlif.show import plots
 from erlif.show.report import (
     describe_calibration,
     print_budget,
-    render_budget,
     summarise,
     summarise_briefly,
     summarise_in_a_line,
@@ -157,21 +156,9 @@ def budget():
     )
 
 
-def test_terms_are_rows_in_nanometres(budget):
-    assert render_budget(budget).splitlines() == [
-        "Standard deviations in nm: wedge, trigger 2, 3 frame pairs.",
-        "",
-        "| term | mean | pixel | kind |",
-        "|---|---:|---:|---|",
-        "| film thickness [um] | 5.00 | 6.25 |  |",
-        "| photons | 3.0 | 30 | random |",
-        "| calibration | 4.0 | - | shared |",
-        "| **total** | **5.0** | **30** |  |",
-    ]
-
-
 def test_terms_stand_below_their_kind_within_80_columns(budget):
     lines = print_budget(budget).splitlines()
+    assert lines[0] == "Standard deviations in nm: wedge, trigger 2, 3 frame pairs"
     assert [" ".join(line.split()) for line in lines[2:]] == [
         "term mean pixel",
         "film thickness [um] 5.00 6.25",
