@@ -56,13 +56,16 @@ def summarise(film: xr.Dataset) -> str:
 def _first_line(film: xr.Dataset, *, columns: int = 0) -> str:
     """Name and size of a film; a long name is cut where columns are given."""
     name = str(film.attrs["title"]).removeprefix("oil-film thickness, ")
-    size = (
-        f": {count_of(film.sizes['trigger'], 'trigger')} from "
-        f"{count_of(int(film.frames_used.sum()), 'frame pair')} of {film.sizes['x']} x "
-        f"{film.sizes['y']} pixels"
-    )
+    size = f": {_describe_size(film)}"
     room = columns - len(size) - 3
     return f"{name[:room]}..." + size if 0 < room < len(name) - 3 else name + size
+
+
+def _describe_size(film: xr.Dataset) -> str:
+    """Triggers, frame pairs and pixels of a film."""
+    pairs = count_of(int(film.frames_used.sum()), "frame pair")
+    pixels = f"{film.sizes['x']} x {film.sizes['y']} pixels"
+    return f"{count_of(film.sizes['trigger'], 'trigger')} from {pairs} of {pixels}"
 
 
 @takes(film="film")
@@ -227,25 +230,20 @@ def summarise_in_a_line(film: xr.Dataset) -> str:
     Returns
     -------
     str
-        Range of the minimum film thickness over the cycle, speed exponent where the film has a
-        speed and a load, triggers, frame pairs.
+        Range of minimum and mean film thickness over the cycle, speed exponent where the film has a
+        speed and a load, triggers, frame pairs, pixels.
 
     Examples
     --------
     >>> from erlif.show.plots import example_film
-    >>> summarise_in_a_line(example_film())
-    'minimum film thickness 2.51 to 3.49 um, n = 0.600 ± 0.010, 6 triggers from 6 frame pairs'
+    >>> print(*summarise_in_a_line(example_film()).split(", "), sep="\\n")
+    min 2.51 ± 0.03 to 3.49 ± 0.03
+    mean 3.27 ± 0.02 to 4.54 ± 0.02 um
+    power n = 0.600 ± 0.010
+    6 triggers from 6 frame pairs of 64 x 24 pixels
     """
-    ends = _ends(film, "film_min")
-    thickness = f"{ends[0][1]:.2f} to {ends[-1][1]:.2f} um" if ends else "no film"
-    trend = ""
-    if "speed_exponent" in film:
-        fitted = np.isfinite(float(film.speed_exponent))
-        trend = f"{_power(film, 'speed_exponent') if fitted else 'n = not determined'}, "
-    return (
-        f"minimum film thickness {thickness}, {trend}{film.sizes['trigger']} triggers "
-        f"from {int(film.frames_used.sum())} frame pairs"
-    )
+    power = f"power {_power(film, 'speed_exponent')}" if "speed_exponent" in film else ""
+    return ", ".join(filter(None, [_describe_films(film), power, _describe_size(film)]))
 
 
 _LOAD_LINES = {

@@ -39,9 +39,10 @@ def test_thickness_is_given_over_the_cycle(film):
     low, high = minimum[thin], minimum[thick]
     ends = f"{low:.2f} ± 0.03 um (trigger {thin})", f"{high:.2f} ± 0.03 um (trigger {thick})"
     assert line_of(text, "minimum film thickness") == " to ".join(ends)
-    assert summarise_in_a_line(film) == (
-        f"minimum film thickness {low:.2f} to {high:.2f} um, "
-        "n = 0.600 ± 0.010, 6 triggers from 6 frame pairs"
+    line = summarise_in_a_line(film)
+    assert line.startswith(f"min {low:.2f} ± 0.03 to {high:.2f} ± 0.03, mean ")
+    assert line.endswith(
+        " um, power n = 0.600 ± 0.010, 6 triggers from 6 frame pairs of 80 x 64 pixels"
     )
     warned = summarise(film.assign_attrs(notes="warning: log: odd\none")).splitlines()
     assert warned[1].split() == ["warnings", "log:", "odd"]
@@ -100,7 +101,8 @@ def test_film_without_valid_pixels_is_described(film):
     none = "none: no smooth gap describes the maps, or too few of their pixels are valid"
     assert line_of(summarise(empty), "minimum film thickness") == none
     line = summarise_in_a_line(empty)
-    assert line.startswith("minimum film thickness no film, n = not determined, 6 triggers")
+    assert line.startswith("min none, mean ")
+    assert " um, power not determined, 6 triggers" in line
 
 
 @pytest.fixture
