@@ -159,31 +159,25 @@ function widen(low, high) {
   return [low - room, high + room];
 }
 
-// Bars of one standard deviation, behind the markers.
-function drawBars(u, columns, rows, cycles) {
+// Bars of one standard deviation, of [place, value, std]; those that are shorter are left out.
+export function drawBars(u, colour, bars, shortest = 0) {
   const { left, top, width, height } = u.bbox;
   u.ctx.save();
   u.ctx.beginPath();
   u.ctx.rect(left, top, width, height);
   u.ctx.clip();
   u.ctx.lineWidth = devicePixelRatio;
-  columns.forEach((one, k) => {
-    const std = cycles.get(one.number).columns[`${one.film}_std`];
-    if (!LOOKS[one.film].mark || !std || !u.series[k + 1].show) return;
-    const hidden = u.series[k + 1].points.size / 2 * devicePixelRatio; // by the marker
-    u.ctx.strokeStyle = u.series[k + 1].stroke(u, k + 1);
-    u.ctx.beginPath();
-    rows.forEach(({ place, trigger }, n) => {
-      const value = u.data[k + 1][n] ?? null;
-      if (value === null || std[trigger] === null) return;
-      const [x, y] = [u.valToPos(place, "x", true), u.valToPos(value, "y", true)];
-      const half = y - u.valToPos(value + std[trigger], "y", true);
-      if (half < hidden) return;
-      u.ctx.moveTo(x, y - half);
-      u.ctx.lineTo(x, y + half);
-    });
-    u.ctx.stroke();
-  });
+  u.ctx.strokeStyle = colour;
+  u.ctx.beginPath();
+  for (const [place, value, std] of bars) {
+    if (value === null || std === null) continue;
+    const [x, y] = [u.valToPos(place, "x", true), u.valToPos(value, "y", true)];
+    const half = y - u.valToPos(value + std, "y", true);
+    if (half < shortest) continue;
+    u.ctx.moveTo(x, y - half);
+    u.ctx.lineTo(x, y + half);
+  }
+  u.ctx.stroke();
   u.ctx.restore();
 }
 
@@ -274,7 +268,14 @@ export class CycleChart extends Chart {
           fill: (u, k) => (LOOKS[columns[k - 1]?.film]?.mark && columns[k - 1].stroke >= 0
             ? u.series[k].stroke(u, k) : "transparent"),
         } },
-      hooks: { drawAxes: [(u) => drawBars(u, columns, rows, cycles)],
+      hooks: { drawAxes: [(u) => columns.forEach((one, k) => { // behind the markers
+        const std = cycles.get(one.number).columns[`${one.film}_std`];
+        const { show, points, stroke } = u.series[k + 1];
+        if (!LOOKS[one.film].mark || !std || !show) return;
+        const values = rows.map(({ place, trigger }, n) =>
+          [place, u.data[k + 1][n] ?? null, std[trigger]]);
+        drawBars(u, stroke(u, k + 1), values, (points.size / 2) * devicePixelRatio);
+      })],
         draw: [() => this.mark()], setSize: [() => this.mark()] },
     }, data);
     // one entry for the lines of a theory on both strokes

@@ -1,7 +1,7 @@
 // What the pages of `erlif watch` share: news from the server, the age of the picture, faults.
+import { byId, element } from "./draw.js";
 import { get } from "./server.js";
 
-export const byId = (id) => document.getElementById(id);
 export const fixed = (value, digits) =>
   (value === null || value === undefined ? "–" : value.toFixed(digits).replace("-", "−"));
 export const percent = (value) => (value === null ? "–" : `${fixed(100 * value, 1)} %`);
@@ -44,12 +44,7 @@ export function showAge(news) {
   byId("age").classList.toggle("old", age !== null && age > OLD);
 }
 
-export function listIn(list, texts) {
-  list.replaceChildren(...texts.map((text) => {
-    const item = document.createElement("li");
-    item.textContent = text;
-    return item;
-  }));
-}
+export const listIn = (id, texts) =>
+  byId(id).replaceChildren(...texts.map((text) => element("li", text)));
 
-export const showFaults = (news) => listIn(byId("faults"), news.faults);
+export const showFaults = (news) => listIn("faults", news.faults);

@@ -2,9 +2,9 @@
 // address, within a report from the report itself; nothing is loaded from anywhere else.
 import { MapPanel } from "./map.js";
 import { CycleChart, ProfileChart } from "./charts.js";
+import { byId, element, showKey } from "./draw.js";
 import { ask } from "./server.js";
 
-const byId = (id) => document.getElementById(id);
 const clamp = (value, low, high) => Math.min(Math.max(value, low), high);
 
 const state = {
@@ -88,7 +88,8 @@ function mapShown(name, found) {
   fitLimits(name, layer, found.limits.map((v) => +v.toPrecision(4)));
   if (name === "a") {
     showLimits();
-    showKey(found.shares);
+    showKey(about.flags, about.flags.map(({ name: flag }, n) =>
+      `${flag} ${describeShare(found.shares[n])}`));
     byId("trigger").setAttribute("aria-valuetext", found.text);
   }
 }
@@ -129,18 +130,6 @@ const redraw = () => Object.values(panels).forEach((panel) => panel.draw());
 
 const describeShare = (share) => (share > 0 && share < 5e-5 ? "below 0.01 %"
   : `${(100 * share).toFixed(2)} %`);
-
-function showKey(shares) {
-  byId("key").replaceChildren(...about.flags.map((flag, n) => {
-    const item = document.createElement("li");
-    const swatch = document.createElement("span");
-    swatch.className = "swatch";
-    swatch.style.background = flag.colour;
-    const share = shares ? ` ${describeShare(shares[n])}` : "";
-    item.append(swatch, `${flag.name}${share}`);
-    return item;
-  }));
-}
 
 // triggers
 
@@ -302,18 +291,13 @@ function showStatistics(rows) {
     rows.length > 1 ? `${title} [${one.unit}]` : `[${one.unit}]`, one.count, one.valid,
     digits(one.mean), few(one.mean_std), few(one.mean_std_shared),
     ...[one.min, one.max, one.std].map(digits)]);
-  const table = byId("statistics");
-  table.replaceChildren(...[head, ...cells].map((row, n) => {
-    const line = document.createElement("tr");
-    line.append(...row.map((text, k) => {
-      const cell = document.createElement(n ? "td" : "th");
+  byId("statistics").replaceChildren(...[head, ...cells].map((row, n) =>
+    element("tr", ...row.map((text, k) => {
+      const cell = element(n ? "td" : "th", text);
       if (!n) cell.scope = "col";
-      cell.textContent = text;
       if (n) cell.dataset.title = head[k];
       return cell;
-    }));
-    return line;
-  }));
+    }))));
 }
 
 // The minimum of the run beside the thinnest pixel, which noise chooses.
@@ -430,7 +414,7 @@ function allowExports() {
 }
 
 function download(content, name) {
-  const link = document.createElement("a");
+  const link = element("a");
   link.href = URL.createObjectURL(content);
   link.download = name;
   link.click();
