@@ -16,7 +16,6 @@ from erlif.core.errors import ErlifError
 from erlif.core.flags import FLAG_COLOURS, Flag, count_flags
 from erlif.core.statistics import central_range
 from erlif.core.tables import read_table
-from erlif.io.conversion import table_csv
 from erlif.io.files import axis_labels, driven_link, fastest_trigger, region_of
 from erlif.show.view import measures
 from erlif.show.view.exports import map_csv, map_tiff
@@ -342,10 +341,6 @@ def send_profile(request: Request) -> dict[str, Any]:
         "position" [mm], "value" and "std" of the points; None where flagged. "predicted" beside the
         film thickness, where the film has a prediction.
     """
-    return {name: to_list(values) for name, values in _find_profile(request).items()}
-
-
-def _find_profile(request: Request) -> dict[str, Array]:
     chosen = _read_chosen(request)
     x0, y0, x1, y1 = request.numbers("line", 4)
     values = np.where(chosen.flags == 0, chosen.values, np.nan)
@@ -354,7 +349,7 @@ def _find_profile(request: Request) -> dict[str, Array]:
     profile = measures.line_profile(values, chosen.std(request), **place)
     if (theory := _read_theory(request, chosen)) is not None:
         profile["predicted"] = measures.line_profile(theory, 0 * theory, **place)["value"]
-    return profile
+    return {name: to_list(values) for name, values in profile.items()}
 
 
 def _read_theory(request: Request, chosen: _Chosen) -> Image | None:
@@ -377,19 +372,14 @@ def send_region(request: Request) -> dict[str, Any]:
     dict
         As `erlif.show.view.measures.region_statistics`, None in place of NaN, and "unit".
     """
-    chosen, values = _find_region(request)
-    numbers = {name: None if value != value else value for name, value in values.items()}
-    return {**numbers, "unit": chosen.layer.unit}
-
-
-def _find_region(request: Request) -> tuple[_Chosen, dict[str, float]]:
     chosen = _read_chosen(request)
     x0, x1, y0, y1 = request.numbers("region", 4)
     film = chosen.reader.film
     part = measures.select_region(film.x.values, film.y.values, (x0, x1, y0, y1))
     std, shared = chosen.std(request)[part], chosen.std_shared(request)[part]
     values = measures.region_statistics(chosen.values[part], chosen.flags[part], std, shared)
-    return chosen, values
+    numbers = {name: None if value != value else value for name, value in values.items()}
+    return {**numbers, "unit": chosen.layer.unit}
 
 
 def send_pixel(request: Request) -> dict[str, Any]:
@@ -451,89 +441,43 @@ Found: TypeAlias = Mapping[str, Any] | bytes | MapExport
 
 
 def export(request: Request) -> MapExport:
-    """Write what is seen as a file.
+    """Write a map as a file; what the page holds in numbers, it writes itself.
 
     Parameters
     ----------
     request : Request
-        what: "map", "profile", "region" or "cycle"; kind: "csv" or "tiff"; the rest as for the
-        function that sends it.
+        kind: "csv" or "tiff"; the rest as for `pack_map`.
 
     Returns
     -------
     MapExport
-        Maps have all pixels of the visible window, whatever the detail on the screen.
+        All pixels of the visible window, whatever the detail on the screen.
 
     Raises
     ------
     ErlifError
         If there is no such export.
     """
-    what, kind = request.text("what"), request.text("kind")
-    if what == "map" and kind in ("csv", "tiff"):
-        return _export_map(request, kind)
-    if what not in _COLUMNS or kind != "csv":
-        raise ErlifError(f"Expected an export that exists; got {what, kind}. Reload the page.")
-    return _name_file(request, what, "csv", table_csv(_COLUMNS[what](request)).encode())
-
-
-def _name_file(request: Request, what: str, suffix: str, content: bytes) -> MapExport:
-    """A file whose name has no characters that a system refuses."""
-    run = "".join(c if c.isascii() and c.isalnum() else "_" for c in request.film().name)
-    return MapExport(f"{run[:40]}_{what}.{suffix}", content)
-
-
-def _export_map(request: Request, kind: str) -> MapExport:
+    kind = request.text("kind")
+    if kind not in ("csv", "tiff"):
+        raise ErlifError(f"Expected an export that exists; got {kind}. Reload the page.")
     chosen = _read_chosen(request)
     left, top, right, bottom = request.numbers("window", 4)
     window = Window.within(chosen.reader.shape, (left, top, right, bottom))
     film, layer = chosen.reader.film, chosen.layer
     values, flags = window.cut(chosen.values), window.cut(chosen.flags)
-    place = {
-        "x": film.x.values[window.left : window.right],
-        "y": film.y.values[window.top : window.bottom],
-    }
-    unit, what = layer.unit.replace("µ", "u"), f"{layer.name}_{request.whole('trigger')}"
+    unit = layer.unit.replace("µ", "u")
     if kind == "csv":
-        heading = f"{layer.name} [{unit}]"
-        return _name_file(request, what, kind, map_csv(values, flags, name=heading, **place))
-    title = f"{request.film().name}, {layer.title}, {chosen.text}"
-    pitch = (axis_of(film, "x")[1], axis_of(film, "y")[1])
-    content = map_tiff(values, flags, title=title, unit=unit, pitch=pitch)
-    return _name_file(request, what, kind, content)
-
-
-def _tabulate_profile(request: Request) -> dict[str, Any]:
-    unit = _read_chosen(request).layer.unit.replace("µ", "u")
-    units = {"position": "mm", "value": unit, "std": unit}
-    return {
-        f"{name} [{units.get(name, '1')}]": values
-        for name, values in _find_profile(request).items()
-    }
-
-
-def _tabulate_region(request: Request) -> dict[str, Any]:
-    chosen, values = _find_region(request)
-    unit = chosen.layer.unit.replace("µ", "u")
-    row = {"trigger": request.whole("trigger"), "layer": chosen.layer.name, "unit": unit}
-    names = ("x_low [mm]", "x_high [mm]", "y_low [mm]", "y_high [mm]")
-    row |= dict(zip(names, request.numbers("region", 4), strict=True)) | values
-    return {name: [value] for name, value in row.items()}
-
-
-def _tabulate_cycle(request: Request) -> dict[str, Any]:
-    cycle, film = send_cycle(request), request.film().film
-    named = {"stroke": cycle["stroke"], **cycle["columns"]}
-    units = {name: film[name].attrs.get("units", "1") for name in named if name in film}
-    return {f"{name} [{units.get(name, '1')}]": values for name, values in named.items()}
-
-
-# what has no picture is exported as a table
-_COLUMNS: dict[str, Callable[[Request], dict[str, Any]]] = {
-    "profile": _tabulate_profile,
-    "region": _tabulate_region,
-    "cycle": _tabulate_cycle,
-}
+        x, y = film.x.values[window.left : window.right], film.y.values[window.top : window.bottom]
+        content = map_csv(values, flags, name=f"{layer.name} [{unit}]", x=x, y=y)
+    else:
+        title = f"{chosen.reader.name}, {layer.title}, {chosen.text}"
+        pitch = (axis_of(film, "x")[1], axis_of(film, "y")[1])
+        content = map_tiff(values, flags, title=title, unit=unit, pitch=pitch)
+    # no characters that a system refuses
+    run = "".join(c if c.isascii() and c.isalnum() else "_" for c in chosen.reader.name)
+    name = f"{run[:40]}_{layer.name}_{request.whole('trigger')}.{kind}"
+    return MapExport(name, content)
 
 
 def change_region(films: Sequence[FilmReader], body: bytes) -> dict[str, str]:
@@ -591,7 +535,8 @@ def describe_cycle(film: xr.Dataset) -> dict[str, Any]:
     -------
     dict
         "axes" and "films": titles by name; "columns": a list of one number for each trigger by
-        name, None where it is not known; "stroke": +1, -1 or 0 where there are no strokes.
+        name, None where it is not known; "units" of the columns; "stroke": +1, -1 or 0 where there
+        are no strokes.
 
     Examples
     --------
@@ -622,6 +567,7 @@ def describe_cycle(film: xr.Dataset) -> dict[str, Any]:
         "axes": axes,
         "films": films,
         "columns": columns,
+        "units": {name: film[name].attrs.get("units", "1") for name in columns if name in film},
         "stroke": np.nan_to_num(stroke).astype(int).tolist(),
     }
 

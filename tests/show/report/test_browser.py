@@ -40,7 +40,7 @@ def test_report_in_a_browser(text, film, tmp_path):
             box = frame.query_selector(f"#{control}").bounding_box()
             assert box["x"] >= 0
             assert box["x"] + box["width"] <= 390
-        for served in ("two", "write", "csv", "region-form"):
+        for served in ("two", "write", "tiff", "region-form"):
             assert not frame.query_selector(f"#{served}").is_visible()
 
         # the frame has the height of its page
@@ -75,6 +75,15 @@ def test_report_in_a_browser(text, film, tmp_path):
         npt.assert_allclose(ends[0], one.y, atol=0.51 * float(film.y[1] - film.y[0]))
         shown = frame.locator("#profile .u-legend tr:not([hidden]) th").all_text_contents()
         assert shown == ["mm", "value", "predicted"]
+
+        # numbers of the page are saved as CSV, maps are not
+        assert frame.is_disabled("#csv")
+        frame.select_option("#what", "cycle")
+        with page.expect_download() as download:
+            frame.click("#csv")
+        saved = Path(download.value.path()).read_text(encoding="utf-8")
+        found = [float(row["film_min [um]"]) for row in csv.DictReader(io.StringIO(saved))]
+        npt.assert_allclose(found, film.film_min.values, rtol=1e-5)
 
         # another trigger by its number
         frame.fill("#trigger-number", "0")

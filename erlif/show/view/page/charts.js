@@ -101,6 +101,7 @@ export class ProfileChart extends Chart {
         (v === null || one.std[n] === null ? null : v + sign * one.std[n]));
       data.push(one.value, edge(1), edge(-1), one.predicted ?? one.value.map(() => null));
     }
+    this.found = found;
     const hidden = found.some((one) => one.predicted) ? /above|below/ : /above|below|predicted/;
     for (const row of this.plot.root.querySelectorAll(".u-legend tr")) {
       row.hidden = hidden.test(row.textContent);

@@ -226,6 +226,7 @@ function showPlaying() {
 
 let profileChart = null;
 let cycleChart = null;
+let statistics = []; // of the region: title and numbers of each row
 
 function drawn(what) {
   fillForms();
@@ -271,6 +272,7 @@ const refreshValues = latest(async () => {
     if (state.two) rows.push(["second − first", mapQuery.d()]);
     const found = await Promise.all(rows.map(async ([title, query]) =>
       [title, await ask.region({ ...query, region: state.region.join() })]));
+    statistics = found;
     showStatistics(found);
     showMinimum();
   }
@@ -409,7 +411,8 @@ function fillExports() {
 }
 
 function allowExports() {
-  const kinds = EXPORTS[byId("what").value][1];
+  const what = byId("what").value;
+  const kinds = what in mapQuery && !ask.export ? ["png"] : EXPORTS[what][1];
   for (const kind of ["png", "csv", "tiff"]) byId(kind).disabled = !kinds.includes(kind);
 }
 
@@ -423,15 +426,47 @@ function download(content, name) {
 
 const exportData = guarded(async (kind) => {
   const what = byId("what").value;
-  const query = what in mapQuery ? { ...mapQuery[what](), window: state.window.join() }
-    : { ...mapQuery.a(), window: state.window.join() };
-  if (state.line) Object.assign(query, { line: state.line.join(), width: state.width });
-  if (state.region) query.region = state.region.join();
-  const kindOf = what in mapQuery ? "map" : what;
+  if (what in TABLES) {
+    download(writeTable(TABLES[what]()), `${runOf("a")}_${what}.csv`);
+    return;
+  }
   // fetched first, so that a refusal is shown and not saved
-  const { name, content } = await ask.export({ ...query, what: kindOf, kind });
+  const query = { ...mapQuery[what](), window: state.window.join(), kind };
+  const { name, content } = await ask.export(query);
   download(content, name);
 });
+
+// Columns of what is exported as a table, by their headings.
+const asciiUnit = (unit) => unit.replace("µ", "u");
+const TABLES = {
+  profile: () => {
+    const [{ position, value, std, predicted }] = profileChart.found;
+    const unit = asciiUnit(about.layers.find(({ name }) => name === stored()).unit);
+    return { "position [mm]": position, [`value [${unit}]`]: value, [`std [${unit}]`]: std,
+      ...(predicted ? { [`predicted [${unit}]`]: predicted } : {}) };
+  },
+  region: () => {
+    const [, { unit, ...numbers }] = statistics[0];
+    const ends = ["x_low [mm]", "x_high [mm]", "y_low [mm]", "y_high [mm]"];
+    const values = { trigger: numberOf("a"), layer: stored(), unit: asciiUnit(unit),
+      ...Object.fromEntries(ends.map((name, n) => [name, state.region[n]])), ...numbers };
+    return Object.fromEntries(Object.entries(values).map(([name, value]) => [name, [value]]));
+  },
+  cycle: () => {
+    const { stroke, columns, units } = cycles.get(state.a.film);
+    return Object.fromEntries(Object.entries({ stroke, ...columns }).map(([name, values]) =>
+      [`${name} [${units[name] ?? "1"}]`, values]));
+  },
+};
+
+function writeTable(columns) {
+  const rows = Object.values(columns)[0].map((_, n) =>
+    Object.values(columns).map((values) => values[n] ?? "").join());
+  return new Blob([[Object.keys(columns).join(), ...rows, ""].join("\n")], { type: "text/csv" });
+}
+
+const runOf = (which) =>
+  (film(which).name || film(which).file).replace(/[^\p{L}\p{N}-]+/gu, "_");
 
 const exportPicture = guarded(async () => {
   const what = byId("what").value;
@@ -452,10 +487,9 @@ const exportPicture = guarded(async () => {
   pen.fillText(caption, 8 * ratio, 17 * ratio, page.width - 16 * ratio);
   const blob = await new Promise((r) => page.toBlob(r, "image/png"));
   const shown = what === "b" ? "b" : "a";
-  const run = (film(shown).name || film(shown).file).replace(/[^\p{L}\p{N}-]+/gu, "_");
   const layer = { a: layerOf("a"), b: layerOf("a"), d: state.unit }[what] ?? what;
   const trigger = what === "cycle" ? "" : `_${numberOf(shown)}`;
-  download(blob, `${run}_${layer}${trigger}.png`);
+  download(blob, `${runOf(shown)}_${layer}${trigger}.png`);
 });
 
 // region to run.toml
