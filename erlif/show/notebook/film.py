@@ -272,8 +272,10 @@ def describe_in_text(film: xr.Dataset) -> str:
     if not _is_film(film):
         return _describe_foreign(film)
     film = _of_triggers(film)
-    lines = [f"film {_name(film)!r}: {_size(film)}"]
-    lines += [f"  {name:<24}{value}" for name, value in _rows(film)]
+    from erlif.show.report.layout import print_rows  # loads templates
+
+    head = f"film {_name(film)!r}: {_size(film)}"
+    lines = [print_rows(head, dict(_rows(film)), width=24)]
     lines += [f"  {level.value}: {text}" for level, text in _findings(film) if level != Level.NOTE]
     return "\n".join(lines)
 

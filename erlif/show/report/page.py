@@ -231,7 +231,7 @@ def figures_section(
         Bytes that all figures may take; the largest are left out until the others fit.
     """
     parts, missing = [], []
-    for done, name in enumerate(sorted(DRAWN, key=_place_of)):
+    for done, name in enumerate(sorted(DRAWN, key=[*_FIRST, *DRAWN].index)):
         progress("figures", done, len(DRAWN))
         caption = caption_of(name, source.film)
         reason = reason_missing(name, source)
@@ -254,11 +254,6 @@ def figures_section(
         parts.remove(largest)
         missing.append((largest.title, reason))
     return layout.arrange_figures(parts, missing)
-
-
-def _place_of(name: str) -> int:
-    """Place of a figure on the page; those of the method have the same, and keep their order."""
-    return _FIRST.index(name) if name in _FIRST else len(_FIRST)
 
 
 def provenance_section(film: xr.Dataset) -> Markup:

@@ -132,12 +132,14 @@ def describe_briefly(film: xr.Dataset, shares: Array) -> dict[str, str]:
 
 def _shorten(film: xr.Dataset, shares: Array, rows: Mapping[str, str]) -> dict[str, str]:
     """The rows that a reader wants first, of all rows of a film."""
+    at_speed = _describe_theory(film).split("\n")[0]
+    theory = f"at the highest speed {at_speed}" if at_speed else ""
     lost = ", ".join(_list_flags(shares, largest=True)[:2])
     texts = {
         "film": _describe_films(film),
         "valid": f"{rows['valid pixels']} of the pixels{lost and '; '}{lost}",
         "exponent": rows.get("power of speed over load", ""),
-        "theory": rows.get("what carries the film", "") or _at_speed(film),
+        "theory": rows.get("what carries the film", "") or theory,
         "error": rows.get("largest error", ""),
     }
     return {title: text for title, text in texts.items() if text}
@@ -185,12 +187,6 @@ def _describe_films(film: xr.Dataset) -> str:
     if ranges == ["none", "none"]:
         return "none: no trigger has enough valid pixels in the region"
     return f"min {ranges[0]}, mean {ranges[1]} um"
-
-
-def _at_speed(film: xr.Dataset) -> str:
-    """Predicted film at the highest speed."""
-    text = _describe_theory(film).split("\n")[0]
-    return f"at the highest speed {text}" if text else ""
 
 
 def describe_film(film: xr.Dataset, shares: Array) -> dict[str, str]:

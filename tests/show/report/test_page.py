@@ -61,7 +61,7 @@ def test_name_cannot_end_the_script_that_holds_the_data(film_path, tmp_path, rea
 
 
 def test_figures_of_the_result_come_before_those_of_the_method():
-    names = sorted(plot_files.DRAWN, key=pages._place_of)
+    names = sorted(plot_files.DRAWN, key=[*pages._FIRST, *plot_files.DRAWN].index)
     assert names[0] == "film_over_cycle"
     method = ["speed_against_angle", "fixture_profile", "processed_images", "ratio_image"]
     assert names[-6:] == [*method, "calibration", "registration"]
