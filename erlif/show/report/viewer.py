@@ -19,7 +19,7 @@ from erlif.show.plots.style import even_limits
 from erlif.show.report.layout import read_resource, render
 from erlif.show.report.maps import KeptMaps, describe_coding
 from erlif.show.view.films import axis_of
-from erlif.show.view.layers import LAYERS, describe_flags, palette
+from erlif.show.view.layers import LAYERS, describe_layers
 from erlif.show.view.queries import describe_cycle, describe_film
 
 _SAMPLES = 12  # maps that the limits of the colour scales are taken from
@@ -98,9 +98,7 @@ def viewer_data(film: xr.Dataset, kept: KeptMaps) -> str:
     cycle["columns"]["trigger"] = kept.triggers
     data: dict[str, Any] = {
         "films": [one],
-        "layers": [vars(LAYERS[name]) for name in layers],
-        "flags": describe_flags(),
-        "palettes": {LAYERS[name].palette: palette(LAYERS[name].palette) for name in layers},
+        **describe_layers([LAYERS[name] for name in layers]),
         "limits": _layer_limits(film, kept.triggers, layers),
         "coding": describe_coding(kept.coding),
         "texts": [describe_trigger(numbers, k) for k in kept.triggers],

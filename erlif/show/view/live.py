@@ -11,7 +11,7 @@ from typing import Any, Protocol
 
 from erlif.core.arrays import FlagImage, Image
 from erlif.core.errors import ErlifError
-from erlif.show.view.layers import LAYERS, describe_flags, palette
+from erlif.show.view.layers import LAYERS, describe_layers
 from erlif.show.view.queries import Found, Request, pack_values
 from erlif.show.view.serving import require_library, serving
 
@@ -56,12 +56,7 @@ def readings_of(source: LiveSource) -> dict[str, Callable[[Request], Found]]:
     layers = [LAYERS[name] for name in ("thickness", "camera1", "camera2")]
 
     def describe(request: Request) -> Found:
-        return {
-            **source.describe(),
-            "layers": [vars(layer) for layer in layers],
-            "palettes": {layer.palette: palette(layer.palette) for layer in layers},
-            "flags": describe_flags(),
-        }
+        return source.describe() | describe_layers(layers)
 
     def news(request: Request) -> Found:
         version, pairs, angles = (request.whole(name) for name in ("version", "pairs", "angles"))

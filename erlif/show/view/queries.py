@@ -25,10 +25,9 @@ from erlif.show.view.layers import (
     LAYERS,
     SIGNIFICANCE,
     Layer,
-    describe_flags,
-    palette,
+    describe_layers,
 )
-from erlif.show.view.levels import Window, choose_step, reduce_map
+from erlif.show.view.levels import choose_step, cover, reduce_map
 from erlif.show.view.run_settings import propose_region, write_region
 
 _LEAST_REACH = 1e-3  # um, half of the colour scale of equal maps
@@ -105,17 +104,14 @@ def list_films(request: Request) -> dict[str, Any]:
     Examples
     --------
     >>> list(list_films(Request([], {})))
-    ['films', 'layers', 'flags', 'palettes']
+    ['films', 'layers', 'palettes', 'flags']
     """
-    layers = [*LAYERS.values(), DIFFERENCE, SIGNIFICANCE]
     return {
         "films": [
             describe_film(reader.film, reader.name, reader.path.name, reader.layers)
             for reader in request.films
         ],
-        "layers": [vars(layer) for layer in layers],
-        "flags": describe_flags(),
-        "palettes": {layer.palette: palette(layer.palette) for layer in layers},
+        **describe_layers([*LAYERS.values(), DIFFERENCE, SIGNIFICANCE]),
     }
 
 
@@ -223,17 +219,17 @@ def pack_values(
     request: Request, layer: Layer, values: Image, flags: FlagImage, **about: str | int
 ) -> bytes:
     """The visible part of any map, described by `about`; the rest as for `pack_map`."""
-    left, top, right, bottom = request.numbers("window", 4)
-    window = Window.within((values.shape[0], values.shape[1]), (left, top, right, bottom))
+    window = cover((values.shape[0], values.shape[1]), request.numbers("window", 4))
     width, height = request.numbers("room", 2)
     coarse = request.text("coarse") == "1"
     step = choose_step(window, (int(width), int(height)), coarse=coarse)
-    shown, reasons = reduce_map(window.cut(values), window.cut(flags), step=step)
+    shown, reasons = reduce_map(values[window], flags[window], step=step)
+    rows, columns = window
 
     described = {
         **about,
         "layer": layer.name,
-        "window": [window.left, window.top, window.right, window.bottom],
+        "window": [columns.start, rows.start, columns.stop, rows.stop],
         "step": step,
         "shape": shown.shape,
         "limits": colour_limits(shown, reasons, symmetric=layer.signed),
@@ -462,13 +458,12 @@ def export(request: Request) -> MapExport:
     if kind not in ("csv", "tiff"):
         raise ErlifError(f"Expected an export that exists; got {kind}. Reload the page.")
     chosen = _read_chosen(request)
-    left, top, right, bottom = request.numbers("window", 4)
-    window = Window.within(chosen.reader.shape, (left, top, right, bottom))
+    rows, columns = window = cover(chosen.reader.shape, request.numbers("window", 4))
     film, layer = chosen.reader.film, chosen.layer
-    values, flags = window.cut(chosen.values), window.cut(chosen.flags)
+    values, flags = chosen.values[window], chosen.flags[window]
     unit = layer.unit.replace("µ", "u")
     if kind == "csv":
-        x, y = film.x.values[window.left : window.right], film.y.values[window.top : window.bottom]
+        x, y = film.x.values[columns], film.y.values[rows]
         content = map_csv(values, flags, name=f"{layer.name} [{unit}]", x=x, y=y)
     else:
         title = f"{chosen.reader.name}, {layer.title}, {chosen.text}"
