@@ -50,8 +50,8 @@ class FilmReader:
     ...     reader = FilmReader(write_example(Path(folder, "film.nc")))
     ...     maps, flags = reader.read("thickness", 2)
     ...     reader.close()
-    >>> maps.shape, reader.triggers, reader.layers[-2:]
-    ((24, 64), 6, ['predicted', 'residual'])
+    >>> maps.shape, reader.layers[-2:]
+    ((24, 64), ['predicted', 'residual'])
     """
 
     def __init__(self, path: Path, run_dir: Path | None = None) -> None:
@@ -66,11 +66,6 @@ class FilmReader:
         self._kept: OrderedDict[tuple[str, int], AnyArray] = OrderedDict()
         self._lock = Lock()
         self._computing = Lock()
-
-    @property
-    def triggers(self) -> int:
-        """Number of triggers."""
-        return int(self.film.sizes["trigger"])
 
     @property
     def shape(self) -> tuple[int, int]:
