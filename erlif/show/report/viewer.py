@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from markupsafe import Markup
+from markupsafe import Markup, escape
 
 from erlif.core.statistics import central_range
 from erlif.io.files import describe_trigger, settings_of
@@ -80,7 +80,7 @@ def viewer_page() -> Markup:
     script = "\n".join([*modules, read_resource("replies.js"), last])
     script = re.sub(r"^import .*\n|^export ", "", script, flags=re.MULTILINE)
     page = page.replace(' src="view.js"></script>', f">{script}</script>")
-    return Markup(page.replace("&", "&amp;").replace('"', "&quot;"))
+    return escape(page)
 
 
 def viewer_data(film: xr.Dataset, kept: KeptMaps) -> str:
