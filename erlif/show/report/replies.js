@@ -45,15 +45,6 @@ const LAYERS = {
 };
 const known = (value) => (Number.isFinite(value) ? value : null);
 
-// ends of a colour scale without the 0.5 % lowest and highest pixels
-function limitsOf(values, layer) {
-  const found = values.filter(Number.isFinite).sort();
-  if (!found.length) return [0, 1];
-  const [low, high] = [0.005, 0.995].map((share) => found[Math.round(share * (found.length - 1))]);
-  const reach = Math.max(-low, high, 1e-3);
-  return layer === "residual" ? [-reach, reach] : [low, Math.max(high, low + 1e-6)];
-}
-
 const ask = {
   films: async () => ({ ...films, limits }),
   cycle: async () => cycle,
@@ -65,8 +56,7 @@ const ask = {
     const values = Float32Array.from(places, (n) => LAYERS[layer](map, n));
     return {
       text: texts[trigger], window: [0, 0, width, height], step: 1, shape: [height, width],
-      limits: limitsOf(values, layer), values,
-      flags: layer === "predicted" ? new Uint16Array(pixels) : reasons,
+      values, flags: layer === "predicted" ? new Uint16Array(pixels) : reasons,
       shares: films.flags.map(({ bit }) => reasons.filter((bits) => bits & bit).length / pixels),
     };
   },

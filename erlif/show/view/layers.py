@@ -36,11 +36,6 @@ class Layer:
     unit: str
     palette: str
 
-    @property
-    def signed(self) -> bool:
-        """Whether its colours are symmetric about zero."""
-        return self.palette == "vik"
-
 
 _TABLES = read_table("erlif.show.view", "page.toml")
 

@@ -14,7 +14,6 @@ import xarray as xr
 from erlif.core.arrays import Array, FlagImage, Image
 from erlif.core.errors import ErlifError
 from erlif.core.flags import FLAG_COLOURS, Flag, count_flags
-from erlif.core.statistics import central_range
 from erlif.core.tables import read_table
 from erlif.io.files import axis_labels, driven_link, fastest_trigger, region_of
 from erlif.show.view import measures
@@ -29,9 +28,6 @@ from erlif.show.view.layers import (
 )
 from erlif.show.view.levels import choose_step, cover, reduce_map
 from erlif.show.view.run_settings import propose_region, write_region
-
-_LEAST_REACH = 1e-3  # um, half of the colour scale of equal maps
-_EVERY = 7  # a colour scale needs no more than every seventh pixel
 
 T = TypeVar("T")
 
@@ -232,7 +228,6 @@ def pack_values(
         "window": [columns.start, rows.start, columns.stop, rows.stop],
         "step": step,
         "shape": shown.shape,
-        "limits": colour_limits(shown, reasons, symmetric=layer.signed),
         "shares": _flag_shares(flags),
     }
     return join_parts(described, shown, reasons)
@@ -272,39 +267,6 @@ def join_parts(about: Mapping[str, Any], values: Image, flags: FlagImage) -> byt
     text += b" " * (-len(text) % 4)
     parts = np.ascontiguousarray(values, "<f4"), np.ascontiguousarray(flags, np.uint16)
     return b"".join([struct.pack("<I", len(text)), text, *(part.tobytes() for part in parts)])
-
-
-def colour_limits(
-    values: Image, flags: FlagImage, *, symmetric: bool = False
-) -> tuple[float, float]:
-    """Ends of a colour scale that leaves out the 0.5 % lowest and highest pixels.
-
-    Parameters
-    ----------
-    values : array, (y, x)
-        Values.
-    flags : array, (y, x)
-        Flags; flagged pixels are left out.
-    symmetric : bool
-        About zero.
-
-    Returns
-    -------
-    (float, float)
-        0 and 1 where no pixel is valid.
-
-    Examples
-    --------
-    >>> values = np.linspace(1, 2, 8, dtype=np.float32)[None]
-    >>> low, high = colour_limits(values, np.zeros((1, 8), np.uint16))
-    >>> round(low, 1), round(high, 1)
-    (1.0, 2.0)
-    """
-    low, high = central_range(values.ravel()[::_EVERY][flags.ravel()[::_EVERY] == 0])
-    if symmetric:
-        reach = max(abs(low), abs(high), _LEAST_REACH)
-        return -reach, reach
-    return low, max(high, low + 1e-6 * max(abs(low), 1e-3))
 
 
 def send_cycle(request: Request) -> dict[str, Any]:

@@ -54,6 +54,14 @@ def test_report_in_a_browser(text, film, tmp_path):
         for layer in layers:
             frame.select_option("#layer", layer)
             canvas = frame.wait_for_selector(f'#panel-a canvas[data-layer="{layer}"]')
+        # the scale of a difference is even, also that of one map
+        frame.select_option("#layer", "residual")
+        frame.click("#fit")
+        low, high = (float(frame.input_value(f"#{name}")) for name in ("low", "high"))
+        assert low == -high < 0
+        frame.select_option("#layer", "thickness")
+        canvas = frame.wait_for_selector('#panel-a canvas[data-layer="thickness"]')
+
         box = canvas.bounding_box()
         canvas.click(position={"x": 0.5 * box["width"], "y": 0.5 * box["height"]})
         frame.wait_for_selector("#readout:has-text('predicted')")

@@ -50,8 +50,6 @@ def test_a_map_arrives_as_it_is_stored(ask):
     npt.assert_array_equal(flags, film.flags.values)
     assert about["text"].startswith("trigger 2, ")
     assert sum(about["shares"]) == pytest.approx(np.count_nonzero(film.flags) / film.flags.size)
-    low, high = about["limits"]
-    assert np.nanmin(values) <= low < high <= np.nanmax(values)
 
 
 def test_a_small_screen_receives_means(ask):
@@ -66,9 +64,8 @@ def test_a_difference_is_that_of_the_films(ask):
     values = unpack(queries.pack_map(ask(layer="difference", film2=1, trigger2=5)))[1]
     film = example_film().thickness.values
     npt.assert_allclose(values, film[5] - film[2], rtol=1e-6)
-    about, pull, _ = unpack(queries.pack_map(ask(layer="significance", film2=1, trigger2=5)))
+    _, pull, _ = unpack(queries.pack_map(ask(layer="significance", film2=1, trigger2=5)))
     npt.assert_allclose(pull, values / np.float32(0.05 * 2**0.5), rtol=1e-5)
-    assert about["limits"][0] == -about["limits"][1]
 
 
 def test_profile_region_and_pixel_agree_with_the_film(ask):
@@ -96,13 +93,12 @@ def test_profile_region_and_pixel_agree_with_the_film(ask):
 def test_theory_stands_beside_the_measured_film(ask):
     film = example_film()
     predicted = predicted_map(film, trigger=2)
-    about, values, flags = unpack(queries.pack_map(ask(layer="predicted")))
+    _, values, flags = unpack(queries.pack_map(ask(layer="predicted")))
     npt.assert_allclose(values, predicted, rtol=1e-6)
     assert not flags.any()
-    about, values, flags = unpack(queries.pack_map(ask(layer="residual")))
+    _, values, flags = unpack(queries.pack_map(ask(layer="residual")))
     npt.assert_allclose(values, film.thickness.values[2] - predicted, atol=1e-5)
     npt.assert_array_equal(flags, film.flags.values[2])
-    assert about["limits"][0] == -about["limits"][1]
     profile = queries.send_profile(ask(line="0,3,15.75,3", width=1))
     npt.assert_allclose(profile["predicted"], predicted[12], rtol=1e-5)
     assert "predicted" not in queries.send_profile(

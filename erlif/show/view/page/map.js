@@ -17,6 +17,18 @@ function unpack(data) {
   return { ...found, values, flags: new Uint16Array(data, 4 + length + 4 * count, count) };
 }
 
+const EVERY = 7; // of the pixels, enough for a colour scale
+
+// ends of a colour scale without the 0.5 % lowest and highest pixels; differences about zero
+function limitsOf({ values, flags }, { palette }) {
+  const found = values.filter((value, n) =>
+    n % EVERY === 0 && !flags[n] && Number.isFinite(value)).sort();
+  if (!found.length) return [0, 1];
+  const [low, high] = [0.005, 0.995].map((share) => found[Math.round(share * (found.length - 1))]);
+  const reach = Math.max(-low, high, 1e-3);
+  return palette === "vik" ? [-reach, reach] : [low, Math.max(high, low + 1e-6)];
+}
+
 export class MapPanel {
   constructor(figure, use) {
     this.figure = figure;
@@ -85,6 +97,7 @@ export class MapPanel {
 
   show(data) {
     const found = data instanceof ArrayBuffer ? unpack(data) : data;
+    found.limits = limitsOf(found, this.layer());
     this.shown = found;
     this.use.shown(found);
     this.draw();
