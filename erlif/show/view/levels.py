@@ -69,7 +69,7 @@ def choose_step(window: Part, room: tuple[int, int], *, coarse: bool = False) ->
     1
     """
     shown = zip(reversed(window), room, strict=True)  # columns by the width, rows by the height
-    ratio = max((part.stop - part.start) / max(length, 1) for part, length in shown)
+    ratio = max(float(part.stop - part.start) / max(length, 1) for part, length in shown)
     step = max(math.floor(ratio + _SLACK), 1)
     return 2 * step if coarse and (2 * ratio) > 1 else step
 
