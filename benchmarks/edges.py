@@ -351,7 +351,8 @@ def refine(load: float) -> None:
 
 def draw(load: float) -> None:
     """Profiles, map, search and stress of the joint in one figure."""
-    from erlif.show import plots
+    from erlif.joint.plots import edges
+    from erlif.show.plots import style
 
     straight = prepare_joint(THESIS)
     cut = prepare_joint(replace(THESIS, undercut=OPTIMUM), pin=straight.pin)
@@ -366,13 +367,15 @@ def draw(load: float) -> None:
     )
     radius = conformal_radius(THESIS.pin_radius, bushing_radius=THESIS.bushing_radius)
     hertz = hertz_line(load / THESIS.length, radius=radius, contact_modulus=STEEL)
-    figure = plots.joint_figure(
-        {"straight": before, "undercut": after},
-        hertz=hertz.pressure,
-        stress=section_stress(cut, after, harmonics=128),
-        search=found,
-    )
-    plots.save_figure(figure, Path(__file__).parents[1] / "docs" / "images" / "edges.png", dpi=150)
+    figure = style.new_figure(style.TWO_COLUMNS, 0.62 * style.TWO_COLUMNS)
+    panels = figure.subplots(2, 2).ravel()
+    contacts = {"straight": before, "undercut": after}
+    edges.axial_pressure(contacts, hertz=hertz.pressure, ax=panels[0])
+    edges.contact_pressure_map(after, ax=panels[1])
+    edges.undercut_pressure(found, ax=panels[2])
+    edges.stress_section(section_stress(cut, after, harmonics=128), ax=panels[3])
+    style.letter_panels(*panels)
+    style.save_figure(figure, Path(__file__).parents[1] / "docs" / "images" / "edges.png", dpi=150)
 
 
 def main() -> None:

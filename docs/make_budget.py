@@ -12,7 +12,7 @@ from pathlib import Path
 import erlif
 from erlif.calibration import NO_SYSTEMATICS, Systematics
 from erlif.core.terms import SOURCES, TERMS
-from erlif.show.report import render_budget
+from erlif.show.report import print_budget
 
 ROOT = Path(__file__).parents[1]
 FILMS = (1.0, 3.0, 6.0, 10.0)
@@ -66,7 +66,7 @@ def renew(page: str, name: str, table: str) -> None:
 def main() -> None:
     """Renew both tables."""
     budget = erlif.budget(ROOT / "data_samples" / "straight_bushing")
-    renew("uncertainty.md", "budget", render_budget(budget))
+    renew("uncertainty.md", "budget", f"```text\n{print_budget(budget)}\n```\n")
     renew("limits.md", "limits", limits())
 
 

@@ -13,9 +13,6 @@ from erlif.core.errors import ErlifError
 from erlif.core.speed.imports import large_imports
 
 _TABLES = ("compare.nc", "compare.csv", "compare.html")
-_FIGURES = tuple(
-    f"{each}.png" for each in ("films", "difference_map", "control_patch", "control_calibration")
-)
 
 
 @click.command()
@@ -64,6 +61,7 @@ def compare(
         from erlif.io.files import refuse_existing, replacing_set, write_dataset
         from erlif.review.comparison import compare as compare_films
         from erlif.review.comparison import describe_comparison
+        from erlif.show.report.comparison import FIGURES
 
     # everything that can be refused is refused before the work starts
     if len(films) > 1 and not (pair[0] != pair[1] and all(1 <= k <= len(films) for k in pair)):
@@ -72,7 +70,8 @@ def compare(
             f"{pair[0]} and {pair[1]}. Choose two of them."
         )
     if output is not None:
-        for name in (*_TABLES, *_FIGURES):
+        names = (*_TABLES, *(f"{name}.png" for name in FIGURES))
+        for name in names:
             refuse_existing(output / name, overwrite=overwrite, holds="difference_at")
     with show_progress() as progress:
         comparison = compare_films(
@@ -91,7 +90,7 @@ def compare(
     from erlif.show.report import write_comparison_page, write_pair_table
 
     # one file of an earlier comparison beside those of this one would belong to other films
-    with replacing_set(output, (*_TABLES, *_FIGURES)) as scratch:
+    with replacing_set(output, names) as scratch:
         write_dataset(comparison, scratch / _TABLES[0])
         write_pair_table(comparison, scratch / _TABLES[1])
         figures = write_comparison_figures(comparison, scratch)

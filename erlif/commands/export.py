@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import click
 
@@ -22,15 +23,7 @@ from erlif.core.speed.imports import large_imports
 @TRIGGER
 @output_option("File, of VTK a directory", "beside FILM, by its name")
 @OVERWRITE
-def export(
-    film: Path,
-    to: str,
-    trigger: int | None,
-    crank_angle: float | None,
-    encoder_angle: float | None,
-    output: Path | None,
-    overwrite: bool,
-) -> None:
+def export(film: Path, to: str, output: Path | None, overwrite: bool, **options: Any) -> None:
     """Write a film in the format of another program.
 
     CSV is a table of all numbers of the triggers; with --trigger or an angle it is the map of that
@@ -47,9 +40,7 @@ def export(
         from erlif.io.conversion import EXPORTS
         from erlif.io.conversion import export as export_film
 
-    chosen, described = choose_one(
-        film, trigger=trigger, crank_angle=crank_angle, encoder_angle=encoder_angle
-    )
+    chosen, described = choose_one(film, options)
     # the name states which trigger the file holds
     part = "" if chosen is None else f"_trigger{chosen}"
     output = output or film.with_name(f"{film.stem}{part}{EXPORTS[to].ending}")

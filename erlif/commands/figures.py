@@ -45,14 +45,7 @@ from erlif.core.speed.imports import large_imports
 )
 @ALLOW_OUTSIDE
 @OVERWRITE
-def figures(
-    film: Path,
-    output: Path | None,
-    trigger: int | None,
-    crank_angle: float | None,
-    encoder_angle: float | None,
-    **options: Any,
-) -> None:
+def figures(film: Path, output: Path | None, **options: Any) -> None:
     """Write the figures of a film.
 
     \b
@@ -69,9 +62,7 @@ def figures(
         raise OutputError(
             f"Expected a directory for the figures; {output} is a file. Give another name with -o."
         )
-    trigger, described = choose_one(
-        film, trigger=trigger, crank_angle=crank_angle, encoder_angle=encoder_angle
-    )
+    trigger, described = choose_one(film, options)
     with working() as progress:
         paths = write_figures(film, output, trigger=trigger, progress=progress, **options)
     if described:

@@ -75,7 +75,7 @@ def _broken(line: str, below: int = 0) -> str:
         return line
     if gaps and gaps[0].end() <= _HANGING:
         below = gaps[0].end()
-    below = below or _margin(line) + 2
+    below = below or len(line) - len(line.lstrip()) + 2
     # a number keeps its per cent
     line = re.sub(r"(?<=\d) %", "\xa0%", line)
     filled = textwrap.fill(
@@ -86,10 +86,6 @@ def _broken(line: str, below: int = 0) -> str:
         break_on_hyphens=False,
     )
     return filled.replace("\xa0%", " %")
-
-
-def _margin(line: str) -> int:
-    return len(line) - len(line.lstrip())
 
 
 def describe_written(paths: Sequence[Path]) -> str:

@@ -126,21 +126,18 @@ TRIGGER = together(
 )
 
 
-def choose_one(
-    film: Path, *, trigger: int | None, crank_angle: float | None, encoder_angle: float | None
-) -> tuple[int | None, str]:
-    """The trigger of a film that a user names by the options of `TRIGGER`, and its description.
+def choose_one(film: Path, options: dict[str, Any]) -> tuple[int | None, str]:
+    """Take the options of `TRIGGER`: the trigger of a film that they name, and its description.
 
-    None and an empty text where neither is given.
+    None and an empty text where none is given.
     """
     from erlif.io.conversion import choose_trigger
     from erlif.io.files import describe_trigger, open_film
 
     with open_film(film) as opened:
         # the film is opened in any case: a name that is none is refused before the work starts
-        chosen = choose_trigger(
-            opened, trigger=trigger, crank_angle=crank_angle, encoder_angle=encoder_angle
-        )
+        named = {name: options.pop(name) for name in ("trigger", "crank_angle", "encoder_angle")}
+        chosen = choose_trigger(opened, **named)
         if chosen is None:
             return None, ""
         return chosen, describe_trigger(opened, chosen)

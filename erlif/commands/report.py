@@ -87,12 +87,6 @@ def report(
         if several:
             write_runs_report(films, output, progress=progress, **options)
         else:
-            write_report(
-                films[0],
-                output,
-                triggers=triggers,
-                allow_outside=allow_outside,
-                progress=progress,
-                **options,
-            )
+            options |= {"triggers": triggers, "allow_outside": allow_outside}
+            write_report(films[0], output, progress=progress, **options)
     click.echo(f"written: {output}")

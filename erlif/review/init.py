@@ -387,7 +387,7 @@ def _draft_motion(draft: _Draft, survey: Survey, kind: str) -> None:
         f"Other tribometers: erlif init --overwrite --kind {', '.join(KINDS[1:-1])} or static."
     )
     if kind in _LINKAGES:
-        _draft_log(draft, survey)
+        _draft_log(draft, survey, kind)
         draft.set("oil.viscosity", GAP, "Remove this line where a vogel law is given below.")
         return
 
@@ -395,7 +395,7 @@ def _draft_motion(draft: _Draft, survey: Survey, kind: str) -> None:
     draft.leave_out += ["joint", "oil", "prediction"]
     if kind == "static":
         draft.leave_out.append("mechanism")
-    logged = _draft_optional_log(draft, survey, kind)
+    logged = _draft_log(draft, survey, kind)
     if kind == "rotation" and not {"angle", "time"} <= logged and "speed" not in logged:
         draft.set("mechanism.speed", GAP, "No log has columns of angle and time.")
     if kind == "sinusoidal" and "angle" not in logged:
@@ -405,27 +405,50 @@ def _draft_motion(draft: _Draft, survey: Survey, kind: str) -> None:
         draft.remarks["mechanism.load"] = "No log has a column of the load."
 
 
-def _draft_optional_log(draft: _Draft, survey: Survey, kind: str) -> set[str]:
-    """Draft the log of a run that does not need one; return the quantities that it holds."""
-    table = _find_table(survey, ("frame",))
+def _draft_log(draft: _Draft, survey: Survey, kind: str) -> set[str]:
+    """Draft the log, its columns, and the cycle its angles show; return the quantities it holds."""
+    linkage = kind in _LINKAGES
+    needed = ("frame", "angle_deg") if linkage else ("frame",)
+    table = _find_table(survey, needed)
+    values, in_time = xr.Dataset(), False
     if table is not None:
-        log = _read_own_log(draft, survey, table, needs_angle=False)
-        if log is not None:
-            _draft_repeats(draft, log)
+        log = _read_own_log(draft, survey, table, needs_angle=linkage)
+        values = values if log is None else log
+        names = set(map(str, values))
         # a speed of sliding and one of rotation serve alike
-        names = set() if log is None else set(map(str, log))
-        return names | {"speed"} if {"sliding_speed", "rotation_speed"} & names else names
-    proposal = propose_log(survey.logs, survey.cameras[0].frames.pages, unnamed=kind != "static")
-    if proposal is not None:
+        names |= {"speed"} if {"sliding_speed", "rotation_speed"} & names else set()
+        lacking = "" if "load_N" in table.header else "load_N"
+    else:
+        frames = survey.cameras[0].frames.pages
+        proposal = propose_log(survey.logs, frames, unnamed=kind != "static")
+        if proposal is None:
+            _report_missing_table(draft, survey, "encoder log", ", ".join(needed), needed=linkage)
+            if linkage:
+                draft.set("encoder.file", GAP)
+            else:
+                draft.leave_out.append("encoder")
+            return set()
         _draft_proposal(draft, survey, proposal)
         if kind != "static":
             _ask_for_columns(draft, proposal)
-        if not proposal.in_time:
-            _draft_repeats(draft, proposal.values)
-        return {*proposal.columns, *map(str, proposal.values)}
-    _report_missing_table(draft, survey, "encoder log", "frame", needed=False)
-    draft.leave_out.append("encoder")
-    return set()
+        values, in_time = proposal.values, proposal.in_time
+        names = {*proposal.columns, *map(str, values)}
+        lacking = "" if "load" in proposal.columns else "of the load"
+
+    if not linkage:
+        if not in_time:
+            _draft_repeats(draft, values)
+        return names
+    if lacking:
+        draft.set("joint.load", GAP, f"The encoder log has no column {lacking}.")
+    if "angle" in values:
+        angle = np.asarray(values["angle"].values)
+        if in_time:
+            _draft_mount(draft, float(np.ptp(np.unwrap(angle, period=360.0))) > WHOLE_TURN)
+        else:
+            time = values["time"].values if "time" in values else None
+            _draft_cycle(draft, find_cycle(angle), time)
+    return names
 
 
 def _read_own_log(
@@ -448,43 +471,6 @@ def _read_own_log(
     except ErlifError as error:
         draft.warn("encoder log", f"{error}")
         return None
-
-
-def _draft_log(draft: _Draft, survey: Survey) -> None:
-    """The encoder log, its columns, and the cycle its angles show."""
-    table = _find_table(survey, ("frame", "angle_deg"))
-    if table is None:
-        _draft_foreign_log(draft, survey)
-        return
-    if "load_N" not in table.header:
-        draft.set("joint.load", GAP, "The encoder log has no column load_N.")
-    log = _read_own_log(draft, survey, table, needs_angle=True)
-    if log is not None:
-        time = log["time"].values if "time" in log else None
-        _draft_cycle(draft, find_cycle(log.angle.values), time)
-
-
-def _draft_foreign_log(draft: _Draft, survey: Survey) -> None:
-    """Draft the columns of a log with other names, as the names suggest them."""
-    frames = survey.cameras[0].frames.pages
-    proposal = propose_log(survey.logs, frames, unnamed=True)
-    if proposal is None:
-        draft.set("encoder.file", GAP)
-        _report_missing_table(draft, survey, "encoder log", "frame, angle_deg")
-        return
-
-    _draft_proposal(draft, survey, proposal)
-    _ask_for_columns(draft, proposal)
-    if "load" not in proposal.columns:
-        draft.set("joint.load", GAP, "The encoder log has no column of the load.")
-
-    if "angle" not in proposal.values:
-        return
-    angle, time = proposal.values["angle"].values, proposal.values.get("time")
-    if not proposal.in_time:
-        _draft_cycle(draft, find_cycle(angle), None if time is None else time.values)
-        return
-    _draft_mount(draft, float(np.ptp(np.unwrap(angle, period=360.0))) > WHOLE_TURN)
 
 
 def _draft_proposal(draft: _Draft, survey: Survey, proposal: LogProposal) -> None:
@@ -571,9 +557,9 @@ def _draft_cycle(draft: _Draft, cycle: Cycle, time: Array | None) -> None:
 
 def _draft_repeats(draft: _Draft, log: xr.Dataset) -> None:
     """Draft the triggers per cycle of a motion without linkage, if the angles repeat."""
-    if "angle" not in log or log.angle.size < 2:
+    angle = np.asarray(log["angle"].values) if "angle" in log else np.empty(0)
+    if angle.size < 2:
         return
-    angle = np.asarray(log.angle.values)
     triggers = find_cycle(angle).triggers
     if triggers is None or triggers >= angle.size:
         return

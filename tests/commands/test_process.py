@@ -133,7 +133,7 @@ def test_each_run_has_one_line_and_failures_stand_at_the_end(series, film):
     assert result.exit_code == 2
     failed, finished = unwrapped(result.stdout).splitlines()
     assert failed == f"{series / 'tuesday'}: failed, see below"
-    assert finished.startswith(f"{series / 'monday'}: minimum film thickness ")
+    assert finished.startswith(f"{series / 'monday'}: min ")
     assert "6 triggers from 6 frame pairs" in finished
     listed = result.stderr.partition("erlif: ")[2]
     assert listed.startswith("1 of 2 runs failed:\n")

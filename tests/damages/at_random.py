@@ -19,7 +19,7 @@ from erlif.io.ingest.logs.columns import ColumnChoice
 from erlif.io.settings import read_fixture_settings, read_run_settings, to_toml
 from erlif.review.budget import budget
 from erlif.show.plots import write_example, write_figures
-from erlif.show.report import render_budget, write_report
+from erlif.show.report import print_budget, write_report
 
 NUMBERS = (np.nan, np.inf, -np.inf, 0.0, -1.0, 1e300, 1e-300, 1e9, 2.0**31)
 LONGEST = 60_000
@@ -175,7 +175,7 @@ def _report(name: str) -> Callable[[Path], object]:
 
 
 def _budget(folder: Path) -> None:
-    render_budget(budget(folder / "run", calibration=folder / "calibration.nc"))
+    print_budget(budget(folder / "run", calibration=folder / "calibration.nc"))
 
 
 # whole files

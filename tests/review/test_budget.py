@@ -15,7 +15,7 @@ from erlif.calibration import Systematics
 from erlif.core.terms import TERMS
 from erlif.rig import RigSettings, simulate
 from erlif.show.plots import example_calibration
-from erlif.show.report import render_budget
+from erlif.show.report import print_budget
 
 ROOT = Path(__file__).parents[2]
 
@@ -105,13 +105,8 @@ def test_trigger_and_film_that_are_not_there_are_refused(lab):
 
 
 def numbers(table):
-    """Titles, terms and numbers of a table in Markdown."""
-    rows = [
-        line.replace("*", "").strip("|").split("|")
-        for line in table.splitlines()
-        if line.startswith("|")
-    ]
-    cells = [[cell.strip() for cell in row] for row in rows]
+    """Titles, terms and numbers of a table."""
+    cells = [re.split(r"\s{2,}", line.strip()) for line in table.strip().splitlines()]
     words = [[cell for cell in row if not re.fullmatch(r"[\d.]+", cell)] for row in cells]
     return words, np.array(
         [float(cell) for row in cells for cell in row if re.fullmatch(r"[\d.]+", cell)]
@@ -125,10 +120,10 @@ def test_documented_budget_is_that_of_the_sample():
     After a change of method, docs/make_budget.py renews it.
     """
     text = (ROOT / "docs" / "uncertainty.md").read_text(encoding="utf-8")
-    documented = text.split("<!-- budget -->")[1].split("<!-- end of budget -->")[0]
+    documented = text.split("<!-- budget -->\n```text")[1].split("```\n<!-- end of budget -->")[0]
     sample = ROOT / "data_samples" / "straight_bushing"
     words, values = numbers(documented)
-    words_now, values_now = numbers(render_budget(erlif.budget(sample)))
+    words_now, values_now = numbers(print_budget(erlif.budget(sample)))
     assert words == words_now
     npt.assert_allclose(values, values_now, rtol=0.05, atol=0.1)
 

@@ -6,7 +6,7 @@ import io
 from html.parser import HTMLParser
 
 CSV = "data:text/csv;charset=utf-8;base64,"
-VOID = {"meta", "img", "input", "br"}
+VOID = {"meta", "img", "input", "br", "link"}
 
 
 class Page(HTMLParser):

@@ -36,8 +36,6 @@ class CellMeans:
         Mean film, NaN with too few valid pixels, (row, column). [um]
     own_var : Array
         Variance of what is not shared by the calibration: noise and registration. [um2]
-    noise_var : Array
-        The part of it that is noise of the pixels. [um2]
     gradient : Array
         Change of the film with the parameters of the calibration, (row, column, parameter).
     count : Array
@@ -46,7 +44,6 @@ class CellMeans:
 
     film: Array
     own_var: Array
-    noise_var: Array
     gradient: Array
     count: Array
 
@@ -159,7 +156,7 @@ def average_cells(
     common = quadratic(gradient, calibration.full_covariance)
     registration = np.maximum(total(shared[inside]) / count - common, 0.0)
     noise_var = noise_inflation(value, noise) * variance / count
-    return CellMeans(mean, noise_var + registration, noise_var, gradient, count)
+    return CellMeans(mean, noise_var + registration, gradient, count)
 
 
 def noise_inflation(value: Array, variance: Array) -> float:

@@ -16,7 +16,6 @@ from erlif.core.notes import Level, split_notes
 from erlif.core.statistics import central_range
 from erlif.core.units import count_of
 from erlif.io.files import (
-    applicable_theory,
     check_trigger,
     describe_trigger,
     driven_link,
@@ -273,8 +272,10 @@ def describe_in_text(film: xr.Dataset) -> str:
     if not _is_film(film):
         return _describe_foreign(film)
     film = _of_triggers(film)
-    lines = [f"film {_name(film)!r}: {_size(film)}"]
-    lines += [f"  {name:<24}{value}" for name, value in _rows(film)]
+    from erlif.show.report.layout import print_rows  # loads templates
+
+    head = f"film {_name(film)!r}: {_size(film)}"
+    lines = [print_rows(head, dict(_rows(film)), width=24)]
     lines += [f"  {level.value}: {text}" for level, text in _findings(film) if level != Level.NOTE]
     return "\n".join(lines)
 
@@ -300,8 +301,11 @@ def _is_film(film: xr.Dataset) -> bool:
 
 
 def _of_triggers(film: xr.Dataset) -> xr.Dataset:
-    """A film, also where one of its triggers was taken."""
-    return film if "trigger" in film.dims else film.expand_dims("trigger")
+    """A film, also where one of its triggers was taken, which has no power of the speed."""
+    if "trigger" in film.dims:
+        return film
+    powers = [name for name in film if str(name).startswith("speed_exponent")]
+    return film.drop_vars(powers).expand_dims("trigger")
 
 
 def _describe_foreign(dataset: xr.Dataset) -> str:
@@ -328,19 +332,15 @@ def _size(film: xr.Dataset) -> str:
 
 def _rows(film: xr.Dataset) -> list[tuple[str, str]]:
     """Rows of the summary of a film: name and value."""
-    rows = [
-        ("minimum film thickness", _range(film, "film_min", "um", 2)),
-        ("mean film thickness", _range(film, "film_mean", "um", 2)),
-    ]
-    rows.append(("valid pixels", f"{flag_shares(film)[:, 0].mean():.1%}"))
+    from erlif.show.report.summary import describe_briefly  # loads templates
+
+    rows = list(describe_briefly(film, flag_shares(film)).items())
     shown = [(title, how) for title, how in _QUANTITIES.items() if how[0] in film]
     link = driven_link(film)
     rows += [(title.replace("crank", link), _range(film, *how)) for title, how in shown]
     with suppress(ErlifError):
         oil = settings_of(film).oil
         rows += [("oil", oil.name)] if oil is not None and oil.name else []
-    if (theory := applicable_theory(film)) is not None:
-        rows.append(("theory", str(theory.attrs.get("regime", ""))))
     return rows
 
 

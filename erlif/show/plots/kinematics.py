@@ -269,13 +269,14 @@ def _draw_statistic(
     for part in _of_one_selection(triggers.in_order(film.isel(trigger=order), place), pale_at):
         x, low, high = place[part], (value - half)[part], (value + half)[part]
         pale = bool(pale_at[part[0]])
+        alpha = _PALE if pale else 1.0
         artists.append(style.draw_band(ax, x, low, high, colour))
         named = f"{label}, part beyond range" if pale else label
         look: dict[str, Any] = {"form": dashes, "width": 0.9, "label": named}
-        artists += style.draw_line(ax, x, value[part], colour, alpha=_alpha(pale), **look)
+        artists += style.draw_line(ax, x, value[part], colour, alpha=alpha, **look)
     points: dict[str, Any] = {"colour": colour, "markersize": pt(_MARKER)}
-    for pale in (False, True):
-        which = {"which": part_of == pale, "alpha": _alpha(pale)}
+    for pale, alpha in ((False, 1.0), (True, _PALE)):
+        which = {"which": part_of == pale, "alpha": alpha}
         triggers.draw_strokes(ax, film, along.values, film[name].values, **points, **which)
     return artists
 
@@ -287,11 +288,6 @@ def _of_one_selection(
     cuts = [np.flatnonzero(np.diff(part_of[members])) + 1 for members in stretches]
     pieces = [np.split(members, cut) for members, cut in zip(stretches, cuts, strict=True)]
     return [piece for each in pieces for piece in each if piece.size]
-
-
-def _alpha(pale: bool) -> float:
-    """Opacity of a line and its markers."""
-    return _PALE if pale else 1.0
 
 
 @styled

@@ -11,7 +11,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.image import AxesImage
 
-from erlif.core.arrays import Array, Mask
+from erlif.core.arrays import Mask
 from erlif.io.files import driven_link, region_of
 from erlif.show.plots import style
 from erlif.show.plots.maps import (
@@ -212,14 +212,10 @@ def _small_titles(film: xr.Dataset, chosen: npt.NDArray[np.intp]) -> tuple[str, 
         if name in film:
             angles = film[name].values[chosen]
             # as many decimals as the angles have, up to two
-            digits = next(n for n in range(3) if n == 2 or _are_round(angles, n))
+            rest = [np.abs(angles - angles.round(n)).max() for n in range(2)]
+            digits = next((n for n, most in enumerate(rest) if most < _HUNDREDTH), 2)
             texts = [f"{angle:.{digits}f}°" for angle in angles]
             return f"{link} angle", dict(zip(chosen.tolist(), texts, strict=True))
     if "time" in film:
         return "time", {k: f"{float(film.time[k]):.3g} s" for k in chosen.tolist()}
     return "trigger", {k: f"{k}" for k in chosen.tolist()}
-
-
-def _are_round(values: Array, digits: int) -> bool:
-    """Whether values have no more decimals, to half a hundredth."""
-    return bool(np.abs(values - values.round(digits)).max() < _HUNDREDTH)

@@ -9,7 +9,6 @@ from .prediction import summarise_prediction as summarise_prediction
 from .runs import write_runs_report as write_runs_report
 from .summary import describe_calibration as describe_calibration
 from .summary import print_budget as print_budget
-from .summary import render_budget as render_budget
 from .summary import summarise as summarise
 from .summary import summarise_briefly as summarise_briefly
 from .summary import summarise_in_a_line as summarise_in_a_line

@@ -23,7 +23,7 @@ from erlif.show.report.layout import (
 )
 
 # Titles of the figures, by the names of their files.
-_FIGURES = {
+FIGURES = {
     "films": "Films of the runs",
     "difference_map": "Difference map of two runs",
     "control_patch": "Control chart of the reference patch",
@@ -91,7 +91,7 @@ def write_comparison_page(found: xr.Dataset, output: Path, figures: Sequence[Pat
     *lines, conclusion = map(print_units, describe_comparison(found))
     sections = [("result", "Result", _nested([conclusion, *lines]))]
     drawn = arrange_figures(
-        embed_image(path, _FIGURES[path.stem], wide=path.stem == "films") for path in figures
+        embed_image(path, FIGURES[path.stem], wide=path.stem == "films") for path in figures
     )
     if drawn:
         sections.append(("figures", "Figures", drawn))

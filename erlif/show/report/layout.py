@@ -160,7 +160,6 @@ def compose_page(
     name: str,
     subject: str,
     subtitle: str,
-    after: Markup | str = "",
 ) -> str:
     """Compose a page that needs no other file.
 
@@ -174,8 +173,6 @@ def compose_page(
         What the page is about, for the title of the window.
     subtitle : str
         Line below the heading, plain text.
-    after : Markup
-        Scripts behind the sections.
 
     Returns
     -------
@@ -183,7 +180,7 @@ def compose_page(
     """
     heading = {"name": name, "subject": subject, "subtitle": subtitle}
     style = read_resource("page.css")
-    return str(render("page.html", sections=sections, style=style, after=after, **heading))
+    return str(render("page.html", sections=sections, style=style, **heading))
 
 
 def write_page(make: Callable[[], str], out_path: str | Path, *, overwrite: bool) -> Path:

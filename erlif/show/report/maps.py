@@ -23,7 +23,7 @@ _REACH = 65.0  # um of the finest step that 16 bits reach, with some room
 _WANTED = 50  # triggers that are kept before pixels are
 _SAMPLED = 3  # maps whose size stands for that of all
 _ROUNDED = 0.05  # of the random standard deviation of a pixel, the coarsest step of its thickness
-_AROUND = 80  # characters of the element around a map
+_AROUND = 300  # characters of the element around a map, and of the numbers of its trigger
 _MARGIN = 1.05  # of the mean size of the sampled maps
 _FEWEST = 32  # pixels along the longer side of the smallest map
 
@@ -137,7 +137,7 @@ def block_shape(shape: tuple[int, int]) -> tuple[int, int]:
 
 
 def describe_coding(coding: MapCoding) -> dict[str, float]:
-    """Constants of the coding by the names of viewer.js."""
+    """Constants of the coding by the names of replies.js."""
     return {
         "stride": coding.stride,
         "step": coding.step,

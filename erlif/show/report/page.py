@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import xarray as xr
 from markupsafe import Markup
@@ -24,7 +23,7 @@ from erlif.show.report import layout, tables
 from erlif.show.report.captions import caption_of
 from erlif.show.report.maps import KeptMaps, choose_maps, embed_map
 from erlif.show.report.summary import describe_briefly
-from erlif.show.report.viewer import viewer_data, viewer_section
+from erlif.show.report.viewer import viewer_page, viewer_section
 
 # Largest size of a page, where none is given. [MB]
 MAX_SIZE = 10.0
@@ -33,7 +32,7 @@ _PER_MB = 1e6  # bytes
 _LEAST_SIZE = 0.5  # MB
 _FIGURES = 0.6  # of the page, for figures at most
 _TABLE = 0.2  # of the page, for the file of the triggers; as base64 it is a third longer
-_FRAME = 60_000  # bytes of style, script, palettes and controls
+_FRAME = 30_000  # bytes of style, palettes and texts
 _LESS = 0.97  # of the room that was exceeded, in another attempt
 # figures of the result, before those of the method
 _FIRST = (
@@ -151,8 +150,8 @@ def _make_page(source: FigureSource, triggers: range, max_size: float, progress:
     provenance = provenance_section(film)
 
     # what is left belongs to the maps; their size is measured, and fewer are kept if it is large
-    others = sum(len(text.encode()) for text in (summary, figures, numbers, table, provenance))
-    room = allowed = limit - others - _FRAME
+    others = [summary, figures, numbers, table, provenance, viewer_page()]
+    room = allowed = limit - sum(len(text.encode()) for text in others) - _FRAME
     thickest, opening = calibration_of(film).thickness_range[1], source.trigger
     while True:
         kept = choose_maps(film, room=room, thickest=thickest, opening=opening, triggers=triggers)
@@ -161,11 +160,9 @@ def _make_page(source: FigureSource, triggers: range, max_size: float, progress:
             break
         room *= _LESS * allowed / len(embedded)
 
-    shown: dict[str, Any] = {"triggers": kept.triggers, "opening": opening, "limit": max_size}
-    viewer = viewer_section(film, kept.coding, **shown)
     sections = [
         ("summary", "Film", summary),
-        ("viewer", "Film maps", viewer),
+        ("viewer", "Film maps", viewer_section(film, kept, embedded, limit=max_size)),
         ("figures", "Figures", figures),
         ("numbers", "Numbers and notes", numbers),
         ("triggers", "Triggers", table),
@@ -173,20 +170,11 @@ def _make_page(source: FigureSource, triggers: range, max_size: float, progress:
     ]
     # nothing of the time or the place of the report enters: the same film gives the same page
     version = str(film.attrs.get("erlif_version", __version__))
-    scripts = layout.render(
-        "scripts.html",
-        data=Markup(viewer_data(film, kept.coding, triggers=kept.triggers)),
-        maps=embedded,
-        # one drawing of maps; within the page nothing is exported
-        drawing=layout.read_resource("page/draw.js", of="erlif.show.view").replace("export ", ""),
-        script=layout.read_resource("viewer.js"),
-    )
     return layout.compose_page(
         sections,
         name=files.settings_of(film).name,
         subject="oil-film thickness",
         subtitle=f"Oil-film thickness from two-camera fluorescence, erlif {version}",
-        after=scripts,
     )
 
 
@@ -243,7 +231,7 @@ def figures_section(
         Bytes that all figures may take; the largest are left out until the others fit.
     """
     parts, missing = [], []
-    for done, name in enumerate(sorted(DRAWN, key=_place_of)):
+    for done, name in enumerate(sorted(DRAWN, key=[*_FIRST, *DRAWN].index)):
         progress("figures", done, len(DRAWN))
         caption = caption_of(name, source.film)
         reason = reason_missing(name, source)
@@ -266,11 +254,6 @@ def figures_section(
         parts.remove(largest)
         missing.append((largest.title, reason))
     return layout.arrange_figures(parts, missing)
-
-
-def _place_of(name: str) -> int:
-    """Place of a figure on the page; those of the method have the same, and keep their order."""
-    return _FIRST.index(name) if name in _FIRST else len(_FIRST)
 
 
 def provenance_section(film: xr.Dataset) -> Markup:

@@ -119,9 +119,8 @@ def _describe_run(film: xr.Dataset) -> tuple[list[str], dict[str, Any]]:
     speed = 1e3 * np.abs(film.sliding_speed.values) if "sliding_speed" in film else unknown
     values: dict[str, Any] = {"run": settings.name, "oil": oil}
     for name, each in (("load [N]", load), ("speed [mm/s]", speed)):
-        finite = each[np.isfinite(each)]
-        values[f"lowest {name}"] = finite.min() if finite.size else np.nan
-        values[f"highest {name}"] = finite.max() if finite.size else np.nan
+        values[f"lowest {name}"] = np.fmin.reduce(each)
+        values[f"highest {name}"] = np.fmax.reduce(each)
 
     # the thinnest film of the run, the mean one at the fastest trigger, and the power
     least = film.film_min.values

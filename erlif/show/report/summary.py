@@ -56,13 +56,16 @@ def summarise(film: xr.Dataset) -> str:
 def _first_line(film: xr.Dataset, *, columns: int = 0) -> str:
     """Name and size of a film; a long name is cut where columns are given."""
     name = str(film.attrs["title"]).removeprefix("oil-film thickness, ")
-    size = (
-        f": {count_of(film.sizes['trigger'], 'trigger')} from "
-        f"{count_of(int(film.frames_used.sum()), 'frame pair')} of {film.sizes['x']} x "
-        f"{film.sizes['y']} pixels"
-    )
+    size = f": {_describe_size(film)}"
     room = columns - len(size) - 3
     return f"{name[:room]}..." + size if 0 < room < len(name) - 3 else name + size
+
+
+def _describe_size(film: xr.Dataset) -> str:
+    """Triggers, frame pairs and pixels of a film."""
+    pairs = count_of(int(film.frames_used.sum()), "frame pair")
+    pixels = f"{film.sizes['x']} x {film.sizes['y']} pixels"
+    return f"{count_of(film.sizes['trigger'], 'trigger')} from {pairs} of {pixels}"
 
 
 @takes(film="film")
@@ -129,12 +132,14 @@ def describe_briefly(film: xr.Dataset, shares: Array) -> dict[str, str]:
 
 def _shorten(film: xr.Dataset, shares: Array, rows: Mapping[str, str]) -> dict[str, str]:
     """The rows that a reader wants first, of all rows of a film."""
+    at_speed = _describe_theory(film).split("\n")[0]
+    theory = f"at the highest speed {at_speed}" if at_speed else ""
     lost = ", ".join(_list_flags(shares, largest=True)[:2])
     texts = {
         "film": _describe_films(film),
         "valid": f"{rows['valid pixels']} of the pixels{lost and '; '}{lost}",
         "exponent": rows.get("power of speed over load", ""),
-        "theory": rows.get("what carries the film", "") or _at_speed(film),
+        "theory": rows.get("what carries the film", "") or theory,
         "error": rows.get("largest error", ""),
     }
     return {title: text for title, text in texts.items() if text}
@@ -184,12 +189,6 @@ def _describe_films(film: xr.Dataset) -> str:
     return f"min {ranges[0]}, mean {ranges[1]} um"
 
 
-def _at_speed(film: xr.Dataset) -> str:
-    """Predicted film at the highest speed."""
-    text = _describe_theory(film).split("\n")[0]
-    return f"at the highest speed {text}" if text else ""
-
-
 def describe_film(film: xr.Dataset, shares: Array) -> dict[str, str]:
     """Describe a film row by row, for the terminal and for the report."""
     notes = split_notes(str(film.attrs.get("notes", "")))
@@ -227,25 +226,20 @@ def summarise_in_a_line(film: xr.Dataset) -> str:
     Returns
     -------
     str
-        Range of the minimum film thickness over the cycle, speed exponent where the film has a
-        speed and a load, triggers, frame pairs.
+        Range of minimum and mean film thickness over the cycle, speed exponent where the film has a
+        speed and a load, triggers, frame pairs, pixels.
 
     Examples
     --------
     >>> from erlif.show.plots import example_film
-    >>> summarise_in_a_line(example_film())
-    'minimum film thickness 2.51 to 3.49 um, n = 0.600 ± 0.010, 6 triggers from 6 frame pairs'
+    >>> print(*summarise_in_a_line(example_film()).split(", "), sep="\\n")
+    min 2.51 ± 0.03 to 3.49 ± 0.03
+    mean 3.27 ± 0.02 to 4.54 ± 0.02 um
+    power n = 0.600 ± 0.010
+    6 triggers from 6 frame pairs of 64 x 24 pixels
     """
-    ends = _ends(film, "film_min")
-    thickness = f"{ends[0][1]:.2f} to {ends[-1][1]:.2f} um" if ends else "no film"
-    trend = ""
-    if "speed_exponent" in film:
-        fitted = np.isfinite(float(film.speed_exponent))
-        trend = f"{_power(film, 'speed_exponent') if fitted else 'n = not determined'}, "
-    return (
-        f"minimum film thickness {thickness}, {trend}{film.sizes['trigger']} triggers "
-        f"from {int(film.frames_used.sum())} frame pairs"
-    )
+    power = f"power {_power(film, 'speed_exponent')}" if "speed_exponent" in film else ""
+    return ", ".join(filter(None, [_describe_films(film), power, _describe_size(film)]))
 
 
 _LOAD_LINES = {
@@ -391,72 +385,13 @@ def describe_calibration(calibration: Calibration, *, brief: bool = False) -> st
     return "\n".join([print_rows(head, rows, width=_CALIBRATION_TITLE), *notes])
 
 
-def render_budget(budget: xr.Dataset) -> str:
-    """Write a budget as a table in Markdown, in nanometres.
-
-    Parameters
-    ----------
-    budget : xarray.Dataset
-        From `erlif.budget`: std (term, quantity) [um], kind (term), value (quantity) [um].
-
-    Returns
-    -------
-    str
-        One row a term; the sums are bold.
-
-    Examples
-    --------
-    A single term of 12.3 nm, and a total that is the same:
-
-    >>> budget = xr.Dataset(
-    ...     {
-    ...         "std": (("term", "quantity"), [[0.0123], [0.0123]]),
-    ...         "kind": ("term", ["random", "sum"]),
-    ...         "value": ("quantity", [5.0]),
-    ...     },
-    ...     {"term": ["photons", "total"], "quantity": ["mean"]},
-    ...     {"run": "example", "trigger": 2, "frames": 1},
-    ... )
-    >>> print(render_budget(budget), end="")
-    Standard deviations in nm: example, trigger 2, 1 frame pair.
-    <BLANKLINE>
-    | term | mean | kind |
-    |---|---:|---|
-    | film thickness [um] | 5.00 |  |
-    | photons | 12 | random |
-    | **total** | **12** |  |
-    """
-    head, (titles, *rows) = _rows_of_budget(budget)
-    lines = [f"{head}.\n", f"| {' | '.join(titles)} |", f"|---|{'---:|' * (len(titles) - 2)}---|"]
-    for term, *cells, kind in rows:
-        # sums stand out among their terms
-        if kind == "sum":
-            term, kind, cells = f"**{term}**", "", [f"**{cell}**" for cell in cells]
-        lines.append(f"| {' | '.join([term, *cells, kind])} |")
-    return "\n".join(lines) + "\n"
-
-
-def _rows_of_budget(budget: xr.Dataset) -> tuple[str, list[tuple[str, ...]]]:
-    """First line of a budget, and its titles, films and terms with their kind behind them."""
-    attrs = budget.attrs
-    count = count_of(int(attrs["frames"]), "frame pair")
-    films = (f"{value:.2f}" for value in budget["value"].values)
-    terms = zip(budget.term.values, budget["std"].values, budget.kind.values, strict=True)
-    rows: list[tuple[str, ...]] = [
-        ("term", *map(str, budget.quantity.values), "kind"),
-        ("film thickness [um]", *films, ""),
-        *((str(term), *map(_in_nanometres, row), str(kind)) for term, row, kind in terms),
-    ]
-    return f"Standard deviations in nm: {attrs['run']}, trigger {attrs['trigger']}, {count}", rows
-
-
 def print_budget(budget: xr.Dataset) -> str:
     """Write a budget as a table for the terminal, in nanometres, by kinds of error.
 
     Parameters
     ----------
     budget : xarray.Dataset
-        As `render_budget` takes it.
+        From `erlif.budget`: std (term, quantity) [um], kind (term), value (quantity) [um].
 
     Returns
     -------
@@ -483,17 +418,22 @@ def print_budget(budget: xr.Dataset) -> str:
       photons              12
     total                  12
     """
-    head, ((term, *titles, _), (film, *films, _), *terms) = _rows_of_budget(budget)
+    attrs, titles = budget.attrs, [str(title) for title in budget.quantity.values]
     short = [title.removeprefix("pixel of ").removesuffix(" film") for title in titles]
-    rows, last = [(term, *short), (film, *films)], ""
-    for term, *cells, kind in terms:
+    films = (f"{value:.2f}" for value in budget["value"].values)
+    rows, last = [("term", *short), ("film thickness [um]", *films)], ""
+    columns = budget.term.values, budget["std"].values, budget.kind.values
+    for term, stds, kind in zip(*columns, strict=True):
         if kind not in (last, "sum"):
-            rows.append((kind, *[""] * len(titles)))
+            rows.append((str(kind), *[""] * len(titles)))
         last = kind
-        rows.append((term if kind == "sum" else f"  {term}", *cells))
-    pixels = [title for title in titles if title.startswith("pixel of ")]
-    below = ["", "Columns with a film in um: a single pixel of this film."] if pixels else []
-    return "\n".join([head, "", print_columns(rows, "<" + ">" * len(titles)), *below])
+        rows.append((f"{'' if kind == 'sum' else '  '}{term}", *map(_in_nanometres, stds)))
+    below = ["", "Columns with a film in um: a single pixel of this film."]
+    pixels = any(title.startswith("pixel of ") for title in titles)
+    count = count_of(int(attrs["frames"]), "frame pair")
+    head = f"Standard deviations in nm: {attrs['run']}, trigger {attrs['trigger']}, {count}"
+    table = print_columns(rows, "<" + ">" * len(titles))
+    return "\n".join([head, "", table, *(below if pixels else [])])
 
 
 def _in_nanometres(value: float) -> str:

@@ -30,15 +30,15 @@ from erlif.show.report.summary import describe_film
 _UNKNOWN = "not known"
 
 
-def with_error(value: float, std: float, unit: str = "") -> str:
+def with_error(value: float, std: float) -> str:
     """Write a value and its standard deviation, both to the second digit of the latter."""
     if not math.isfinite(value):
         return _UNKNOWN
     if not (math.isfinite(std) and std > 0):
-        return f"{value:.4g} {unit}".strip()
+        return f"{value:.4g}"
     # two digits of the error, however large the value
     digits = decimals(std, 2)
-    return f"{value:.{digits}f} ± {std:.{digits}f} {unit}".strip().replace("-", "−")
+    return f"{value:.{digits}f} ± {std:.{digits}f}".replace("-", "−")
 
 
 def with_span(values: Array) -> str:

@@ -1,105 +1,108 @@
-"""The viewer of the maps: its controls, and the data that viewer.js reads."""
+"""The viewer of the maps in a report: the page of `erlif view`, and the data it shows."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Sequence
+import re
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 import xarray as xr
-from markupsafe import Markup
+from markupsafe import Markup, escape
 
-from erlif.core.arrays import Array
-from erlif.io.files import describe_trigger, region_of
-from erlif.show.plots.maps import axis_labels, common_limits, flag_swatch
+from erlif.core.statistics import central_range
+from erlif.io.files import describe_trigger, settings_of
+from erlif.show.plots.maps import common_limits
 from erlif.show.plots.prediction import has_prediction, predicted_map
-from erlif.show.plots.style import FLAG_COLOURS, even_limits
-from erlif.show.report.layout import TABLES, render
-from erlif.show.report.maps import MapCoding, describe_coding
-from erlif.show.view.layers import describe_flags, palette
+from erlif.show.plots.style import even_limits
+from erlif.show.report.layout import read_resource, render
+from erlif.show.report.maps import KeptMaps, describe_coding
+from erlif.show.view.films import axis_of
+from erlif.show.view.layers import LAYERS, describe_layers
+from erlif.show.view.queries import describe_cycle, describe_film
 
 _SAMPLES = 12  # maps that the limits of the colour scales are taken from
-_WITHIN = 98.0  # percent of the pixels of a sample whose values have colours of their own
+_WITHIN = 99.0  # percent of the differences of a sample that have colours of their own
 _LEAST_REACH = 1e-3  # um, of a colour scale
-_OF_PREDICTION = ("predicted", "difference")
-
-# Maps of the viewer by the names of viewer.js, with their titles.
-LAYERS: dict[str, str] = TABLES["layers"]
+_MEASURED = ["thickness", "thickness_std", "thickness_std_shared"]
+_STYLES = {"uPlot.css": "uPlot.min.css", "view.css": "view.css"}
+_MODULES = ("draw.js", "map.js", "charts.js", "view.js")
 
 
 def viewer_section(
-    film: xr.Dataset,
-    coding: MapCoding,
-    *,
-    triggers: Sequence[int] | None = None,
-    opening: int = 0,
-    limit: float | None = None,
+    film: xr.Dataset, kept: KeptMaps, maps: Markup, *, limit: float | None = None
 ) -> Markup:
-    """Write the controls of the viewer.
+    """Write the viewer with its data.
 
     Parameters
     ----------
     film : xarray.Dataset
-    coding : MapCoding
-        How the maps are kept.
-    triggers : sequence of int, optional
-        Triggers whose maps the page holds, rising; default: all.
-    opening : int
-        The one that is shown first.
+    kept : KeptMaps
+        Maps that the page holds.
+    maps : Markup
+        Elements of the maps.
     limit : float, optional
         Largest size of the page, as it is stated where something was thinned. [MB]
     """
-    count = film.sizes["trigger"]
-    kept = range(count) if triggers is None else triggers
-    hidden = () if has_prediction(film) else _OF_PREDICTION
-    layers = {name: title for name, title in LAYERS.items() if name not in hidden}
-
-    # what the page does not hold
-    held = [f"the maps of {len(kept)} of {count} triggers"] if len(kept) < count else []
-    if coding.stride > 1:
-        ordinal = {2: "2nd", 3: "3rd"}.get(coding.stride, f"{coding.stride}th")
+    count, stride = film.sizes["trigger"], kept.coding.stride
+    held = [f"the maps of {len(kept.triggers)} of {count} triggers"]
+    held = held if len(kept.triggers) < count else []
+    if stride > 1:
+        ordinal = {2: "2nd", 3: "3rd"}.get(stride, f"{stride}th")
         held.append(f"every {ordinal} pixel along each axis")
     return render(
         "viewer.html",
         held=held,
         limit=None if limit is None else f"{limit:g}",
-        rounding=f"{1e3 * coding.step:g}",
-        last=len(kept) - 1,
-        opening=list(kept).index(opening),
-        layers=layers,
-        flags=[(flag_swatch(flag), flag.title) for flag in FLAG_COLOURS],
+        rounding=f"{1e3 * kept.coding.step:g}",
+        data=Markup(viewer_data(film, kept)),
+        maps=maps,
+        page=viewer_page(),
     )
 
 
-def viewer_data(
-    film: xr.Dataset, coding: MapCoding, *, triggers: Sequence[int] | None = None
-) -> str:
-    """Write the data of viewer.js as JSON that can stand in a script element."""
-    x, y = film.x.values[:: coding.stride], film.y.values[:: coding.stride]
-    pitch = (float(x[1] - x[0]), float(y[1] - y[0]))
-    region = region_of(film)
-    x_label, y_label = axis_labels(film)
+def viewer_page() -> Markup:
+    """The page of `erlif view` in one text, with replies.js for the server, as an attribute."""
 
-    kept = range(film.sizes["trigger"]) if triggers is None else triggers
+    def read(name: str) -> str:
+        return read_resource(f"page/{name}", of="erlif.show.view")
+
+    page = str(read("view.html"))
+    for name, file in _STYLES.items():
+        link = f'<link rel="stylesheet" href="{name}">'
+        page = page.replace(link, f"<style>{read(file)}</style>")
+    drawing = f"<script>{read('uPlot.iife.min.js')}</script>"
+    page = page.replace('<script src="uPlot.js" defer></script>', drawing)
+
+    # modules become one text, in which nothing is imported
+    *modules, last = map(read, _MODULES)
+    script = "\n".join([*modules, read_resource("replies.js"), last])
+    script = re.sub(r"^import .*\n|^export ", "", script, flags=re.MULTILINE)
+    page = page.replace(' src="view.js"></script>', f">{script}</script>")
+    return escape(page)
+
+
+def viewer_data(film: xr.Dataset, kept: KeptMaps) -> str:
+    """Write the data of replies.js as JSON that can stand in a script element."""
+    layers = [*_MEASURED, *(("predicted", "residual") if has_prediction(film) else ())]
     numbers = film.drop_dims(["y", "x"]).load()  # read once, not for each trigger
+    every = slice(None, None, kept.coding.stride)
+    grid = film[["x", "y"]].isel(x=every, y=every)
+    held = film.isel(trigger=list(kept.triggers))
+    one = describe_film(held, settings_of(film).name, "film", layers)
+    one |= {"numbers": kept.triggers, "width": grid.sizes["x"], "height": grid.sizes["y"]}
+    one |= {name: axis_of(grid, name) for name in "xy"}
+
+    cycle = describe_cycle(numbers.isel(trigger=list(kept.triggers)))
+    cycle["columns"]["trigger"] = kept.triggers
     data: dict[str, Any] = {
-        "width": int(x.size),
-        "height": int(y.size),
-        "coding": describe_coding(coding),
-        "x": [float(x[0]), pitch[0]],
-        "y": [float(y[0]), pitch[1]],
-        "pixelAspect": pitch[1] / pitch[0],
-        "xLabel": x_label,
-        "yLabel": y_label,
-        "region": [*region.x, *region.y],
-        "limits": _layer_limits(film, kept),
-        "layers": LAYERS,
-        "palettes": {"even": palette("batlow"), "signed": palette("vik")},
-        "flags": describe_flags(),
-        "numbers": list(kept),
-        "triggers": [describe_trigger(numbers, k).capitalize() for k in kept],
-        "minima": [_find_minimum(numbers, k, coding, (x.size, y.size)) for k in kept],
+        "films": [one],
+        **describe_layers([LAYERS[name] for name in layers]),
+        "limits": _layer_limits(film, kept.triggers, layers),
+        "coding": describe_coding(kept.coding),
+        "texts": [describe_trigger(numbers, k) for k in kept.triggers],
+        "cycle": cycle,
     }
 
     # "</script>" in a name must not end the element
@@ -107,36 +110,20 @@ def viewer_data(
     return text.replace("<", "\\u003c")
 
 
-def _find_minimum(
-    numbers: xr.Dataset, trigger: int, coding: MapCoding, shape: tuple[int, int]
-) -> list[int] | None:
-    """Column and row of the minimum film among the kept pixels; None where it is not known."""
-    if "film_min_x" not in numbers:
-        return None
-    place = np.array([float(numbers[f"film_min_{axis}"][trigger]) for axis in "xy"])
-    if not np.isfinite(place).all():
-        return None
-    return [int(one) for one in np.clip(np.rint(place / coding.stride), 0, np.array(shape) - 1)]
-
-
-def _layer_limits(film: xr.Dataset, kept: Sequence[int]) -> dict[str, list[float]]:
+def _layer_limits(
+    film: xr.Dataset, kept: Sequence[int], layers: Sequence[str]
+) -> dict[str, list[float]]:
     """Colour limits of the maps that the film has, each common to all triggers."""
-
-    def reach(maps: Iterable[Array]) -> float:
-        """Largest size among all but the largest 2 % of each map."""
-        return max(even_limits(each, within=_WITHIN, least=_LEAST_REACH)[1] for each in maps)
-
     # a sample of maps is enough for one colour scale of all
     sample = kept[:: max(1, len(kept) // _SAMPLES)]
-    low, high = common_limits(film, sample)
-    limits = {"thickness": [low, high]}
-    for layer, name in (("std", "thickness_std"), ("std_shared", "thickness_std_shared")):
-        limits[layer] = [0.0, reach(film[name].isel(trigger=k).values for k in sample)]
-
-    if has_prediction(film):
-        predicted = {k: predicted_map(film, trigger=k) for k in sample}
-        ends = [float(end) for one in predicted.values() for end in (one.min(), one.max())]
-        limits["predicted"] = [min(low, *ends), max(high, *ends)]
-        most = reach(film.thickness.isel(trigger=k).values - predicted[k] for k in sample)
-        limits["difference"] = [-most, most]
-    return {name: [round(limit, 3) for limit in both] for name, both in limits.items()}
+    maps = film.isel(trigger=list(sample))
+    limits = {"thickness": common_limits(maps)}
+    for name in _MEASURED[1:]:
+        limits[name] = (0.0, max(central_range(maps[name].values)[1], _LEAST_REACH))
+    if "predicted" in layers:
+        predicted = np.array([predicted_map(film, trigger=k) for k in sample])
+        low, high = limits["thickness"]
+        limits["predicted"] = min(low, predicted.min()), max(high, predicted.max())
+        difference = maps.thickness.values - predicted
+        limits["residual"] = even_limits(difference, within=_WITHIN, least=_LEAST_REACH)
+    return {name: [round(float(one), 3) for one in both] for name, both in limits.items()}

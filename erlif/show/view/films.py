@@ -14,12 +14,12 @@ import xarray as xr
 from erlif.core.arrays import AnyArray, FlagImage, Image
 from erlif.core.errors import ErlifError, FrameError
 from erlif.io import files
-from erlif.io.settings import RegionOfInterest
 from erlif.show.view.layers import LAYERS
 
 # Size of the maps that stay in memory. [byte]
 KEPT = 96 * 2**20
 
+_OF_THEORY = ("predicted", "residual")  # layers of a film with a prediction
 _IMAGES = ("log_ratio", "camera1", "camera2")  # layers of `erlif.pipeline.restore_images`
 
 # variables that `erlif.io.files.describe_trigger` uses
@@ -50,8 +50,8 @@ class FilmReader:
     ...     reader = FilmReader(write_example(Path(folder, "film.nc")))
     ...     maps, flags = reader.read("thickness", 2)
     ...     reader.close()
-    >>> maps.shape, reader.triggers, reader.has_images
-    ((24, 64), 6, False)
+    >>> maps.shape, reader.layers[-2:]
+    ((24, 64), ['predicted', 'residual'])
     """
 
     def __init__(self, path: Path, run_dir: Path | None = None) -> None:
@@ -59,7 +59,6 @@ class FilmReader:
         self.film: xr.Dataset = files.open_film(path)
         settings = files.settings_of(self.film)
         self.name = settings.name
-        self.region: RegionOfInterest = files.region_of(self.film)
         self.run_dir = _find_run(path, run_dir)
         # the few numbers of a description, in memory: to select from the film takes much longer
         names = [name for name in _DESCRIBING if name in self.film]
@@ -69,24 +68,16 @@ class FilmReader:
         self._computing = Lock()
 
     @property
-    def triggers(self) -> int:
-        """Number of triggers."""
-        return int(self.film.sizes["trigger"])
-
-    @property
     def shape(self) -> tuple[int, int]:
         """Rows and columns of a map."""
         return int(self.film.sizes["y"]), int(self.film.sizes["x"])
 
     @property
-    def has_images(self) -> bool:
-        """Whether ratio and camera images can be computed again."""
-        return self.run_dir is not None
-
-    def axis(self, name: str) -> tuple[float, float]:
-        """Position of the first pixel along "x" or "y", and the distance of two. [mm]"""
-        values = self.film[name].values
-        return float(values[0]), float(values[-1] - values[0]) / (values.size - 1)
+    def layers(self) -> list[str]:
+        """Names of the layers that can be read."""
+        lacking = {*_OF_THEORY} if "film_predicted_min" not in self.film else set()
+        lacking |= {*_IMAGES} if self.run_dir is None else set()
+        return [name for name in LAYERS if name not in lacking]
 
     def describe(self, trigger: int) -> str:
         """Describe a trigger in one line."""
@@ -107,7 +98,7 @@ class FilmReader:
         -------
         tuple of array
             Values (y, x) in the unit of the layer, NaN where it has none; and flags (y, x). Light
-            of a camera has values in flagged pixels, and no flags.
+            of a camera and a predicted film have values in flagged pixels, and no flags.
 
         Raises
         ------
@@ -122,6 +113,13 @@ class FilmReader:
                 f"Expected a layer of {', '.join(LAYERS)}; got {layer!a}. Choose one of them."
             )
         flags = self._read(("flags", trigger))
+        if layer in _OF_THEORY:
+            from erlif.show.plots.prediction import predicted_map  # loads matplotlib
+
+            predicted = predicted_map(self.film, trigger=trigger).astype(np.float32)
+            if layer == "predicted":
+                return predicted, np.zeros_like(flags)
+            return self._read(("thickness", trigger)) - predicted, flags
         return self._read((layer, trigger)), flags
 
     def _read(self, key: tuple[str, int]) -> AnyArray:
@@ -175,6 +173,12 @@ class FilmReader:
     def close(self) -> None:
         """Release the file."""
         self.film.close()
+
+
+def axis_of(film: xr.Dataset, name: str) -> tuple[float, float]:
+    """Position of the first pixel along "x" or "y", and the distance of two. [mm]"""
+    values = film[name].values
+    return float(values[0]), float(values[-1] - values[0]) / (values.size - 1)
 
 
 def _find_run(path: Path, run_dir: Path | None) -> Path | None:
@@ -252,7 +256,7 @@ def check_one_grid(one: FilmReader, other: FilmReader) -> None:
     """
 
     def grid(reader: FilmReader) -> tuple[Any, ...]:
-        return (*reader.shape, *reader.axis("x"), *reader.axis("y"))
+        return (*reader.shape, *axis_of(reader.film, "x"), *axis_of(reader.film, "y"))
 
     if not (one.shape == other.shape and np.allclose(grid(one), grid(other), rtol=1e-6)):
         first, second = (f"{each.name}, {_describe_grid(each)}" for each in (one, other))
@@ -265,4 +269,4 @@ def check_one_grid(one: FilmReader, other: FilmReader) -> None:
 def _describe_grid(reader: FilmReader) -> str:
     """Size and pitch of the pixels of a film."""
     rows, columns = reader.shape
-    return f"{columns} x {rows} px at {reader.axis('x')[1]:.5g} mm"
+    return f"{columns} x {rows} px at {axis_of(reader.film, 'x')[1]:.5g} mm"

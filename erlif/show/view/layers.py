@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import cmap
 import numpy as np
@@ -27,15 +29,12 @@ class Layer:
         Unit of the values.
     palette : str
         Colour map after Crameri (2018), or grey.
-    stored : bool
-        Whether the film holds it; the others are computed again from the run.
     """
 
     name: str
     title: str
     unit: str
     palette: str
-    stored: bool = True
 
 
 _TABLES = read_table("erlif.show.view", "page.toml")
@@ -59,9 +58,13 @@ def palette(name: str) -> str:
     return "".join(f"{part:02x}" for part in np.rint(255 * colours).astype(int).ravel().tolist())
 
 
-def describe_flags() -> list[dict[str, int | str]]:
-    """Bit, name and colour of each flag, for the script of a page."""
-    return [
-        {"bit": int(flag), "name": flag.title, "colour": colour}
-        for flag, colour in FLAG_COLOURS.items()
-    ]
+def describe_layers(layers: Sequence[Layer]) -> dict[str, Any]:
+    """Layers, their palettes, and bit, name and colour of each flag, for the script of a page."""
+    return {
+        "layers": [vars(layer) for layer in layers],
+        "palettes": {layer.palette: palette(layer.palette) for layer in layers},
+        "flags": [
+            {"bit": int(flag), "name": flag.title, "colour": colour}
+            for flag, colour in FLAG_COLOURS.items()
+        ],
+    }

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -12,70 +12,44 @@ from erlif.core.arrays import AnyArray, FlagImage, Image
 _SLACK = 0.2  # pixels of the map by which a point may be larger than a pixel of the screen
 
 
-@dataclass(frozen=True)
-class Window:
-    """A rectangle of pixels of a map.
+# Rows and columns of a part of a map.
+Part = tuple[slice, slice]
 
-    Attributes
+
+def cover(shape: tuple[int, int], corners: Sequence[float]) -> Part:
+    """Smallest part of whole pixels around `corners`, inside a map of this shape.
+
+    Parameters
     ----------
-    left : int
-        Number of the first column, from 0.
-    top : int
-        That of the first row.
-    right : int
-        Column behind the last one of the window.
-    bottom : int
-        The same for rows.
+    shape : (int, int)
+        Rows and columns of the map.
+    corners : sequence of float
+        Left, top, right and bottom, in pixels from the upper left corner of the map.
+
+    Returns
+    -------
+    (slice, slice)
+        Rows and columns, at least one of each.
+
+    Examples
+    --------
+    >>> cover((100, 200), (-5.0, 10.5, 50.2, 1e9))
+    (slice(10, 100, None), slice(0, 51, None))
     """
-
-    left: int
-    top: int
-    right: int
-    bottom: int
-
-    @classmethod
-    def within(cls, shape: tuple[int, int], corners: tuple[float, float, float, float]) -> Window:
-        """Smallest window of whole pixels around `corners`, inside a map of this shape.
-
-        Parameters
-        ----------
-        shape : (int, int)
-            Rows and columns of the map.
-        corners : (float, float, float, float)
-            Left, top, right and bottom, in pixels from the upper left corner of the map.
-
-        Returns
-        -------
-        Window
-            At least one pixel wide and high.
-
-        Examples
-        --------
-        >>> Window.within((100, 200), (-5.0, 10.5, 50.2, 1e9))
-        Window(left=0, top=10, right=51, bottom=100)
-        """
-        rows, columns = shape
-        left, top, right, bottom = corners
-        first_column = min(max(math.floor(left), 0), columns - 1)
-        first_row = min(max(math.floor(top), 0), rows - 1)
-        return cls(
-            first_column,
-            first_row,
-            min(max(math.ceil(right), first_column + 1), columns),
-            min(max(math.ceil(bottom), first_row + 1), rows),
-        )
-
-    def cut(self, values: AnyArray) -> AnyArray:
-        """The part of a map that lies in the window."""
-        return values[self.top : self.bottom, self.left : self.right]
+    left, top, right, bottom = corners
+    parts = []
+    for count, low, high in ((shape[0], top, bottom), (shape[1], left, right)):
+        first = min(max(math.floor(low), 0), count - 1)
+        parts.append(slice(first, min(max(math.ceil(high), first + 1), count)))
+    return parts[0], parts[1]
 
 
-def choose_step(window: Window, room: tuple[int, int], *, coarse: bool = False) -> int:
+def choose_step(window: Part, room: tuple[int, int], *, coarse: bool = False) -> int:
     """Pixels on a side that are averaged, so that the screen loses no detail it could show.
 
     Parameters
     ----------
-    window : Window
+    window : (slice, slice)
         Part of the map on the screen.
     room : (int, int)
         Width and height on the screen. [px]
@@ -89,13 +63,13 @@ def choose_step(window: Window, room: tuple[int, int], *, coarse: bool = False) 
 
     Examples
     --------
-    >>> choose_step(Window(0, 0, 1280, 1024), (640, 512))
+    >>> choose_step((slice(0, 1024), slice(0, 1280)), (640, 512))
     2
-    >>> choose_step(Window(0, 0, 300, 200), (640, 512))
+    >>> choose_step((slice(0, 200), slice(0, 300)), (640, 512))
     1
     """
-    width, height = max(room[0], 1), max(room[1], 1)
-    ratio = max((window.right - window.left) / width, (window.bottom - window.top) / height)
+    shown = zip(reversed(window), room, strict=True)  # columns by the width, rows by the height
+    ratio = max(float(part.stop - part.start) / max(length, 1) for part, length in shown)
     step = max(math.floor(ratio + _SLACK), 1)
     return 2 * step if coarse and (2 * ratio) > 1 else step
 

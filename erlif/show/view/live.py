@@ -2,25 +2,21 @@
 
 from __future__ import annotations
 
-import asyncio
 import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
-from threading import Event, Thread
+from functools import partial
 from typing import Any, Protocol
 
 from erlif.core.arrays import FlagImage, Image
 from erlif.core.errors import ErlifError
-from erlif.show.view.layers import LAYERS, describe_flags, palette
+from erlif.show.view.layers import LAYERS, describe_layers
 from erlif.show.view.queries import Found, Request, pack_values
-from erlif.show.view.serving import open_port, require_library, serve
+from erlif.show.view.serving import require_library, serving
 
 # Time for which a request for news waits for some. [s]
 _PATIENCE = 5.0
-
-# Time between two looks whether the run has ended. [s]
-_LOOK = 0.1
 
 # Requests at a time: each open page waits for news in a thread, and for a map in another.
 _THREADS = 16
@@ -64,12 +60,7 @@ def readings_of(source: LiveSource) -> dict[str, Callable[[Request], Found]]:
     layers = [LAYERS[name] for name in ("thickness", "camera1", "camera2")]
 
     def describe(request: Request) -> Found:
-        return {
-            **source.describe(),
-            "layers": [vars(layer) for layer in layers],
-            "palettes": {layer.palette: palette(layer.palette) for layer in layers},
-            "flags": describe_flags(),
-        }
+        return source.describe() | describe_layers(layers)
 
     def news(request: Request) -> Found:
         version, pairs, angles = (request.whole(name) for name in ("version", "pairs", "angles"))
@@ -113,42 +104,13 @@ def live_page(source: LiveSource, *, page: str = "live.html", port: int = 0) -> 
         If the port is taken, or the packages of the viewer are missing.
     """
     require_library()
-    from erlif.show.view.handlers import Shared, make_application
+    from erlif.show.view.handlers import Shared
 
-    listening = open_port(port)
-    addresses: list[str] = []
-    opened, closed = Event(), Event()
-
-    async def ended() -> None:
-        while not closed.is_set():
-            await asyncio.sleep(_LOOK)
-
-    def ready(address: str) -> None:
-        addresses.append(address)
-        opened.set()
-
-    def run() -> None:
-        executor = ThreadPoolExecutor(_THREADS)
-        try:
-            asyncio.run(
-                serve(
-                    lambda access: make_application(
-                        Shared(access, [], executor, page, readings_of(source))
-                    ),
-                    listening,
-                    ready=ready,
-                    ended=ended,
-                )
-            )
-        finally:
-            executor.shutdown(wait=False, cancel_futures=True)
-            opened.set()
-
-    thread = Thread(target=run, name="page", daemon=True)
-    thread.start()
-    opened.wait()
+    executor = ThreadPoolExecutor(_THREADS)
+    about: dict[str, Any] = {"page": page, "reading": readings_of(source)}
     try:
-        yield addresses[0]
+        make = partial(Shared, films=[], executor=executor, **about)
+        with serving(make, port=port) as address:
+            yield address
     finally:
-        closed.set()
-        thread.join()
+        executor.shutdown(wait=False, cancel_futures=True)

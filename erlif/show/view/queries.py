@@ -14,26 +14,20 @@ import xarray as xr
 from erlif.core.arrays import Array, FlagImage, Image
 from erlif.core.errors import ErlifError
 from erlif.core.flags import FLAG_COLOURS, Flag, count_flags
-from erlif.core.statistics import central_range
 from erlif.core.tables import read_table
-from erlif.io.conversion import table_csv
-from erlif.io.files import axis_labels, driven_link, fastest_trigger
+from erlif.io.files import axis_labels, driven_link, fastest_trigger, region_of
 from erlif.show.view import measures
 from erlif.show.view.exports import map_csv, map_tiff
-from erlif.show.view.films import FilmReader, check_one_grid
+from erlif.show.view.films import FilmReader, axis_of, check_one_grid
 from erlif.show.view.layers import (
     DIFFERENCE,
     LAYERS,
     SIGNIFICANCE,
     Layer,
-    describe_flags,
-    palette,
+    describe_layers,
 )
-from erlif.show.view.levels import Window, choose_step, reduce_map
+from erlif.show.view.levels import choose_step, cover, reduce_map
 from erlif.show.view.run_settings import propose_region, write_region
-
-_LEAST_REACH = 1e-3  # um, half of the colour scale of equal maps
-_EVERY = 7  # a colour scale needs no more than every seventh pixel
 
 T = TypeVar("T")
 
@@ -106,31 +100,38 @@ def list_films(request: Request) -> dict[str, Any]:
     Examples
     --------
     >>> list(list_films(Request([], {})))
-    ['films', 'layers', 'flags', 'palettes']
+    ['films', 'layers', 'palettes', 'flags']
     """
-    layers = [*LAYERS.values(), DIFFERENCE, SIGNIFICANCE]
     return {
-        "films": [_describe_film(reader) for reader in request.films],
-        "layers": [vars(layer) for layer in layers],
-        "flags": describe_flags(),
-        "palettes": {layer.palette: palette(layer.palette) for layer in layers},
+        "films": [
+            describe_film(reader.film, reader.name, reader.path.name, reader.layers)
+            for reader in request.films
+        ],
+        **describe_layers([*LAYERS.values(), DIFFERENCE, SIGNIFICANCE]),
     }
 
 
-def _describe_film(reader: FilmReader) -> dict[str, Any]:
-    rows, columns = reader.shape
+def describe_film(film: xr.Dataset, name: str, file: str, layers: list[str]) -> dict[str, Any]:
+    """Describe a film for the page: its grid, its triggers, and the layers that it offers."""
+    count, first, region = film.sizes["trigger"], fastest_trigger(film), region_of(film)
+    (x0, dx), (y0, dy) = (axis_of(film, name) for name in "xy")
+
+    # the first profile is the row of the minimum, or the middle one
+    row = float(film["film_min_y"][first]) if "film_min_y" in film else np.nan
+    y = y0 + dy * (row if np.isfinite(row) else (film.sizes["y"] - 1) / 2)
     return {
-        "name": reader.name,
-        "file": reader.path.name,
-        "triggers": reader.triggers,
-        "first": fastest_trigger(reader.film),
-        "width": columns,
-        "height": rows,
-        "x": reader.axis("x"),
-        "y": reader.axis("y"),
-        "labels": axis_labels(reader.film),
-        "region": [*reader.region.x, *reader.region.y],
-        "images": reader.has_images,
+        "name": name,
+        "file": file,
+        "numbers": list(range(count)),
+        "first": first,
+        "width": film.sizes["x"],
+        "height": film.sizes["y"],
+        "x": (x0, dx),
+        "y": (y0, dy),
+        "labels": axis_labels(film),
+        "region": [*region.x, *region.y],
+        "line": [x0, y, x0 + dx * (film.sizes["x"] - 1), y],
+        "layers": layers,
     }
 
 
@@ -214,20 +215,19 @@ def pack_values(
     request: Request, layer: Layer, values: Image, flags: FlagImage, **about: str | int
 ) -> bytes:
     """The visible part of any map, described by `about`; the rest as for `pack_map`."""
-    left, top, right, bottom = request.numbers("window", 4)
-    window = Window.within((values.shape[0], values.shape[1]), (left, top, right, bottom))
+    window = cover((values.shape[0], values.shape[1]), request.numbers("window", 4))
     width, height = request.numbers("room", 2)
     coarse = request.text("coarse") == "1"
     step = choose_step(window, (int(width), int(height)), coarse=coarse)
-    shown, reasons = reduce_map(window.cut(values), window.cut(flags), step=step)
+    shown, reasons = reduce_map(values[window], flags[window], step=step)
+    rows, columns = window
 
     described = {
         **about,
         "layer": layer.name,
-        "window": [window.left, window.top, window.right, window.bottom],
+        "window": [columns.start, rows.start, columns.stop, rows.stop],
         "step": step,
         "shape": shown.shape,
-        "limits": colour_limits(shown, reasons, symmetric=layer in (DIFFERENCE, SIGNIFICANCE)),
         "shares": _flag_shares(flags),
     }
     return join_parts(described, shown, reasons)
@@ -269,39 +269,6 @@ def join_parts(about: Mapping[str, Any], values: Image, flags: FlagImage) -> byt
     return b"".join([struct.pack("<I", len(text)), text, *(part.tobytes() for part in parts)])
 
 
-def colour_limits(
-    values: Image, flags: FlagImage, *, symmetric: bool = False
-) -> tuple[float, float]:
-    """Ends of a colour scale that leaves out the 0.5 % lowest and highest pixels.
-
-    Parameters
-    ----------
-    values : array, (y, x)
-        Values.
-    flags : array, (y, x)
-        Flags; flagged pixels are left out.
-    symmetric : bool
-        About zero.
-
-    Returns
-    -------
-    (float, float)
-        0 and 1 where no pixel is valid.
-
-    Examples
-    --------
-    >>> values = np.linspace(1, 2, 8, dtype=np.float32)[None]
-    >>> low, high = colour_limits(values, np.zeros((1, 8), np.uint16))
-    >>> round(low, 1), round(high, 1)
-    (1.0, 2.0)
-    """
-    low, high = central_range(values.ravel()[::_EVERY][flags.ravel()[::_EVERY] == 0])
-    if symmetric:
-        reach = max(abs(low), abs(high), _LEAST_REACH)
-        return -reach, reach
-    return low, max(high, low + 1e-6 * max(abs(low), 1e-3))
-
-
 def send_cycle(request: Request) -> dict[str, Any]:
     """Collect the numbers of the triggers.
 
@@ -329,18 +296,25 @@ def send_profile(request: Request) -> dict[str, Any]:
     Returns
     -------
     dict
-        "position" [mm], "value" and "std" of the points; None where flagged.
+        "position" [mm], "value" and "std" of the points; None where flagged. "predicted" beside the
+        film thickness, where the film has a prediction.
     """
-    return {name: to_list(values) for name, values in _find_profile(request).items()}
-
-
-def _find_profile(request: Request) -> dict[str, Array]:
     chosen = _read_chosen(request)
     x0, y0, x1, y1 = request.numbers("line", 4)
     values = np.where(chosen.flags == 0, chosen.values, np.nan)
-    axes = {name: chosen.reader.axis(name) for name in ("x", "y")}
-    width = request.whole("width")
-    return measures.line_profile(values, chosen.std(request), (x0, y0, x1, y1), width=width, **axes)
+    place: dict[str, Any] = {name: axis_of(chosen.reader.film, name) for name in ("x", "y")}
+    place |= {"line": (x0, y0, x1, y1), "width": request.whole("width")}
+    profile = measures.line_profile(values, chosen.std(request), **place)
+    if (theory := _read_theory(request, chosen)) is not None:
+        profile["predicted"] = measures.line_profile(theory, 0 * theory, **place)["value"]
+    return {name: to_list(values) for name, values in profile.items()}
+
+
+def _read_theory(request: Request, chosen: _Chosen) -> Image | None:
+    """The predicted film beside a measured one, where the film has a prediction."""
+    if chosen.layer.name != "thickness" or "predicted" not in chosen.reader.layers:
+        return None
+    return chosen.reader.read("predicted", request.whole("trigger"))[0]
 
 
 def send_region(request: Request) -> dict[str, Any]:
@@ -356,23 +330,18 @@ def send_region(request: Request) -> dict[str, Any]:
     dict
         As `erlif.show.view.measures.region_statistics`, None in place of NaN, and "unit".
     """
-    chosen, values = _find_region(request)
-    numbers = {name: None if value != value else value for name, value in values.items()}
-    return {**numbers, "unit": chosen.layer.unit}
-
-
-def _find_region(request: Request) -> tuple[_Chosen, dict[str, float]]:
     chosen = _read_chosen(request)
     x0, x1, y0, y1 = request.numbers("region", 4)
     film = chosen.reader.film
     part = measures.select_region(film.x.values, film.y.values, (x0, x1, y0, y1))
     std, shared = chosen.std(request)[part], chosen.std_shared(request)[part]
     values = measures.region_statistics(chosen.values[part], chosen.flags[part], std, shared)
-    return chosen, values
+    numbers = {name: None if value != value else value for name, value in values.items()}
+    return {**numbers, "unit": chosen.layer.unit}
 
 
-def send_pixel(request: Request) -> dict[str, str]:
-    """Describe one pixel in a line.
+def send_pixel(request: Request) -> dict[str, Any]:
+    """Read one pixel.
 
     Parameters
     ----------
@@ -382,29 +351,31 @@ def send_pixel(request: Request) -> dict[str, str]:
     Returns
     -------
     dict
-        "text": position, value, standard deviations or flags.
+        "x", "y" [mm], "column" and "row" of the pixel; "flags", "value", "unit"; of the film
+        thickness "std", "std_shared" and "predicted". None where unknown.
     """
     chosen = _read_chosen(request)
     x, y = request.numbers("place", 2)
-    axes = chosen.reader.axis("x"), chosen.reader.axis("y")
+    (x0, dx), (y0, dy) = (axis_of(chosen.reader.film, name) for name in "xy")
     # a pointer at the edge belongs to the last pixel
     rows, columns = chosen.reader.shape
-    column = min(max(round((x - axes[0][0]) / axes[0][1]), 0), columns - 1)
-    row = min(max(round((y - axes[1][0]) / axes[1][1]), 0), rows - 1)
+    column = min(max(round((x - x0) / dx), 0), columns - 1)
+    row = min(max(round((y - y0) / dy), 0), rows - 1)
 
-    place = f"x = {x:.3f} mm, y = {y:.3f} mm (column {column}, row {row})"
+    maps = {
+        "value": chosen.values,
+        "std": chosen.std(request),
+        "std_shared": chosen.std_shared(request),
+        "predicted": _read_theory(request, chosen),
+    }
+    found = {name: _value_at(one, row, column) for name, one in maps.items()}
     flags = int(chosen.flags[row, column])
-    if flags:
-        names = ", ".join(flag.title for flag in FLAG_COLOURS if flags & flag)
-        return {"text": f"{place}: flagged, {names}"}
-    unit = "" if chosen.layer.unit == "1" else f" {chosen.layer.unit}"
-    text = f"{place}: {chosen.values[row, column]:.4g}{unit}"
-    if chosen.layer.name == "thickness":
-        random, shared = chosen.std(request), chosen.std_shared(request)
-        text += (
-            f" ± {random[row, column]:.2g}{unit} random ± {shared[row, column]:.2g}{unit} shared"
-        )
-    return {"text": text}
+    place = {"x": x, "y": y, "column": column, "row": row}
+    return {**place, **found, "flags": flags, "unit": chosen.layer.unit}
+
+
+def _value_at(values: Image | None, row: int, column: int) -> float | None:
+    return None if values is None else to_list(values[row, [column]].astype(float))[0]
 
 
 @dataclass(frozen=True)
@@ -428,89 +399,42 @@ Found: TypeAlias = Mapping[str, Any] | bytes | MapExport
 
 
 def export(request: Request) -> MapExport:
-    """Write what is seen as a file.
+    """Write a map as a file; what the page holds in numbers, it writes itself.
 
     Parameters
     ----------
     request : Request
-        what: "map", "profile", "region" or "cycle"; kind: "csv" or "tiff"; the rest as for the
-        function that sends it.
+        kind: "csv" or "tiff"; the rest as for `pack_map`.
 
     Returns
     -------
     MapExport
-        Maps have all pixels of the visible window, whatever the detail on the screen.
+        All pixels of the visible window, whatever the detail on the screen.
 
     Raises
     ------
     ErlifError
         If there is no such export.
     """
-    what, kind = request.text("what"), request.text("kind")
-    if what == "map" and kind in ("csv", "tiff"):
-        return _export_map(request, kind)
-    if what not in _COLUMNS or kind != "csv":
-        raise ErlifError(f"Expected an export that exists; got {what, kind}. Reload the page.")
-    return _name_file(request, what, "csv", table_csv(_COLUMNS[what](request)).encode())
-
-
-def _name_file(request: Request, what: str, suffix: str, content: bytes) -> MapExport:
-    """A file whose name has no characters that a system refuses."""
-    run = "".join(c if c.isascii() and c.isalnum() else "_" for c in request.film().name)
-    return MapExport(f"{run[:40]}_{what}.{suffix}", content)
-
-
-def _export_map(request: Request, kind: str) -> MapExport:
+    kind = request.text("kind")
+    if kind not in ("csv", "tiff"):
+        raise ErlifError(f"Expected an export that exists; got {kind}. Reload the page.")
     chosen = _read_chosen(request)
-    left, top, right, bottom = request.numbers("window", 4)
-    window = Window.within(chosen.reader.shape, (left, top, right, bottom))
+    rows, columns = window = cover(chosen.reader.shape, request.numbers("window", 4))
     film, layer = chosen.reader.film, chosen.layer
-    values, flags = window.cut(chosen.values), window.cut(chosen.flags)
-    place = {
-        "x": film.x.values[window.left : window.right],
-        "y": film.y.values[window.top : window.bottom],
-    }
-    unit, what = layer.unit.replace("µ", "u"), f"{layer.name}_{request.whole('trigger')}"
+    values, flags = chosen.values[window], chosen.flags[window]
+    unit = layer.unit.replace("µ", "u")
     if kind == "csv":
-        heading = f"{layer.name} [{unit}]"
-        return _name_file(request, what, kind, map_csv(values, flags, name=heading, **place))
-    title = f"{request.film().name}, {layer.title}, {chosen.text}"
-    pitch = (chosen.reader.axis("x")[1], chosen.reader.axis("y")[1])
-    content = map_tiff(values, flags, title=title, unit=unit, pitch=pitch)
-    return _name_file(request, what, kind, content)
-
-
-def _tabulate_profile(request: Request) -> dict[str, Any]:
-    unit = _read_chosen(request).layer.unit.replace("µ", "u")
-    units = {"position": "mm", "value": unit, "std": unit}
-    return {
-        f"{name} [{units.get(name, '1')}]": values
-        for name, values in _find_profile(request).items()
-    }
-
-
-def _tabulate_region(request: Request) -> dict[str, Any]:
-    chosen, values = _find_region(request)
-    unit = chosen.layer.unit.replace("µ", "u")
-    row = {"trigger": request.whole("trigger"), "layer": chosen.layer.name, "unit": unit}
-    names = ("x_low [mm]", "x_high [mm]", "y_low [mm]", "y_high [mm]")
-    row |= dict(zip(names, request.numbers("region", 4), strict=True)) | values
-    return {name: [value] for name, value in row.items()}
-
-
-def _tabulate_cycle(request: Request) -> dict[str, Any]:
-    cycle, film = send_cycle(request), request.film().film
-    named = {"stroke": cycle["stroke"], **cycle["columns"]}
-    units = {name: film[name].attrs.get("units", "1") for name in named if name in film}
-    return {f"{name} [{units.get(name, '1')}]": values for name, values in named.items()}
-
-
-# what has no picture is exported as a table
-_COLUMNS: dict[str, Callable[[Request], dict[str, Any]]] = {
-    "profile": _tabulate_profile,
-    "region": _tabulate_region,
-    "cycle": _tabulate_cycle,
-}
+        x, y = film.x.values[columns], film.y.values[rows]
+        content = map_csv(values, flags, name=f"{layer.name} [{unit}]", x=x, y=y)
+    else:
+        title = f"{chosen.reader.name}, {layer.title}, {chosen.text}"
+        pitch = (axis_of(film, "x")[1], axis_of(film, "y")[1])
+        content = map_tiff(values, flags, title=title, unit=unit, pitch=pitch)
+    # no characters that a system refuses
+    run = "".join(c if c.isascii() and c.isalnum() else "_" for c in chosen.reader.name)
+    name = f"{run[:40]}_{layer.name}_{request.whole('trigger')}.{kind}"
+    return MapExport(name, content)
 
 
 def change_region(films: Sequence[FilmReader], body: bytes) -> dict[str, str]:
@@ -568,7 +492,8 @@ def describe_cycle(film: xr.Dataset) -> dict[str, Any]:
     -------
     dict
         "axes" and "films": titles by name; "columns": a list of one number for each trigger by
-        name, None where it is not known; "stroke": +1, -1 or 0 where there are no strokes.
+        name, None where it is not known; "units" of the columns; "stroke": +1, -1 or 0 where there
+        are no strokes.
 
     Examples
     --------
@@ -599,6 +524,7 @@ def describe_cycle(film: xr.Dataset) -> dict[str, Any]:
         "axes": axes,
         "films": films,
         "columns": columns,
+        "units": {name: film[name].attrs.get("units", "1") for name in columns if name in film},
         "stroke": np.nan_to_num(stroke).astype(int).tolist(),
     }
 

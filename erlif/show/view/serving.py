@@ -4,15 +4,22 @@ from __future__ import annotations
 
 import asyncio
 import socket
-from collections.abc import Awaitable, Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
+import time
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import contextmanager
+from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Any
+from threading import Thread
+from typing import TYPE_CHECKING
 
 from erlif.core.errors import ErlifError, reason_of
 from erlif.show.view.access import AccessRule
 from erlif.show.view.films import open_films
+
+if TYPE_CHECKING:
+    from erlif.show.view.handlers import Shared
 
 _THREADS = 2  # that read: a map is on its way while a profile is computed
 
@@ -71,23 +78,67 @@ def serve_films(
     erlif.core.errors.OutputError: Expected a film file; no such film.nc does not exist. ...
     """
     require_library()
-    from erlif.show.view.handlers import Shared, make_application
+    from erlif.show.view.handlers import Shared
 
     films = open_films(paths, run_dirs)
-    listening = open_port(port)
     try:
         with ThreadPoolExecutor(_THREADS) as executor:
-            asyncio.run(
-                serve(
-                    lambda access: make_application(Shared(access, films, executor)),
-                    listening,
-                    ready=ready,
-                    ended=asyncio.Event().wait,
-                )
-            )
+            make = partial(Shared, films=films, executor=executor)
+            with serving(make, port=port) as address:
+                ready(address)
+                while True:  # until it is interrupted
+                    time.sleep(1.0)
     finally:
         for film in films:
             film.close()
+
+
+@contextmanager
+def serving(make: Callable[[AccessRule], Shared], *, port: int) -> Iterator[str]:
+    """Serve a page from a thread while the block runs.
+
+    Parameters
+    ----------
+    make : callable
+        Makes what the requests share.
+    port : int
+        Port on 127.0.0.1; 0 takes a free one.
+
+    Yields
+    ------
+    str
+        Address of the page, the token included.
+
+    Raises
+    ------
+    ErlifError
+        If the port is taken.
+    """
+    from tornado.httpserver import HTTPServer
+
+    from erlif.show.view.handlers import make_application
+
+    # the port is known once the socket is open, and the address names it
+    listening = open_port(port)
+    access = AccessRule(int(listening.getsockname()[1]))
+    server = HTTPServer(make_application(make(access)), max_body_size=2**16)
+    started: Future[Callable[[], object]] = Future()
+
+    async def run() -> None:
+        ended = asyncio.Event()
+        server.add_socket(listening)
+        started.set_result(partial(asyncio.get_running_loop().call_soon_threadsafe, ended.set))
+        await ended.wait()
+        server.stop()
+
+    thread = Thread(target=asyncio.run, args=(run(),), name="page", daemon=True)
+    thread.start()
+    end = started.result()
+    try:
+        yield access.address
+    finally:
+        end()
+        thread.join()
 
 
 def open_port(port: int) -> socket.socket:
@@ -104,36 +155,3 @@ def open_port(port: int) -> socket.socket:
         ) from error
     listening.setblocking(False)
     return listening
-
-
-async def serve(
-    make: Callable[[AccessRule], Any],
-    listening: socket.socket,
-    *,
-    ready: Callable[[str], None],
-    ended: Callable[[], Awaitable[object]],
-) -> None:
-    """Serve an application to the page that has its token.
-
-    Parameters
-    ----------
-    make : callable
-        Makes the application of tornado.
-    listening : socket
-        As `open_port` returns it.
-    ready : callable
-        Receives the address of the page, the token included.
-    ended : callable
-        What it returns is awaited; the server then ends.
-    """
-    from tornado.httpserver import HTTPServer
-
-    # the port is known once the socket is open, and the address names it
-    access = AccessRule(int(listening.getsockname()[1]))
-    server = HTTPServer(make(access), max_body_size=2**16)
-    server.add_socket(listening)
-    try:
-        ready(access.address)
-        await ended()
-    finally:
-        server.stop()

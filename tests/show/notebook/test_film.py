@@ -93,7 +93,7 @@ def noted():
 def test_the_numbers_are_those_of_the_film(noted):
     text = describe_in_text(noted)
     low, high = float(noted.film_min.min()), float(noted.film_min.max())
-    assert f"{low:.2f} to {high:.2f} um" in text
+    assert f"min {low:.2f} ± 0.03 to {high:.2f} ± 0.03, mean " in text
     assert "222.4 N" in text
     assert "warning: no flat" in text
 
@@ -112,7 +112,7 @@ def test_a_film_without_values_or_theory_is_shown(noted):
     bare = noted.drop_vars(["film_theory", "film_predicted_min", "joint_load", "crank_angle"])
     bare["thickness"] = bare.thickness * np.nan
     assert "<img" not in describe_in_html(bare)
-    assert "minimum film" in describe_in_text(bare.isel(trigger=0))
+    assert "film                    min " in describe_in_text(bare.isel(trigger=0))
 
     # the name is that of the title where there are no settings
     del noted.attrs["settings"]

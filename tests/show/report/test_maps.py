@@ -25,14 +25,20 @@ def decoded(film, trigger, coding=FINE):
     return decode_map(text, shape=shape, coding=coding)
 
 
-def test_maps_of_the_page_read_back_as_the_film(page, film):
+def read_data(page):
+    """Rows and columns, coding and triggers of the maps of a page."""
     data = json.loads(page.texts["film-data"])
+    (film,) = data["films"]
     coding = MapCoding(data["coding"]["stride"], data["coding"]["step"])
+    return (film["height"], film["width"]), coding, film["numbers"]
+
+
+def test_maps_of_the_page_read_back_as_the_film(page, film):
+    shape, coding, numbers = read_data(page)
     assert coding == FINE
-    for k in range(scene.TRIGGERS):
-        found = decode_map(
-            page.texts[f"map-{k}"], shape=(data["height"], data["width"]), coding=coding
-        )
+    assert numbers == list(range(scene.TRIGGERS))
+    for k in numbers:
+        found = decode_map(page.texts[f"map-{k}"], shape=shape, coding=coding)
         npt.assert_array_equal(found.flags, film.flags.values[k])
         npt.assert_allclose(found.thickness, film.thickness.values[k], atol=0.5001e-3)
         # circles of the joint are thinnest at the attitude, which lies on a column of the scene
@@ -103,7 +109,7 @@ def small(long_film):
 
 def test_page_states_what_it_leaves_out_and_how_to_see_it(small, read_page):
     page = read_page(small.read_text(encoding="utf-8"))
-    kept = json.loads(page.texts["film-data"])["numbers"]
+    _, _, kept = read_data(page)
     assert 50 <= len(kept) < TRIGGERS
     stated = page.texts["viewer"]
     assert f"the maps of {len(kept)} of 300 triggers" in stated
@@ -114,13 +120,11 @@ def test_page_states_what_it_leaves_out_and_how_to_see_it(small, read_page):
 def test_kept_maps_are_those_of_their_triggers(small, long_film, read_page):
     """The film is the formula, rounded to a tenth of its standard deviation of 50 nm."""
     page = read_page(small.read_text(encoding="utf-8"))
-    data = json.loads(page.texts["film-data"])
-    coding = MapCoding(data["coding"]["stride"], data["coding"]["step"])
-    shape = (data["height"], data["width"])
-    assert FASTEST in data["numbers"]
+    shape, coding, numbers = read_data(page)
+    assert FASTEST in numbers
     with open_film(long_film) as film:
         stored = film.thickness.load()
-    for trigger in data["numbers"][::20]:
+    for trigger in numbers[::20]:
         found = decode_map(page.texts[f"map-{trigger}"], shape=shape, coding=coding)
         truth = phase_map(int(phases(TRIGGERS)[trigger]), SHAPE)["thickness"]
         npt.assert_allclose(stored[trigger], truth, atol=5e-3)

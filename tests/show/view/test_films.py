@@ -44,7 +44,7 @@ def test_what_a_film_lacks_is_refused(reader, example_path, tmp_path):
     for layer, trigger in (("thickness", 6), ("thickness", -1), ("joint_load", 0)):
         with pytest.raises(ErlifError, match="Choose one of them"):
             reader.read(layer, trigger)
-    assert not reader.has_images
+    assert "log_ratio" not in reader.layers
     with pytest.raises(FrameError, match="--run-dir"):
         reader.read("log_ratio", 0)
     for run_dirs, message in (([tmp_path], "--run-dir"), ([tmp_path] * 2, "at most one --run-dir")):

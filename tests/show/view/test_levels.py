@@ -3,7 +3,7 @@
 import numpy as np
 import numpy.testing as npt
 
-from erlif.show.view.levels import Window, choose_step, reduce_map
+from erlif.show.view.levels import choose_step, cover, reduce_map
 
 
 def test_a_plane_stays_a_plane():
@@ -32,18 +32,17 @@ def test_flagged_pixels_do_not_enter_the_mean():
 
 
 def test_the_screen_loses_no_detail_that_it_could_show():
-    whole = Window(0, 0, 1280, 1024)
+    whole = slice(0, 1024), slice(0, 1280)
     assert choose_step(whole, (1280, 1024)) == 1
     assert choose_step(whole, (800, 640)) == 1
     assert choose_step(whole, (700, 560)) == 2  # 1.8 pixels of the map on one of the screen
     assert choose_step(whole, (320, 256)) == 4
     assert choose_step(whole, (320, 256), coarse=True) == 8
-    assert choose_step(Window(100, 100, 200, 200), (640, 512), coarse=True) == 1
+    assert choose_step((slice(100, 200),) * 2, (640, 512), coarse=True) == 1
 
 
 def test_a_window_always_has_pixels_of_the_map():
     for corners in ((-9, -9, -5, -5), (1e9, 1e9, 2e9, 2e9), (5.5, 5.5, 5.5, 5.5)):
-        window = Window.within((100, 200), corners)
-        assert 0 <= window.left < window.right <= 200
-        assert 0 <= window.top < window.bottom <= 100
-        assert window.cut(np.zeros((100, 200))).size
+        rows, columns = cover((100, 200), corners)
+        assert 0 <= columns.start < columns.stop <= 200
+        assert 0 <= rows.start < rows.stop <= 100

@@ -400,6 +400,9 @@ def test_colours_layers_and_flags(page):
     assert "low before high" in page.inner_text("#status")
     page.click("#fit")
     until(page, lambda: float(page.input_value("#high")) > 16, True)
+    known = stored(FIRST)[np.isfinite(stored(FIRST))]
+    ends = [float(page.input_value(f"#{name}")) for name in ("low", "high")]
+    npt.assert_allclose(ends, np.percentile(known, [0.5, 99.5]), atol=0.05)
     for layer in ("thickness_std", "thickness_std_shared", "flags"):
         page.select_option("#layer", layer)
         page.wait_for_selector(f'#panel-a canvas[data-layer="{layer}"]')

@@ -64,7 +64,9 @@ export class ProfileChart extends Chart {
         series.push({ label: edge, width: 0, stroke: "transparent", class: "u-off-legend",
           points: { show: false } });
       }
-      bands.push({ series: [3 * n + 2, 3 * n + 3],
+      series.push({ label: "predicted", stroke: ink("--ink"), width: 1.5, dash: [6, 4], value,
+        points: { show: false } });
+      bands.push({ series: [4 * n + 2, 4 * n + 3],
         fill: () => `color-mix(in srgb, ${css(colour).trim()} 28%, transparent)` });
     }
     const x = { ...axis("distance along the line [mm]"), size: 34 };
@@ -84,10 +86,7 @@ export class ProfileChart extends Chart {
           u.root.classList.toggle("idle", share === null);
         }],
       },
-    }, [[0, 1], ...Array.from({ length: 3 * count }, () => [null, null])]);
-    for (const row of this.plot.root.querySelectorAll(".u-legend tr")) {
-      if (/above|below/.test(row.textContent)) row.hidden = true;
-    }
+    }, [[0, 1], ...Array.from({ length: 4 * count }, () => [null, null])]);
     this.plot.root.classList.add("idle"); // no values without a pointer
     this.plot.root.classList.toggle("one", count === 1);
     this.count = count;
@@ -100,9 +99,13 @@ export class ProfileChart extends Chart {
     for (const one of found) {
       const edge = (sign) => one.value.map((v, n) =>
         (v === null || one.std[n] === null ? null : v + sign * one.std[n]));
-      data.push(one.value, edge(1), edge(-1));
+      data.push(one.value, edge(1), edge(-1), one.predicted ?? one.value.map(() => null));
     }
     this.found = found;
+    const hidden = found.some((one) => one.predicted) ? /above|below/ : /above|below|predicted/;
+    for (const row of this.plot.root.querySelectorAll(".u-legend tr")) {
+      row.hidden = hidden.test(row.textContent);
+    }
     this.plot.setData(data);
   }
 }
@@ -157,31 +160,25 @@ function widen(low, high) {
   return [low - room, high + room];
 }
 
-// Bars of one standard deviation, behind the markers.
-function drawBars(u, columns, rows, cycles) {
+// Bars of one standard deviation, of [place, value, std]; those that are shorter are left out.
+export function drawBars(u, colour, bars, shortest = 0) {
   const { left, top, width, height } = u.bbox;
   u.ctx.save();
   u.ctx.beginPath();
   u.ctx.rect(left, top, width, height);
   u.ctx.clip();
   u.ctx.lineWidth = devicePixelRatio;
-  columns.forEach((one, k) => {
-    const std = cycles.get(one.number).columns[`${one.film}_std`];
-    if (!LOOKS[one.film].mark || !std || !u.series[k + 1].show) return;
-    const hidden = u.series[k + 1].points.size / 2 * devicePixelRatio; // by the marker
-    u.ctx.strokeStyle = u.series[k + 1].stroke(u, k + 1);
-    u.ctx.beginPath();
-    rows.forEach(({ place, trigger }, n) => {
-      const value = u.data[k + 1][n] ?? null;
-      if (value === null || std[trigger] === null) return;
-      const [x, y] = [u.valToPos(place, "x", true), u.valToPos(value, "y", true)];
-      const half = y - u.valToPos(value + std[trigger], "y", true);
-      if (half < hidden) return;
-      u.ctx.moveTo(x, y - half);
-      u.ctx.lineTo(x, y + half);
-    });
-    u.ctx.stroke();
-  });
+  u.ctx.strokeStyle = colour;
+  u.ctx.beginPath();
+  for (const [place, value, std] of bars) {
+    if (value === null || std === null) continue;
+    const [x, y] = [u.valToPos(place, "x", true), u.valToPos(value, "y", true)];
+    const half = y - u.valToPos(value + std, "y", true);
+    if (half < shortest) continue;
+    u.ctx.moveTo(x, y - half);
+    u.ctx.lineTo(x, y + half);
+  }
+  u.ctx.stroke();
   u.ctx.restore();
 }
 
@@ -272,7 +269,14 @@ export class CycleChart extends Chart {
           fill: (u, k) => (LOOKS[columns[k - 1]?.film]?.mark && columns[k - 1].stroke >= 0
             ? u.series[k].stroke(u, k) : "transparent"),
         } },
-      hooks: { drawAxes: [(u) => drawBars(u, columns, rows, cycles)],
+      hooks: { drawAxes: [(u) => columns.forEach((one, k) => { // behind the markers
+        const std = cycles.get(one.number).columns[`${one.film}_std`];
+        const { show, points, stroke } = u.series[k + 1];
+        if (!LOOKS[one.film].mark || !std || !show) return;
+        const values = rows.map(({ place, trigger }, n) =>
+          [place, u.data[k + 1][n] ?? null, std[trigger]]);
+        drawBars(u, stroke(u, k + 1), values, (points.size / 2) * devicePixelRatio);
+      })],
         draw: [() => this.mark()], setSize: [() => this.mark()] },
     }, data);
     // one entry for the lines of a theory on both strokes

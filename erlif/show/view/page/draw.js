@@ -1,4 +1,22 @@
-// What the maps of the viewer and of a report share: colours, ticks, text and the colour bar.
+// What the pages share: elements, and of maps the colours, ticks, text and the colour bar.
+export const byId = (id) => document.getElementById(id);
+
+export function element(kind, ...parts) {
+  const made = document.createElement(kind);
+  made.append(...parts);
+  return made;
+}
+
+// colours of flags with a text each; one without a text is left out
+export function showKey(flags, texts) {
+  byId("key").replaceChildren(...flags.flatMap((flag, n) => {
+    const swatch = element("span");
+    swatch.className = "swatch";
+    swatch.style.background = flag.colour;
+    return texts[n] ? [element("li", swatch, texts[n])] : [];
+  }));
+}
+
 export const css = (name) => getComputedStyle(document.documentElement).getPropertyValue(name);
 export const signed = (value) => `${value}`.replace("-", "\u2212");
 

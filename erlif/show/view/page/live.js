@@ -1,7 +1,9 @@
 // The page of `erlif watch`: the newest map, the film over the run, and alarms.
 import { MapPanel } from "./map.js";
-import { Chart, axis, ink } from "./charts.js";
-import { byId, fixed, follow, get, pause, percent, showAge, showFaults } from "./news.js";
+import { Chart, axis, drawBars, ink } from "./charts.js";
+import { byId, showKey } from "./draw.js";
+import { fixed, follow, pause, percent, showAge, showFaults } from "./news.js";
+import { get } from "./server.js";
 
 const MOST = 2000; // pairs that a chart shows, the latest
 const QUICK = 200; // maps that follow each other in less have half the detail, in milliseconds
@@ -38,23 +40,13 @@ function makePanel() {
         film = { ...film, width, height, x: [0, about.pitch], y: [0, about.pitch] };
       }
       if (!byId("hold").checked) state.limits.thickness = found.limits.map((v) => +v.toPrecision(3));
-      showKey(found.shares);
+      showKey(about.flags, about.flags.map(({ name }, n) =>
+        found.shares[n] && `${name}: ${(100 * found.shares[n]).toFixed(1)} %`));
       document.body.dataset.shown = found.text;
       document.body.dataset.time = Date.now() / 1000;
     },
     drawn: () => {}, moved: () => panel.refresh().catch(() => {}), pointed: () => {},
   });
-}
-
-function showKey(shares) {
-  byId("key").replaceChildren(...about.flags.flatMap((flag, n) => {
-    if (!shares[n]) return [];
-    const [item, swatch] = [document.createElement("li"), document.createElement("span")];
-    swatch.className = "swatch";
-    swatch.style.background = flag.colour;
-    item.append(swatch, `${flag.name}: ${(100 * shares[n]).toFixed(1)} %`);
-    return [item];
-  }));
 }
 
 // the charts
@@ -85,20 +77,8 @@ class RunChart extends Chart {
   }
 
   drawBars(u) {
-    (this.columns ?? []).forEach(({ value, std }, k) => {
-      if (!std) return;
-      u.ctx.save();
-      u.ctx.beginPath();
-      u.ctx.strokeStyle = ink(this.series[k].colour)();
-      u.data[0].forEach((place, n) => {
-        if (value[n] === null || std[n] === null) return;
-        const x = u.valToPos(place, "x", true);
-        u.ctx.moveTo(x, u.valToPos(value[n] - std[n], "y", true));
-        u.ctx.lineTo(x, u.valToPos(value[n] + std[n], "y", true));
-      });
-      u.ctx.stroke();
-      u.ctx.restore();
-    });
+    (this.columns ?? []).forEach(({ value, std }, k) => std && drawBars(u,
+      ink(this.series[k].colour)(), u.data[0].map((place, n) => [place, value[n], std[n]])));
   }
 }
 

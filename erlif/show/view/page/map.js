@@ -8,6 +8,27 @@ const LOW_SCREEN = 300; // pixels that a map may always have in height
 const packed = (colours) =>
   Uint32Array.from(colours, ([r, g, b]) => ((255 << 24) | (b << 16) | (g << 8) | r) >>> 0);
 
+// a map as the server sends it
+function unpack(data) {
+  const length = new DataView(data).getUint32(0, true);
+  const found = JSON.parse(new TextDecoder().decode(new Uint8Array(data, 4, length)));
+  const count = found.shape[0] * found.shape[1];
+  const values = new Float32Array(data, 4 + length, count);
+  return { ...found, values, flags: new Uint16Array(data, 4 + length + 4 * count, count) };
+}
+
+const EVERY = 7; // of the pixels, enough for a colour scale
+
+// ends of a colour scale without the 0.5 % lowest and highest pixels; differences about zero
+function limitsOf({ values, flags }, { palette }) {
+  const found = values.filter((value, n) =>
+    n % EVERY === 0 && !flags[n] && Number.isFinite(value)).sort();
+  if (!found.length) return [0, 1];
+  const [low, high] = [0.005, 0.995].map((share) => found[Math.round(share * (found.length - 1))]);
+  const reach = Math.max(-low, high, 1e-3);
+  return palette === "vik" ? [-reach, reach] : [low, Math.max(high, low + 1e-6)];
+}
+
 export class MapPanel {
   constructor(figure, use) {
     this.figure = figure;
@@ -75,11 +96,8 @@ export class MapPanel {
   }
 
   show(data) {
-    const length = new DataView(data).getUint32(0, true);
-    const found = JSON.parse(new TextDecoder().decode(new Uint8Array(data, 4, length)));
-    const count = found.shape[0] * found.shape[1];
-    found.values = new Float32Array(data, 4 + length, count);
-    found.flags = new Uint16Array(data, 4 + length + 4 * count, count);
+    const found = data instanceof ArrayBuffer ? unpack(data) : data;
+    found.limits = limitsOf(found, this.layer());
     this.shown = found;
     this.use.shown(found);
     this.draw();
@@ -112,7 +130,7 @@ export class MapPanel {
     const [l, t, r, b] = state.window;
     const tall = ((b - t) * film.y[1]) / ((r - l) * film.x[1]);
     this.width = Math.max(80, box - EDGE.left - EDGE.right);
-    const most = Math.max(LOW_SCREEN, 0.62 * innerHeight);
+    const most = Math.max(LOW_SCREEN, 0.62 * parent.innerHeight);
     this.height = Math.min(this.width * tall, most);
     this.width = this.height / tall;
     const ratio = devicePixelRatio;
@@ -311,7 +329,8 @@ export class MapPanel {
     canvas.addEventListener("pointercancel", end);
     canvas.addEventListener("wheel", (event) => {
       const place = this.fromScreen(event);
-      if (!place.inside) return;
+      // within a report the wheel alone scrolls the page
+      if (!place.inside || (parent !== window && !event.ctrlKey)) return;
       event.preventDefault();
       this.zoom(event.deltaY > 0 ? 1.25 : 0.8, place);
     }, { passive: false });
@@ -330,7 +349,7 @@ export class MapPanel {
     if (!moved && phase === "going") return;
     const to = this.fromScreen(event);
     if (state.tool === "move") {
-      if (!moved) return;
+      if (!moved) return this.use.clicked?.(to);
       const [l, t, r, b] = from.window;
       const across = ((event.clientX - from.clientX) / this.width) * (r - l);
       const down = ((event.clientY - from.clientY) / this.height) * (b - t);

@@ -1,5 +1,7 @@
 // What the pages of `erlif watch` share: news from the server, the age of the picture, faults.
-export const byId = (id) => document.getElementById(id);
+import { byId, element } from "./draw.js";
+import { get } from "./server.js";
+
 export const fixed = (value, digits) =>
   (value === null || value === undefined ? "–" : value.toFixed(digits).replace("-", "−"));
 export const percent = (value) => (value === null ? "–" : `${fixed(100 * value, 1)} %`);
@@ -7,12 +9,6 @@ export const percent = (value) => (value === null ? "–" : `${fixed(100 * value
 const PACE = 500; // time between two requests for news, in milliseconds
 const OLD = 2; // age of the picture that is marked, in seconds
 let clock = 0; // of the server less that of this page, in seconds
-
-export async function get(name, values = {}) {
-  const response = await fetch(`${name}?${new URLSearchParams(values)}`);
-  if (!response.ok) throw new Error((await response.json()).message);
-  return response;
-}
 
 export const pause = () => new Promise((done) => { setTimeout(done, PACE); });
 
@@ -48,12 +44,7 @@ export function showAge(news) {
   byId("age").classList.toggle("old", age !== null && age > OLD);
 }
 
-export function listIn(list, texts) {
-  list.replaceChildren(...texts.map((text) => {
-    const item = document.createElement("li");
-    item.textContent = text;
-    return item;
-  }));
-}
+export const listIn = (id, texts) =>
+  byId(id).replaceChildren(...texts.map((text) => element("li", text)));
 
-export const showFaults = (news) => listIn(byId("faults"), news.faults);
+export const showFaults = (news) => listIn("faults", news.faults);

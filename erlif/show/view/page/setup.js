@@ -1,7 +1,9 @@
 // The page of `erlif watch --setup`: both cameras, their histograms, and what to turn.
 import { MapPanel } from "./map.js";
 import { Chart, axis, ink } from "./charts.js";
-import { byId, fixed, follow, get, listIn, percent, showAge, showFaults } from "./news.js";
+import { byId, element } from "./draw.js";
+import { fixed, follow, listIn, percent, showAge, showFaults } from "./news.js";
+import { get } from "./server.js";
 
 const about = await (await get("run")).json();
 const views = [1, 2].map(() => ({ window: null, limits: {}, tool: "move" }));
@@ -53,17 +55,8 @@ const rows = [
   ["pixels that can be measured", ({ measurable }) => percent(measurable)],
 ];
 
-function cell(kind, text) {
-  const made = document.createElement(kind);
-  made.textContent = text;
-  return made;
-}
-
-function row(kind, texts) {
-  const made = document.createElement("tr");
-  made.append(...texts.map((text, n) => cell(n ? kind : "th", text)));
-  return made;
-}
+const row = (kind, texts) =>
+  element("tr", ...texts.map((text, n) => element(n ? kind : "th", text)));
 
 function showChecks() {
   const table = [row("th", ["", "camera 1", "camera 2"])];
@@ -89,7 +82,7 @@ await follow(() => ({ pairs: 0, angles: 0 }), (found) => {
   showFaults(news);
   showAge(news);
   const ready = news.cameras.length ? ["Nothing: both cameras are within their ranges."] : [];
-  listIn(byId("advice"), news.advice.length ? news.advice : ready);
+  listIn("advice", news.advice.length ? news.advice : ready);
   if (!news.newest || !news.shape) return;
   const [height, width] = news.shape;
   film ??= { x: [0, about.pitch], y: [0, about.pitch], width, height,

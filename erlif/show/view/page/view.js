@@ -1,9 +1,10 @@
 // The page of `erlif view`: controls, maps and charts. Values come from the server of the same
-// address; nothing is loaded from anywhere else.
+// address, within a report from the report itself; nothing is loaded from anywhere else.
 import { MapPanel } from "./map.js";
 import { CycleChart, ProfileChart } from "./charts.js";
+import { byId, element, showKey } from "./draw.js";
+import { ask } from "./server.js";
 
-const byId = (id) => document.getElementById(id);
 const clamp = (value, low, high) => Math.min(Math.max(value, low), high);
 
 const state = {
@@ -25,21 +26,6 @@ const state = {
 };
 let about = null; // films, layers, flags and palettes
 const film = (which = "a") => about.films[state[which].film];
-
-async function get(name, values) {
-  const response = await fetch(`${name}?${new URLSearchParams(values)}`);
-  if (!response.ok) throw new Error(await refusal(response));
-  return response;
-}
-
-async function refusal(response) {
-  const text = await response.text();
-  try {
-    return JSON.parse(text).message;
-  } catch {
-    return text;
-  }
-}
 
 function report(text, bad = false) {
   byId("status").textContent = text;
@@ -82,17 +68,17 @@ function makePanels() {
       about, state, film: () => film("a"), layer: () => layerOf(name),
       load: async (view) => {
         const query = mapQuery[name]();
-        const slow = !["thickness", "thickness_std", "thickness_std_shared", "difference",
-          "significance"].includes(query.layer);
+        const slow = ["log_ratio", "camera1", "camera2"].includes(query.layer);
         if (slow) report("The images are computed from the frames …");
-        const response = await get("map", { ...query, ...view, coarse: state.playing ? 1 : 0 });
+        const found = await ask.map({ ...query, ...view, coarse: state.playing ? 1 : 0 });
         if (slow) report("");
-        return response.arrayBuffer();
+        return found;
       },
       shown: (found) => mapShown(name, found),
       drawn: (what) => drawn(what),
       moved: () => Object.values(panels).forEach((panel) => panel.refresh()),
       pointed: (place) => readPixel(place),
+      clicked: (place) => chooseRow(place),
     });
   }
 }
@@ -102,7 +88,8 @@ function mapShown(name, found) {
   fitLimits(name, layer, found.limits.map((v) => +v.toPrecision(4)));
   if (name === "a") {
     showLimits();
-    showKey(found.shares);
+    showKey(about.flags, about.flags.map(({ name: flag }, n) =>
+      `${flag} ${describeShare(found.shares[n])}`));
     byId("trigger").setAttribute("aria-valuetext", found.text);
   }
 }
@@ -144,34 +131,30 @@ const redraw = () => Object.values(panels).forEach((panel) => panel.draw());
 const describeShare = (share) => (share > 0 && share < 5e-5 ? "below 0.01 %"
   : `${(100 * share).toFixed(2)} %`);
 
-function showKey(shares) {
-  byId("key").replaceChildren(...about.flags.map((flag, n) => {
-    const item = document.createElement("li");
-    const swatch = document.createElement("span");
-    swatch.className = "swatch";
-    swatch.style.background = flag.colour;
-    const share = shares ? ` ${describeShare(shares[n])}` : "";
-    item.append(swatch, `${flag.name}${share}`);
-    return item;
-  }));
-}
-
 // triggers
 
 function setTrigger(trigger, which = "a") {
-  const count = film(which).triggers;
-  state[which].trigger = clamp(Math.round(trigger) || 0, 0, count - 1);
+  state[which].trigger = clamp(Math.round(trigger) || 0, 0, lastOf(which));
   if (which === "a" && state.linked) state.b.trigger = partner(state.a.trigger);
-  byId("trigger").value = byId("trigger-number").value = state.a.trigger;
-  byId("trigger-b").value = state.b.trigger;
+  showTrigger();
   cycleChart?.mark();
   return refreshAll();
+}
+
+// Triggers are counted from 0; their numbers are those of the film, of which a report may have some.
+const lastOf = (which) => film(which).numbers.length - 1;
+const numberOf = (which) => film(which).numbers[state[which].trigger];
+
+function showTrigger() {
+  byId("trigger").value = state.a.trigger;
+  byId("trigger-number").value = numberOf("a");
+  byId("trigger-b").value = numberOf("b");
 }
 
 // Trigger of the second film that belongs to one of the first: the nearest crank angle, or the
 // nearest encoder angle of the same stroke; the same number where the films have no such angle.
 function partner(trigger) {
-  const last = film("b").triggers - 1;
+  const last = lastOf("b");
   const [one, two] = [cycles.get(state.a.film), cycles.get(state.b.film)];
   const name = pairedBy();
   const place = one?.columns[name]?.[trigger];
@@ -200,10 +183,12 @@ function pairedBy() {
 // A number that no trigger has is reported; the nearest trigger is shown.
 async function typeTrigger(id, which) {
   const given = byId(id).value;
-  await setTrigger(byId(id).valueAsNumber, which);
-  const shown = state[which].trigger;
+  const { numbers } = film(which);
+  const after = numbers.findIndex((number) => number >= Number(given));
+  await setTrigger(after < 0 ? numbers.length : after, which);
+  const shown = numberOf(which);
   if (given !== `${shown}`) {
-    report(`Expected a trigger from 0 to ${film(which).triggers - 1}; got ${given || "none"}. `
+    report(`Expected a trigger from ${numbers[0]} to ${numbers.at(-1)}; got ${given || "none"}. `
       + `Trigger ${shown} is shown.`, true);
   }
 }
@@ -221,7 +206,7 @@ async function play() {
   while (state.playing) {
     const next = state.a.trigger + stride();
     const started = performance.now();
-    await setTrigger(next < film().triggers ? next : 0);
+    await setTrigger(next <= lastOf("a") ? next : 0);
     await new Promise((r) => setTimeout(r, Math.max(0, 80 - (performance.now() - started))));
   }
   refreshAll(); // in full detail
@@ -241,6 +226,7 @@ function showPlaying() {
 
 let profileChart = null;
 let cycleChart = null;
+let statistics = []; // of the region: title and numbers of each row
 
 function drawn(what) {
   fillForms();
@@ -278,15 +264,15 @@ const refreshValues = latest(async () => {
   const one = (name) => ({ film: state[name].film, trigger: state[name].trigger, layer });
   if (state.line) {
     const line = { line: state.line.join(), width: state.width };
-    const found = await Promise.all(which().map(async (name) =>
-      (await get("profile", { ...one(name), ...line })).json()));
+    const found = await Promise.all(which().map((name) => ask.profile({ ...one(name), ...line })));
     profileChart.show(found, axisTitle(layer));
   }
-  if (state.region) {
+  if (state.region && ask.region) {
     const rows = which().map((name) => [name === "a" ? "first" : "second", one(name)]);
     if (state.two) rows.push(["second − first", mapQuery.d()]);
     const found = await Promise.all(rows.map(async ([title, query]) =>
-      [title, await (await get("region", { ...query, region: state.region.join() })).json()]));
+      [title, await ask.region({ ...query, region: state.region.join() })]));
+    statistics = found;
     showStatistics(found);
     showMinimum();
   }
@@ -307,18 +293,13 @@ function showStatistics(rows) {
     rows.length > 1 ? `${title} [${one.unit}]` : `[${one.unit}]`, one.count, one.valid,
     digits(one.mean), few(one.mean_std), few(one.mean_std_shared),
     ...[one.min, one.max, one.std].map(digits)]);
-  const table = byId("statistics");
-  table.replaceChildren(...[head, ...cells].map((row, n) => {
-    const line = document.createElement("tr");
-    line.append(...row.map((text, k) => {
-      const cell = document.createElement(n ? "td" : "th");
+  byId("statistics").replaceChildren(...[head, ...cells].map((row, n) =>
+    element("tr", ...row.map((text, k) => {
+      const cell = element(n ? "td" : "th", text);
       if (!n) cell.scope = "col";
-      cell.textContent = text;
       if (n) cell.dataset.title = head[k];
       return cell;
-    }));
-    return line;
-  }));
+    }))));
 }
 
 // The minimum of the run beside the thinnest pixel, which noise chooses.
@@ -327,7 +308,7 @@ function showMinimum() {
     const { film_min: value, film_min_std: std } = cycles.get(state[name].film)?.columns ?? {};
     const { trigger } = state[name];
     if ((value?.[trigger] ?? null) === null || (std?.[trigger] ?? null) === null) return "";
-    return `trigger ${trigger}: film_min ${value[trigger].toFixed(3)} ± ${std[trigger].toFixed(3)} µm`;
+    return `trigger ${numberOf(name)}: film_min ${value[trigger].toFixed(3)} ± ${std[trigger].toFixed(3)} µm`;
   }).filter(Boolean);
   byId("minimum").textContent = texts.length && stored() === "thickness"
     ? `Minimum of the gap in the region of the run, ${texts.join("; ")}. `
@@ -337,9 +318,29 @@ function showMinimum() {
 const readPixel = latest(async (place) => {
   if (!place) return;
   const query = { film: state.a.film, trigger: state.a.trigger, layer: stored() };
-  const found = await (await get("pixel", { ...query, place: `${place.x},${place.y}` })).json();
-  byId("readout").textContent = found.text;
+  const found = await ask.pixel({ ...query, place: `${place.x},${place.y}` });
+  byId("readout").textContent = describePixel(found);
 });
+
+function describePixel({ x, y, column, row, flags, unit, value, std, std_shared, predicted }) {
+  const digits = (number, count = 4) =>
+    `${number === null ? "–" : +number.toPrecision(count)}${unit === "1" ? "" : ` ${unit}`}`;
+  const place = `x = ${x.toFixed(3)} mm, y = ${y.toFixed(3)} mm (column ${column}, row ${row})`;
+  const names = about.flags.filter(({ bit }) => flags & bit).map(({ name }) => name);
+  const errors = (std ?? null) === null ? ""
+    : ` ± ${digits(std, 2)} random ± ${digits(std_shared, 2)} shared`;
+  const theory = (predicted ?? null) === null ? "" : `; predicted ${digits(predicted)}`
+    + (value === null ? "" : `, difference ${digits(value - predicted, 2)}`);
+  return `${place}: ${flags ? `flagged, ${names.join(", ")}` : digits(value) + errors}${theory}`;
+}
+
+// The profile of the row that was clicked.
+function chooseRow(place) {
+  const { x, width } = film();
+  state.line = [x[0], place.y, x[0] + x[1] * (width - 1), place.y];
+  readPixel(place);
+  drawn("line");
+}
 
 function fillForms() {
   const fill = (form, names, values) => values && names.forEach((name, n) => {
@@ -373,8 +374,8 @@ function matchGrids() {
 
 function fillOther() {
   byId("film-b").value = state.b.film;
-  byId("trigger-b").max = film("b").triggers - 1;
-  byId("trigger-b").value = state.b.trigger;
+  byId("trigger-b").max = film("b").numbers.at(-1);
+  byId("trigger-b").value = numberOf("b");
 }
 
 async function showTwo(yes) {
@@ -402,38 +403,70 @@ const EXPORTS = {
 
 function fillExports() {
   const before = byId("what").value;
-  const names = Object.keys(EXPORTS).filter((name) => state.two || !["b", "d"].includes(name));
+  const names = Object.keys(EXPORTS).filter((name) => (state.two || !["b", "d"].includes(name))
+    && (ask.region || name !== "region"));
   byId("what").replaceChildren(...names.map((name) => new Option(EXPORTS[name][0], name)));
   byId("what").value = names.includes(before) ? before : "a";
   allowExports();
 }
 
 function allowExports() {
-  const kinds = EXPORTS[byId("what").value][1];
+  const what = byId("what").value;
+  const kinds = what in mapQuery && !ask.export ? ["png"] : EXPORTS[what][1];
   for (const kind of ["png", "csv", "tiff"]) byId(kind).disabled = !kinds.includes(kind);
 }
 
-function download(address, name = "") {
-  const link = document.createElement("a");
-  link.href = address;
+function download(content, name) {
+  const link = element("a");
+  link.href = URL.createObjectURL(content);
   link.download = name;
   link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 60000);
 }
 
 const exportData = guarded(async (kind) => {
   const what = byId("what").value;
-  const query = what in mapQuery ? { ...mapQuery[what](), window: state.window.join() }
-    : { ...mapQuery.a(), window: state.window.join() };
-  if (state.line) Object.assign(query, { line: state.line.join(), width: state.width });
-  if (state.region) query.region = state.region.join();
-  const kindOf = what in mapQuery ? "map" : what;
+  if (what in TABLES) {
+    download(writeTable(TABLES[what]()), `${runOf("a")}_${what}.csv`);
+    return;
+  }
   // fetched first, so that a refusal is shown and not saved
-  const response = await get("export", { ...query, what: kindOf, kind });
-  const name = /filename="([^"]+)"/.exec(response.headers.get("Content-Disposition"))[1];
-  const address = URL.createObjectURL(await response.blob());
-  download(address, name);
-  setTimeout(() => URL.revokeObjectURL(address), 60000);
+  const query = { ...mapQuery[what](), window: state.window.join(), kind };
+  const { name, content } = await ask.export(query);
+  download(content, name);
 });
+
+// Columns of what is exported as a table, by their headings.
+const asciiUnit = (unit) => unit.replace("µ", "u");
+const TABLES = {
+  profile: () => {
+    const [{ position, value, std, predicted }] = profileChart.found;
+    const unit = asciiUnit(about.layers.find(({ name }) => name === stored()).unit);
+    return { "position [mm]": position, [`value [${unit}]`]: value, [`std [${unit}]`]: std,
+      ...(predicted ? { [`predicted [${unit}]`]: predicted } : {}) };
+  },
+  region: () => {
+    const [, { unit, ...numbers }] = statistics[0];
+    const ends = ["x_low [mm]", "x_high [mm]", "y_low [mm]", "y_high [mm]"];
+    const values = { trigger: numberOf("a"), layer: stored(), unit: asciiUnit(unit),
+      ...Object.fromEntries(ends.map((name, n) => [name, state.region[n]])), ...numbers };
+    return Object.fromEntries(Object.entries(values).map(([name, value]) => [name, [value]]));
+  },
+  cycle: () => {
+    const { stroke, columns, units } = cycles.get(state.a.film);
+    return Object.fromEntries(Object.entries({ stroke, ...columns }).map(([name, values]) =>
+      [`${name} [${units[name] ?? "1"}]`, values]));
+  },
+};
+
+function writeTable(columns) {
+  const rows = Object.values(columns)[0].map((_, n) =>
+    Object.values(columns).map((values) => values[n] ?? "").join());
+  return new Blob([[Object.keys(columns).join(), ...rows, ""].join("\n")], { type: "text/csv" });
+}
+
+const runOf = (which) =>
+  (film(which).name || film(which).file).replace(/[^\p{L}\p{N}-]+/gu, "_");
 
 const exportPicture = guarded(async () => {
   const what = byId("what").value;
@@ -453,32 +486,19 @@ const exportPicture = guarded(async () => {
   pen.font = `${13 * ratio}px system-ui, "DejaVu Sans", sans-serif`;
   pen.fillText(caption, 8 * ratio, 17 * ratio, page.width - 16 * ratio);
   const blob = await new Promise((r) => page.toBlob(r, "image/png"));
-  const address = URL.createObjectURL(blob);
   const shown = what === "b" ? "b" : "a";
-  const run = (film(shown).name || film(shown).file).replace(/[^\p{L}\p{N}-]+/gu, "_");
   const layer = { a: layerOf("a"), b: layerOf("a"), d: state.unit }[what] ?? what;
-  const trigger = what === "cycle" ? "" : `_${state[shown].trigger}`;
-  download(address, `${run}_${layer}${trigger}.png`);
-  setTimeout(() => URL.revokeObjectURL(address), 60000);
+  const trigger = what === "cycle" ? "" : `_${numberOf(shown)}`;
+  download(blob, `${runOf(shown)}_${layer}${trigger}.png`);
 });
 
 // region to run.toml
-
-async function post(values) {
-  const response = await fetch("settings", {
-    method: "POST",
-    headers: { "Content-Type": "application/json" },
-    body: JSON.stringify(values),
-  });
-  if (!response.ok) throw new Error(await refusal(response));
-  return response.json();
-}
 
 let proposal = null;
 
 const proposeRegion = guarded(async () => {
   const values = { film: state.a.film, region: state.region };
-  const found = await post(values);
+  const found = await ask.settings(values);
   proposal = { ...values, before: found.before };
   byId("confirm-file").textContent = found.file;
   byId("confirm-change").textContent = found.change;
@@ -487,7 +507,7 @@ const proposeRegion = guarded(async () => {
 
 const writeRegion = guarded(async () => {
   byId("confirm").close();
-  const found = await post({ ...proposal, confirmed: true });
+  const found = await ask.settings({ ...proposal, confirmed: true });
   report(`The region is in ${found.file}. erlif process uses it.`);
 });
 
@@ -504,8 +524,7 @@ function fillControls() {
 }
 
 function fillLayers() {
-  const offered = about.layers.filter((one) =>
-    !["difference", "significance"].includes(one.name) && (one.stored || film().images));
+  const offered = about.layers.filter((one) => film().layers.includes(one.name));
   byId("layer").replaceChildren(...offered.map((one) => new Option(one.title, one.name)),
     new Option("flags", "flags"));
   byId("layer").value = state.layer;
@@ -514,25 +533,25 @@ function fillLayers() {
 function fillFilm() {
   const one = film();
   document.title = byId("run").textContent = one.name || one.file;
-  byId("trigger").max = byId("trigger-number").max = one.triggers - 1;
+  byId("trigger").max = lastOf("a");
+  byId("trigger-number").max = one.numbers.at(-1);
   fillOther();
-  byId("stride").value = Math.max(1, Math.round(one.triggers / 250)); // a cycle in half a minute
+  // a cycle in half a minute
+  byId("stride").value = Math.max(1, Math.round(one.numbers.length / 250));
   state.window = [0, 0, one.width, one.height];
   state.region = [...one.region];
-  const middle = one.y[0] + (one.y[1] * (one.height - 1)) / 2;
-  state.line = [one.x[0], middle, one.x[0] + one.x[1] * (one.width - 1), middle];
+  state.line = [...one.line];
   fillForms();
 }
 
 async function chooseFilm(which, number) {
   state[which].film = number;
-  state[which].trigger = Math.min(state[which].trigger, film(which).triggers - 1);
+  state[which].trigger = Math.min(state[which].trigger, lastOf(which));
   forgetLimits(...Object.keys(state.limits).filter((layer) => which === "a"
     || state.fitted[layer] !== null));
   if (which === "a") {
     fillFilm();
-    if (state.layer !== "flags" && !film().images
-      && !about.layers.find((one) => one.name === state.layer).stored) state.layer = "thickness";
+    if (![...film().layers, "flags"].includes(state.layer)) state.layer = "thickness";
     fillLayers();
   }
   const refused = state.two ? matchGrids() : "";
@@ -548,7 +567,7 @@ async function loadCycles() {
   for (const name of ["a", "b"]) {
     const number = state[name].film;
     if (!cycles.has(number)) {
-      cycles.set(number, await (await get("cycle", { film: number })).json());
+      cycles.set(number, await ask.cycle({ film: number }));
     }
   }
   const axes = cycles.get(state.a.film).axes;
@@ -684,7 +703,7 @@ function pressed(event) {
     return;
   }
   const many = event.shiftKey ? 10 : 1;
-  const last = film().triggers - 1;
+  const last = lastOf("a");
   const actions = {
     ArrowLeft: () => step(-many), ArrowRight: () => step(many),
     Home: () => setTrigger(0), End: () => setTrigger(last),
@@ -701,13 +720,17 @@ function pressed(event) {
 }
 
 const start = guarded(async () => {
-  about = await (await get("films", {})).json();
+  about = await ask.films({});
+  for (const [layer, limits] of Object.entries(about.limits ?? {})) {
+    [state.limits[layer], state.fitted[layer]] = [limits, null]; // those of all triggers
+  }
   state.a.trigger = film().first;
   if (about.films.length > 1) {
-    state.b = { film: 1, trigger: Math.min(film().first, about.films[1].triggers - 1) };
+    state.b = { film: 1, trigger: Math.min(film().first, about.films[1].numbers.length - 1) };
     state.linked = byId("linked").checked = true;
   } else {
-    state.b.trigger = (film().first + Math.floor(film().triggers / 2)) % film().triggers;
+    const count = film().numbers.length;
+    state.b.trigger = (film().first + Math.floor(count / 2)) % count;
   }
   byId("more").open = innerWidth > 640; // a narrow screen shows the map first
   makePanels();
@@ -728,13 +751,12 @@ const start = guarded(async () => {
   fillControls();
   fillExports();
   connect();
-  byId("trigger").value = byId("trigger-number").value = state.a.trigger;
-  byId("trigger-b").value = state.b.trigger;
+  showTrigger();
   await refreshMaps(); // the map first, all else after it
   profileChart.build(1);
   await loadCycles();
   if (state.linked) state.b.trigger = partner(state.a.trigger);
-  byId("trigger-b").value = state.b.trigger;
+  showTrigger();
   await refreshValues();
   document.body.dataset.ready = "yes";
 });

@@ -1,0 +1,39 @@
+// What the server of the page sends; within a report replies.js stands in its place.
+export async function get(name, values = {}) {
+  const response = await fetch(`${name}?${new URLSearchParams(values)}`);
+  if (!response.ok) throw new Error(await refusal(response));
+  return response;
+}
+
+async function refusal(response) {
+  const text = await response.text();
+  try {
+    return JSON.parse(text).message;
+  } catch {
+    return text;
+  }
+}
+
+const read = (name) => async (values) => (await get(name, values)).json();
+
+export const ask = {
+  ...Object.fromEntries(["films", "cycle", "profile", "region", "pixel"].map((name) =>
+    [name, read(name)])),
+  map: async (values) => (await get("map", values)).arrayBuffer(),
+
+  async export(values) {
+    const response = await get("export", values);
+    const name = /filename="([^"]+)"/.exec(response.headers.get("Content-Disposition"))[1];
+    return { name, content: await response.blob() };
+  },
+
+  async settings(values) {
+    const response = await fetch("settings", {
+      method: "POST",
+      headers: { "Content-Type": "application/json" },
+      body: JSON.stringify(values),
+    });
+    if (!response.ok) throw new Error(await refusal(response));
+    return response.json();
+  },
+};
