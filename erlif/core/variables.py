@@ -93,9 +93,10 @@ def _read_variables() -> dict[str, Mapping[str, Variable]]:
     rows: dict[str, dict[str, dict[str, Any]]] = {}
     for file, entries in read_table("erlif.core", "variables.toml").items():
         common = {key: value for key, value in entries.items() if not isinstance(value, dict)}
+        further = dict.fromkeys(common.pop("alike", "").split(), {})
         rows[file] = {}
-        for name, own in entries.items():
-            if name in common:
+        for name, own in (entries | further).items():
+            if not isinstance(own, dict):
                 continue
             keys = common | own
             keys = rows.get(keys.pop("like", ""), {}).get(name, {}) | keys
