@@ -93,7 +93,7 @@ def _read_variables() -> dict[str, Mapping[str, Variable]]:
     rows: dict[str, dict[str, dict[str, Any]]] = {}
     for file, entries in read_table("erlif.core", "variables.toml").items():
         common = {key: value for key, value in entries.items() if not isinstance(value, dict)}
-        further = dict.fromkeys(common.pop("alike", "").split(), {})
+        further: dict[str, Any] = {name: {} for name in common.pop("alike", "").split()}
         rows[file] = {}
         for name, own in (entries | further).items():
             if not isinstance(own, dict):
@@ -115,7 +115,7 @@ def _make_variable(name: str, keys: dict[str, Any]) -> Variable:
     """The variable of a row; numbers have the unit 1 where none is stated."""
     keys = {"units": "" if keys.get("dtype") == "text" else "1"} | keys
     title = keys.get("long_name", "")
-    rest = {"meaning": f"{title[:1].upper()}{title[1:]}."} | keys
+    rest: dict[str, Any] = {"meaning": f"{title[:1].upper()}{title[1:]}."} | keys
     attrs = {key: rest.pop(key) for key in keys if key in _ATTRIBUTES}
     return Variable(
         name,
