@@ -114,7 +114,7 @@ def _read_variables() -> dict[str, Mapping[str, Variable]]:
 def _make_variable(name: str, keys: dict[str, Any]) -> Variable:
     """The variable of a row; numbers have the unit 1 where none is stated."""
     keys = {"units": "" if keys.get("dtype") == "text" else "1"} | keys
-    title = keys.get("long_name", "")
+    title = ": ".join(keys[key] for key in ("long_name", "comment") if keys.get(key))
     rest: dict[str, Any] = {"meaning": f"{title[:1].upper()}{title[1:]}."} | keys
     attrs = {key: rest.pop(key) for key in keys if key in _ATTRIBUTES}
     return Variable(
