@@ -187,7 +187,13 @@ def _read_swing(
         time = log["time"].values
         seen, noise = find_direction(time, reading, link.angle, crank_speed=crank_speed)
         if encoder.direction is not None and seen == -sign:
-            _refuse_direction(encoder)
+            here = "fall" if encoder.direction == "rising" else "rise"
+            raise EncoderError(
+                f"Expected readings that are {encoder.direction}, because of direction in "
+                f"[encoder], while the angle of the {encoder.mounted_on} rises; by the times of "
+                f"the log they {here}: the link dwells at the other dead point. Leave direction "
+                "out, so that it is found, or check mounted_on and the links in [mechanism]."
+            )
         sign = seen or sign
 
     if encoder.zero is not None:
@@ -204,17 +210,6 @@ def _read_swing(
     angle = np.clip(angle, low, high)
     found_here = encoder.direction is None and sign < 0
     return LinkAngle(np.asarray(angle), counted, zero, zero_std, sign < 0, found_here)
-
-
-def _refuse_direction(encoder: Encoder) -> None:
-    """Refuse a stated direction that the times of the log contradict."""
-    here = "fall" if encoder.direction == "rising" else "rise"
-    raise EncoderError(
-        f"Expected readings that are {encoder.direction}, because of direction in [encoder], while "
-        f"the angle of the {encoder.mounted_on} rises; by the times of the log they {here}: the "
-        "link dwells at the other dead point. Leave direction out, so that it is found, or check "
-        "mounted_on and the links in [mechanism]."
-    )
 
 
 def find_direction(
