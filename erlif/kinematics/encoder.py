@@ -79,8 +79,6 @@ class LinkAngle(NamedTuple):
         Its standard deviation where it was fitted. [rad]
     falling : bool
         Whether the reading falls while the angle rises.
-    direction_found : bool
-        Whether the log decided that.
     """
 
     angle: Array
@@ -88,7 +86,6 @@ class LinkAngle(NamedTuple):
     zero: float
     zero_std: float | None
     falling: bool
-    direction_found: bool
 
 
 def read_link_angle(
@@ -166,8 +163,7 @@ def _read_crank(log: EncoderLog, encoder: Encoder) -> LinkAngle:
 
     zero = encoder.zero or 0.0
     angle = ((-reading if falls else reading) + zero) % _TURN
-    falling = encoder.direction is None and falls
-    return LinkAngle(np.asarray(angle), log.angle.values, zero, None, falls, falling)
+    return LinkAngle(np.asarray(angle), log.angle.values, zero, None, falls)
 
 
 def _read_swing(
@@ -208,8 +204,7 @@ def _read_swing(
         zero, zero_std = _fit_zero(sign * reading, low, high, noise, encoder)
         angle = sign * reading + zero
     angle = np.clip(angle, low, high)
-    found_here = encoder.direction is None and sign < 0
-    return LinkAngle(np.asarray(angle), counted, zero, zero_std, sign < 0, found_here)
+    return LinkAngle(np.asarray(angle), counted, zero, zero_std, sign < 0)
 
 
 def find_direction(
