@@ -143,7 +143,7 @@ def find_pressures(
     search = _Search(journal, viscosity, motion, view, cells, np.array(settings_std), load_line_std)
     rows = [_judge(row) for row in search.find_all(progress)]
     # a cavity at a trigger without a pressure may be one of the noise
-    if any(row["cavity"] > 0 and row["pressure_measured"] > 0 for row in rows):
+    if any(row["pressure_measured"] > 0 and row["cavity"] > 0 for row in rows):
         mean = replace(journal, viscosity=float(np.mean(viscosity)))
         if not _covers_turn(motion):
             filled = None if fill is None else fill()
@@ -153,7 +153,7 @@ def find_pressures(
         try:
             cavities = _Cavities.of(mean, motion, {cells, min(cells, SLOPE_CELLS)})
         except ModelError:
-            rows = [_judge(view.nothing(solved=False)) for _ in rows]
+            rows = [_judge(_nothing(solved=False)) for _ in rows]
         else:
             search = replace(search, motion=motion, cavities=cavities)
             change = _change_of_cavities(cavities.own[cells])[search.triggers]
@@ -165,27 +165,27 @@ def find_pressures(
     return _collect(rows, view)
 
 
+# What is found at a trigger, with a standard deviation, and the change by coarser cells.
+_SINGLE = ("peak_pressure", "peak_place", "load_from_pressure", "side_from_pressure")
+_FOUND = ("pressure", "pressure_profile", *_SINGLE)
+_CELLS = "_by_cells"
+
+# Dimensions besides the trigger.
+_DIMS = {"pressure": ("axial", "place"), "pressure_profile": ("place",)}
+
+_PARTS = ("peak_std_random", "peak_std_shared", "peak_std_settings")
+_SENSITIVITIES = tuple(f"peak_by_{name}" for name in SETTINGS)
+_STATES = ("pressure_measured", "pressure_solved", "cavity", "cavity_change", "cavity_history")
+
+
 def _collect(rows: list[dict[str, Array]], view: _View) -> xr.Dataset:
-    """Collect the rows of all triggers in a dataset."""
-    dims = {
-        "pressure": ("trigger", "axial", "place"),
-        "pressure_std": ("trigger", "axial", "place"),
-        "pressure_profile": ("trigger", "place"),
-        "pressure_profile_std": ("trigger", "place"),
-    }
-    pressures = xr.Dataset(
-        {
-            name: (dims.get(name, ("trigger",)), np.array([row[name] for row in rows]))
-            for name in rows[0]
-            if name not in _LOAD_PARTS and not name.endswith(_CELLS)
-        },
-        {"place": view.place, "axial": view.axial},
-    )
-    return pressures.assign(load_cov=(("trigger", "trigger_other"), _load_covariance(rows)))
-
-
-_LOAD_PARTS = ("load_root", "load_own")
-_CELLS = "_by_cells"  # what coarser cells change
+    """Collect the rows of all triggers in a dataset; NaN where a row has no value."""
+    columns = {"load_cov": (("trigger", "trigger_other"), _load_covariance(rows))}
+    for name in (*_FOUND, *(f"{name}_std" for name in _FOUND), *_PARTS, *_SENSITIVITIES, *_STATES):
+        dims = _DIMS.get(name.removesuffix("_std"), ())
+        unknown = np.full([getattr(view, dim).size for dim in dims], np.nan)
+        columns[name] = ("trigger", *dims), np.array([row.get(name, unknown) for row in rows])
+    return xr.Dataset(columns, {"place": view.place, "axial": view.axial})
 
 
 def _add_error_of_cells(rows: list[dict[str, Array]]) -> list[dict[str, Array]]:
@@ -195,34 +195,40 @@ def _add_error_of_cells(rows: list[dict[str, Array]]) -> list[dict[str, Array]]:
     next: its mean square over five is the measure.
     """
     done = [dict(row) for row in rows]
-    for name in [name.removesuffix(_CELLS) for name in rows[0] if name.endswith(_CELLS)]:
-        square = np.array([row[name + _CELLS] for row in rows], float) ** 2
+    solved = [row for row in rows if "peak_pressure" in row]
+    for name in _FOUND if solved else ():
+        unknown = np.full_like(solved[0][name], np.nan)
+        square = np.array([row.get(name + _CELLS, unknown) for row in rows], float) ** 2
         near = np.stack([np.roll(square, off, axis=0) for off in (-2, -1, 0, 1, 2)])
         known = np.isfinite(near)
         mean = np.where(known, near, 0.0).sum(axis=0) / np.maximum(known.sum(axis=0), 1)
+        stds = [f"{name}_std"] + (["load_own"] if name == "load_from_pressure" else [])
         for row, more in zip(done, mean, strict=True):
-            row[f"{name}_std"] = np.sqrt(row[f"{name}_std"] ** 2 + more)
-            if name == "load_from_pressure":
-                row["load_own"] = np.sqrt(row["load_own"] ** 2 + more)
+            row.update({std: np.sqrt(row[std] ** 2 + more) for std in stds if std in row})
     return [_judge(row) for row in done]
 
 
+def _nothing(*, solved: bool) -> dict[str, Array]:
+    """A trigger without a solution, or without a gap all over the joint."""
+    return {"pressure_solved": np.array(int(solved))}
+
+
 def _judge(row: dict[str, Array]) -> dict[str, Array]:
-    """Mark a row as measured, or hide its pressure if the peak is not significant."""
-    measured = bool(row["peak_pressure_std"] <= CLEAR * row["peak_pressure"])
-    hidden = ("pressure", "pressure_profile", *_SINGLE, *_SENSITIVITIES)
-    nothing = {name: np.full_like(row[name], np.nan, float) for name in hidden}
-    return row | ({} if measured else nothing) | {"pressure_measured": np.array(int(measured))}
+    """Mark a row as measured, or leave out its pressure if the peak is not significant."""
+    peak, std = (row.get(name, np.nan) for name in ("peak_pressure", "peak_pressure_std"))
+    measured = bool(std <= CLEAR * peak)
+    hidden = () if measured else (*_FOUND, *_SENSITIVITIES)
+    kept = {name: value for name, value in row.items() if name not in hidden}
+    return kept | {"pressure_measured": np.array(int(measured))}
 
 
 def _load_covariance(rows: list[dict[str, Array]]) -> Array:
     """Covariance of the loads of all triggers, (trigger, trigger); NaN where one is not known."""
-    width = max(row["load_root"].size for row in rows)
-    root = np.full((len(rows), width), np.nan)
-    for one, row in zip(root, rows, strict=True):
-        if row["load_root"].size == width:
-            one[:] = row["load_root"]
-    return np.asarray(root @ root.T + np.diag([float(row["load_own"]) ** 2 for row in rows]))
+    causes = [row["load_root"].size for row in rows if "load_root" in row]
+    unknown = np.full(max(causes, default=1), np.nan)
+    root = np.array([row.get("load_root", unknown) for row in rows])
+    own = np.array([row.get("load_own", np.nan) for row in rows])
+    return np.asarray(root @ root.T + np.diag(own**2))
 
 
 def _change_of_cavities(void: Array) -> Array:
@@ -242,13 +248,9 @@ def _covers_turn(motion: PinMotion) -> bool:
 
 
 def _hide(row: dict[str, Array], change: float, history: float = np.nan) -> dict[str, Array]:
-    """Hide the pressure of a trigger whose cavities are not known."""
-    kept = ("cavity", "pressure_solved", *_PARTS)
-    hidden = {
-        name: value if name in kept else np.full_like(value, np.nan, float)
-        for name, value in row.items()
-    }
-    return hidden | {
+    """Leave out the pressure of a trigger whose cavities are not known."""
+    kept = {name: row[name] for name in ("cavity", "pressure_solved", *_PARTS) if name in row}
+    return kept | {
         "pressure_measured": np.array(0),
         "cavity_change": np.array(change),
         "cavity_history": np.array(history),
@@ -300,24 +302,6 @@ class _View:
         shapes = np.stack([np.cos(angle), np.sin(angle)], axis=1)
         found = np.linalg.lstsq(shapes, np.ones_like(angle), rcond=None)[0]
         return np.concatenate([found, np.zeros(NUMBERS - 2)])
-
-    def nothing(self, *, solved: bool) -> dict[str, Array]:
-        """A trigger without a solution, or without a gap all over the joint."""
-        plane, line, one = (self.axial.size, self.place.size), (self.place.size,), ()
-        shapes = {"pressure": plane, "pressure_profile": line} | dict.fromkeys(_SINGLE, one)
-        rows = {name: np.full(shape, np.nan) for name, shape in shapes.items()}
-        rows |= {name + end: value for name, value in rows.items() for end in ("_std", _CELLS)}
-        parts = dict.fromkeys(
-            (*_PARTS, *_SENSITIVITIES, *_LOAD_PARTS, *_CAVITIES), np.array(np.nan)
-        )
-        known = {"pressure_measured": np.array(0), "pressure_solved": np.array(int(solved))}
-        return rows | parts | known
-
-
-_CAVITIES = ("cavity", "cavity_change", "cavity_history")
-_PARTS = ("peak_std_random", "peak_std_shared", "peak_std_settings")
-_SENSITIVITIES = tuple(f"peak_by_{name}" for name in SETTINGS)
-_SINGLE = ("peak_pressure", "peak_place", "load_from_pressure", "side_from_pressure")
 
 
 def _at(nodes: Array, values: Array, places: Array) -> Array:
@@ -420,7 +404,7 @@ class _Search:
                 journal = replace(self.journal, viscosity=float(self.viscosity[done]))
                 rows.append(self._find(journal, k))
             except ModelError as error:
-                rows.append(self.view.nothing(solved=isinstance(error, OverlapError)))
+                rows.append(_nothing(solved=isinstance(error, OverlapError)))
             progress(what, done + 1, self.viscosity.size)
         return rows
 
