@@ -12,7 +12,7 @@ import numpy.typing as npt
 from erlif.core.arrays import Array
 from erlif.core.errors import ConfigError, ModelError
 from erlif.core.notes import Note, remark, warn
-from erlif.models.reynolds import Journal, Motion
+from erlif.models.reynolds import Journal
 from erlif.prediction.given import FITTED, GivenErrors, GivenStep, follow_changes, share_of_fitted
 from erlif.prediction.least_squares import (
     CONVERGED,
@@ -240,7 +240,10 @@ def fit_motion(
     if sideways != "free":
         lead = lead_of(motion.motion, motion.crank)
         if lead is None and motion.lead is not None:
-            lead = _ended(motion.lead, motion.motion)
+            # the last step of the lead is the first one of the motion
+            before = motion.lead.at(slice(-1))
+            since = motion.motion.time[0] - motion.lead.time[-1]
+            lead = replace(before, time=since + before.time)
         orbits = HeldOrbits(journal, motion.motion, sideways, lead=lead)
     problem = Problem(orbits, frames, measured, sideways)
     given = given or GivenErrors()
@@ -248,12 +251,6 @@ def fit_motion(
     if sideways != "guided" or given.load_line is None:
         known["load_line"] = load_line_std
     return _fit_held(problem, problem.unknowns(fitted, known), given, profiles)
-
-
-def _ended(lead: Motion, motion: Motion) -> Motion:
-    """Lead without its last step, shifted in time to end before the motion."""
-    before = lead.at(slice(-1))
-    return replace(before, time=motion.time[0] - lead.time[-1] + before.time)
 
 
 def film_temperature(viscosity: Estimate, law: VogelLaw) -> Estimate:

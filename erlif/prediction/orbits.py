@@ -309,7 +309,9 @@ class HeldOrbits:
         size = np.inf if self.sideways == "guided" else 10**stiffness
         mount = Mount(size, rest=rest * clearance, direction=0.0)
         own, lead = drifted(self.motion, self.lead, drift)
-        motion = _thinned(_joined(lead, self.turns, own), stride)
+        whole = _joined(lead, self.turns, own)
+        last = whole.time.size - 1
+        motion = whole.at(np.unique(np.append(np.arange(0, last + 1, stride), last)))
         try:
             solved = solve_journal(
                 journal,
@@ -450,9 +452,3 @@ def _joined(lead: Motion | None, turns: int, motion: Motion) -> Motion:
         np.append(np.tile(lead.load, turns), motion.load),
         np.append(np.tile(lead.load_direction, turns), motion.load_direction),
     )
-
-
-def _thinned(motion: Motion, stride: int) -> Motion:
-    """Every so many steps of a motion, and the last."""
-    kept = np.unique(np.append(np.arange(0, motion.time.size, stride), motion.time.size - 1))
-    return motion.at(kept)

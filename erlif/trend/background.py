@@ -244,7 +244,8 @@ class _BackgroundFit:
         self.record, self.known, self.calibration = record, known, calibration
         self.energies, self.passed = energies, passed
         self.fitted = replace(calibration, systematics=None)
-        self.surface = _quadratic_terms(places)
+        x, y = places
+        self.surface = np.stack([np.ones_like(x), x, y, x * x, x * y, y * y], axis=1)
         light = np.where(known, record.light, 0.0)
         self.unit = (
             float(np.median(np.exp(light[known]))),
@@ -459,9 +460,3 @@ class _BackgroundFit:
         scatter = float(((shown - shown.mean()) ** 2).sum()) / max(int(some.sum()) - unknowns, 1)
         noise = float((1 / of_frame[some]).mean())
         return max(math.sqrt(max(scatter - noise, 0.0)), _LEAST_ENERGY_STD)
-
-
-def _quadratic_terms(places: tuple[Array, Array]) -> Array:
-    """Terms of a quadratic surface, (cell, 6)."""
-    x, y = places
-    return np.stack([np.ones_like(x), x, y, x * x, x * y, y * y], axis=1)
