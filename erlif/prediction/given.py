@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -192,7 +193,7 @@ def _tilted(problem: Problem, unknowns: dict[str, Array], tilt: float) -> tuple[
     parallel = squeeze.damping(film / journal.clearance)[:, 0]
     thicker = weight @ squeeze.damping(slices)[..., 0] / 2 / parallel
     motion, lead = thickened(orbits.motion, getattr(orbits, "lead", None), thicker)
-    changed = {"motion": motion} if lead is None else {"motion": motion, "lead": lead}
+    changed: dict[str, Any] = {"motion": motion} | ({} if lead is None else {"lead": lead})
     return replace(problem, orbits=replace(orbits, **changed)), _SQUARE
 
 

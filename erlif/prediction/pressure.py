@@ -180,7 +180,8 @@ _STATES = ("pressure_measured", "pressure_solved", "cavity", "cavity_change", "c
 
 def _collect(rows: list[dict[str, Array]], view: _View) -> xr.Dataset:
     """Collect the rows of all triggers in a dataset; NaN where a row has no value."""
-    columns = {"load_cov": (("trigger", "trigger_other"), _load_covariance(rows))}
+    between: tuple[str, ...] = ("trigger", "trigger_other")
+    columns = {"load_cov": (between, _load_covariance(rows))}
     for name in (*_FOUND, *(f"{name}_std" for name in _FOUND), *_PARTS, *_SENSITIVITIES, *_STATES):
         dims = _DIMS.get(name.removesuffix("_std"), ())
         unknown = np.full([getattr(view, dim).size for dim in dims], np.nan)
