@@ -223,6 +223,7 @@ def fit_motion(
     --------
     A joint at rest under its load, measured to 10 nm, whose oil is 25 % thicker than expected:
 
+    >>> from erlif.models.reynolds import Motion
     >>> joint = Journal(0.03336, 0.03359, length=0.237, viscosity=0.12, long=True)
     >>> time = np.linspace(0.0, 4.0, 41)
     >>> ratio = 3.0 + time * 222.4 / (1.25 * joint.squeeze_constant)
