@@ -31,13 +31,9 @@ _LEFT, _RIGHT, _TOP, _BOTTOM = 34.0, 224.0, 20.0, 112.0
 Range = tuple[float, float]
 
 
-def _fill_macro(macro: str, *content: Any) -> str:
-    """Fill one of the macros."""
-    return str(getattr(_macros(), macro)(*content))
-
-
 @cache
 def _macros() -> Any:
+    """The macros as functions."""
     from jinja2 import Environment, PackageLoader, StrictUndefined  # slow to load
 
     loader = PackageLoader("erlif.core", "")
@@ -64,7 +60,7 @@ def card(title: str, subtitle: str, *parts: str) -> str:
     >>> "&lt;b&gt;" in card("<b>", "", "<p>2 um</p>")
     True
     """
-    return _fill_macro("card", title, subtitle, parts)
+    return str(_macros().card(title, subtitle, parts))
 
 
 def rows_table(rows: Iterable[tuple[str, str]]) -> str:
@@ -83,7 +79,7 @@ def rows_table(rows: Iterable[tuple[str, str]]) -> str:
     >>> rows_table([("oil", "<80W>")]).count("&lt;80W&gt;")
     1
     """
-    return _fill_macro("rows_table", rows)
+    return str(_macros().rows_table(rows))
 
 
 def findings_list(findings: Sequence[tuple[Level, str]]) -> str:
@@ -108,7 +104,7 @@ def findings_list(findings: Sequence[tuple[Level, str]]) -> str:
     notes = len(findings) - len(serious)
     parts = [f"{len(serious) - _WRITTEN} more warnings"] if len(serious) > _WRITTEN else []
     parts += [count_of(notes, "note")] if notes else []
-    return _fill_macro("findings_list", serious[:_WRITTEN], ", ".join(parts))
+    return str(_macros().findings_list(serious[:_WRITTEN], ", ".join(parts)))
 
 
 def colour_picture(values: npt.ArrayLike, limits: Range) -> npt.NDArray[np.uint8]:
@@ -169,9 +165,8 @@ def picture_tag(picture: npt.NDArray[np.uint8], *, alt: str, width: int = 160) -
     thin = Image.fromarray(np.ascontiguousarray(picture[::step, ::step]))
     buffer = io.BytesIO()
     thin.quantize(_PALETTE).save(buffer, "PNG", optimize=True)
-    return _fill_macro(
-        "picture_tag", base64.b64encode(buffer.getvalue()).decode("ascii"), alt, width
-    )
+    data = base64.b64encode(buffer.getvalue()).decode("ascii")
+    return str(_macros().picture_tag(data, alt, width))
 
 
 def captioned(pictures: Iterable[tuple[str, str]]) -> str:
@@ -191,7 +186,7 @@ def captioned(pictures: Iterable[tuple[str, str]]) -> str:
     >>> captioned([("<img>", "trigger 0")]).count("trigger 0")
     1
     """
-    return _fill_macro("captioned", pictures)
+    return str(_macros().captioned(pictures))
 
 
 def curve_picture(
@@ -230,4 +225,5 @@ def curve_picture(
             for a, b in zip(across[good], down[good], strict=True)
         ]
 
-    return _fill_macro("curve_picture", place(*curve), place(*points), (x0, x1), (y0, y1), labels)
+    ends = (x0, x1), (y0, y1)
+    return str(_macros().curve_picture(place(*curve), place(*points), *ends, labels))

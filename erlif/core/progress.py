@@ -81,7 +81,11 @@ class _Bars:
     def __call__(self, what: str, done: int, total: int) -> None:
         if self._bar is None or what != self._name:
             self._close()
-            self._name, self._bar = what, _open_bar(what, total)
+            # without widgets tqdm warns, and shows the bar of a terminal
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")
+                from tqdm.auto import tqdm
+            self._name, self._bar = what, tqdm(total=total, desc=what)
         self._bar.n = min(done, total)
         self._bar.refresh()
         if done >= total:
@@ -91,12 +95,3 @@ class _Bars:
         if self._bar is not None:
             self._bar.close()
             self._bar = None
-
-
-def _open_bar(what: str, total: int) -> Any:
-    """A bar of tqdm for a terminal, or for a notebook where widgets are installed."""
-    # without widgets tqdm warns, and shows the bar of a terminal
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        from tqdm.auto import tqdm
-    return tqdm(total=total, desc=what)

@@ -36,9 +36,9 @@ def _factor(text: str) -> Fraction:
     return math.prod(map(Fraction, numbers), start=Fraction(1))
 
 
-# By the unit of the result, what one of each usual unit is in it.
+# By the unit of the result, what one of each other usual unit is in it.
 _USUAL = {
-    unit: {unit: Fraction(1)} | {name: _factor(text) for name, text in names.items()}
+    unit: {name: _factor(text) for name, text in names.items()}
     for unit, names in read_table("erlif.core", "units.toml").items()
 }
 
@@ -168,7 +168,7 @@ def _hint(number: str, name: str, unit: str) -> str:
     if unit == "s" and per and float(number) > 0:
         seconds = {"min": 60, "rpm": 60, "h": 3600}.get(per[1] or per[2], 1)
         return f'; that is a number per time: its period is "{seconds / float(number):.6g} s"'
-    near = difflib.get_close_matches(name, _USUAL.get(unit, {}), n=2)
+    near = difflib.get_close_matches(name, _usual_units(unit), n=2)
     return f"; did you mean {' or '.join(f'{number} {each}' for each in near)}?" if near else ""
 
 
@@ -194,12 +194,17 @@ def convert(number: str, name: str, unit: str) -> float:
     >>> convert("60", "um", "m")
     6e-05
     """
-    usual = _USUAL.get(unit, {})
-    if name in usual and math.isfinite(float(number)):
+    factor = _usual_units(unit).get(name.replace("µ", "u"))
+    if factor is not None and math.isfinite(float(number)):
         # in fractions: "60 um" gives 6e-05 m, and not its neighbour
-        return _nearest_float(Fraction(number) * usual[name])
+        return _nearest_float(Fraction(number) * factor)
     spelling = name.replace("°C", "degC").replace("°", "deg")
     return float(_registry().Quantity(float(number), spelling).to(unit).magnitude)
+
+
+def _usual_units(unit: str) -> dict[str, Fraction]:
+    """The unit itself and the other usual ones, with what one of each is in it."""
+    return {unit: Fraction(1)} | _USUAL.get(unit, {})
 
 
 def _nearest_float(value: Fraction) -> float:

@@ -85,34 +85,44 @@ class Variable:
         return xr.Variable(self.dims, values, {**self.attrs, **attrs})
 
 
-def _read_variables() -> dict[str, Mapping[str, Variable]]:
-    """The variables by the file or group that they belong to."""
-    table = read_table("erlif.core", "variables.toml")
-    return {
-        file: MappingProxyType(
-            {name: _read_variable(file, name, table) for name in variables if name != "dims"}
-        )
-        for file, variables in table.items()
-    }
-
-
 _ATTRIBUTES = ("units", "long_name", "comment", "ancillary_variables")  # of a variable, after CF
 
 
-def _read_variable(file: str, name: str, table: dict[str, Any]) -> Variable:
-    """Read an entry of the table; missing keys are taken from the file that `like` names."""
-    like = table[file][name].get("like", file)
-    keys = {"dims": table[like]["dims"], **table[like][name], **table[file][name]}
-    keys.pop("like", None)
-    attrs = {key: keys.pop(key) for key in list(keys) if key in _ATTRIBUTES}
-    title = attrs.get("long_name", "")
-    keys.setdefault("meaning", f"{title[:1].upper()}{title[1:]}.")
+def _read_variables() -> dict[str, Mapping[str, Variable]]:
+    """The variables by the file or group that they belong to."""
+    rows: dict[str, dict[str, dict[str, Any]]] = {}
+    for file, entries in read_table("erlif.core", "variables.toml").items():
+        common = {key: value for key, value in entries.items() if not isinstance(value, dict)}
+        further: dict[str, Any] = {name: {} for name in common.pop("alike", "").split()}
+        rows[file] = {}
+        for name, own in (entries | further).items():
+            if not isinstance(own, dict):
+                continue
+            keys = common | own
+            keys = rows.get(keys.pop("like", ""), {}).get(name, {}) | keys
+            std = keys.pop("std", None)
+            rows[file][name] = keys
+            if std is not None:
+                same = {key: keys[key] for key in ("dims", "units", "when") if key in keys}
+                rows[file][f"{name}_std"] = same | {"long_name": std}
+    return {
+        file: MappingProxyType({name: _make_variable(name, keys) for name, keys in each.items()})
+        for file, each in rows.items()
+    }
+
+
+def _make_variable(name: str, keys: dict[str, Any]) -> Variable:
+    """The variable of a row; numbers have the unit 1 where none is stated."""
+    keys = {"units": "" if keys.get("dtype") == "text" else "1"} | keys
+    title = ": ".join(keys[key] for key in ("long_name", "comment") if keys.get(key))
+    rest: dict[str, Any] = {"meaning": f"{title[:1].upper()}{title[1:]}."} | keys
+    attrs = {key: rest.pop(key) for key in keys if key in _ATTRIBUTES}
     return Variable(
         name,
-        dims=tuple(keys.pop("dims").split()),
+        dims=tuple(rest.pop("dims").split()),
         attrs={key: text for key, text in attrs.items() if text},
-        needs=tuple(keys.pop("needs", "").split()),
-        **keys,
+        needs=tuple(rest.pop("needs", "").split()),
+        **rest,
     )
 
 

@@ -145,16 +145,8 @@ def find_clock_offset(
     alike = [one for one in refined if model.residual(one) - least < EQUAL * variance]
     phases = [((one - best) / period) % 1.0 for one in alike]
     same = sum(phase < 0.25 or phase > 0.75 for phase in phases)
-    stretch, stretch_std = model.fit_stretch(best, variance)
-    return ClockOffset(
-        best,
-        model.std(best, variance),
-        explained,
-        same < len(alike),
-        same,
-        stretch,
-        stretch_std,
-    )
+    std, stretch, stretch_std = model.errors(best, variance)
+    return ClockOffset(best, std, explained, same < len(alike), same, stretch, stretch_std)
 
 
 class _Model:
@@ -183,25 +175,23 @@ class _Model:
         """Sum of the squared residuals."""
         return _squares(self.columns(offset), self.light)
 
-    def slope(self, offset: float) -> Array:
-        """Change of the light with the offset, (frame,). [1/s]"""
-        solution = np.linalg.lstsq(self.columns(offset), self.light, rcond=None)[0]
+    def errors(self, offset: float, variance: float) -> tuple[float, float, float]:
+        """Standard deviation of the offset with all parameters free [s]; relative stretch of the
+        times between frames and its standard deviation, after one step.
+        """
+        # change of the light with the offset
+        columns = self.columns(offset)
+        solution = np.linalg.lstsq(columns, self.light, rcond=None)[0]
         step = 1e-3 * float(np.mean(np.diff(self.since)))
         after, before = (self.columns(offset + sign * step) @ solution for sign in (1, -1))
-        return np.asarray((after - before) / (2 * step))
+        slope = np.asarray((after - before) / (2 * step))
 
-    def std(self, offset: float, variance: float) -> float:
-        """Standard deviation of the offset with all parameters free. [s]"""
-        # the part of the slope that no other parameter can take
-        own = _beside(self.columns(offset), self.slope(offset))
-        return math.sqrt(variance / float(np.sum(own**2)))
-
-    def fit_stretch(self, offset: float, variance: float) -> tuple[float, float]:
-        """Relative stretch of the times between frames, and its standard deviation; one step."""
-        columns, slope = self.columns(offset), self.slope(offset)
-        own = _beside(np.column_stack([columns, slope]), slope * self.since)
-        size = float(np.sum(own**2))
-        return float(own @ self.light) / size, math.sqrt(variance / size)
+        # the parts that no other parameter can take
+        own = _beside(columns, slope)
+        stretch = _beside(np.column_stack([columns, slope]), slope * self.since)
+        size = float(np.sum(stretch**2))
+        std = math.sqrt(variance / float(np.sum(own**2)))
+        return std, float(stretch @ self.light) / size, math.sqrt(variance / size)
 
 
 def _beside(columns: Array, values: Array) -> Array:

@@ -79,8 +79,6 @@ class LinkAngle(NamedTuple):
         Its standard deviation where it was fitted. [rad]
     falling : bool
         Whether the reading falls while the angle rises.
-    direction_found : bool
-        Whether the log decided that.
     """
 
     angle: Array
@@ -88,7 +86,6 @@ class LinkAngle(NamedTuple):
     zero: float
     zero_std: float | None
     falling: bool
-    direction_found: bool
 
 
 def read_link_angle(
@@ -166,8 +163,7 @@ def _read_crank(log: EncoderLog, encoder: Encoder) -> LinkAngle:
 
     zero = encoder.zero or 0.0
     angle = ((-reading if falls else reading) + zero) % _TURN
-    falling = encoder.direction is None and falls
-    return LinkAngle(np.asarray(angle), log.angle.values, zero, None, falls, falling)
+    return LinkAngle(np.asarray(angle), log.angle.values, zero, None, falls)
 
 
 def _read_swing(
@@ -187,7 +183,13 @@ def _read_swing(
         time = log["time"].values
         seen, noise = find_direction(time, reading, link.angle, crank_speed=crank_speed)
         if encoder.direction is not None and seen == -sign:
-            _refuse_direction(encoder)
+            here = "fall" if encoder.direction == "rising" else "rise"
+            raise EncoderError(
+                f"Expected readings that are {encoder.direction}, because of direction in "
+                f"[encoder], while the angle of the {encoder.mounted_on} rises; by the times of "
+                f"the log they {here}: the link dwells at the other dead point. Leave direction "
+                "out, so that it is found, or check mounted_on and the links in [mechanism]."
+            )
         sign = seen or sign
 
     if encoder.zero is not None:
@@ -202,19 +204,7 @@ def _read_swing(
         zero, zero_std = _fit_zero(sign * reading, low, high, noise, encoder)
         angle = sign * reading + zero
     angle = np.clip(angle, low, high)
-    found_here = encoder.direction is None and sign < 0
-    return LinkAngle(np.asarray(angle), counted, zero, zero_std, sign < 0, found_here)
-
-
-def _refuse_direction(encoder: Encoder) -> None:
-    """Refuse a stated direction that the times of the log contradict."""
-    here = "fall" if encoder.direction == "rising" else "rise"
-    raise EncoderError(
-        f"Expected readings that are {encoder.direction}, because of direction in [encoder], while "
-        f"the angle of the {encoder.mounted_on} rises; by the times of the log they {here}: the "
-        "link dwells at the other dead point. Leave direction out, so that it is found, or check "
-        "mounted_on and the links in [mechanism]."
-    )
+    return LinkAngle(np.asarray(angle), counted, zero, zero_std, sign < 0)
 
 
 def find_direction(

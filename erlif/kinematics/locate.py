@@ -181,7 +181,7 @@ def _describe_encoder(link: LinkAngle, encoder: Encoder) -> dict[str, str | floa
     }
     if link.zero_std is not None:
         attrs["zero_std"] = math.degrees(link.zero_std)
-    if link.direction_found:
+    if link.falling and encoder.direction is None:
         attrs["direction_found"] = 1
     return attrs
 

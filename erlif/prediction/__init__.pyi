@@ -18,7 +18,6 @@ from .pin_motion import SmoothPath as SmoothPath
 from .pin_motion import find_pin_motion as find_pin_motion
 from .pin_motion import smooth_path as smooth_path
 from .pressure import find_pressures as find_pressures
-from .start import StartFilm as StartFilm
 from .start import find_start_film as find_start_film
 from .triggers import ImageLine as ImageLine
 from .triggers import average_triggers as average_triggers

@@ -68,16 +68,6 @@ _CARRIES = {
 # Differences of BIC below which the evidence has a name. Kass and Raftery (1995).
 _STRENGTHS = ((2.0, "undecided"), (6.0, "weak"), (10.0, "strong"), (np.inf, "very strong"))
 
-_NONE = (
-    "None of the models describes this film: the best of {count}, {best}, is off by "
-    "{inflation:.3g} times the stated errors ({residual:.2g} um). Check load, clearance and tilt "
-    "of the joint, and the times of the frames."
-)
-_REST = (
-    "The film is constant within its errors, which decides nothing about what carries it. Record "
-    "from the moment of loading on, or more cycles."
-)
-
 
 @dataclass(frozen=True)
 class FilmModel:
@@ -316,15 +306,18 @@ def _verdict(candidates: Sequence[FilmModel]) -> tuple[str | None, str]:
     """Name the model that carries the film, and state the evidence in one line."""
     fitted = [one for one in candidates if one.name != ANY_GUIDED]
     if fitted and fitted[0].name == CONSTANT and fitted[0].describes:
-        return None, _REST
+        return None, (
+            "The film is constant within its errors, which decides nothing about what carries it. "
+            "Record from the moment of loading on, or more cycles."
+        )
     best = candidates[0]
     if not best.describes:
         closest = min(fitted or candidates, key=lambda one: one.inflation)
-        return None, _NONE.format(
-            count=len(fitted),
-            best=closest.name,
-            inflation=closest.inflation,
-            residual=closest.residual * 1e6,
+        return None, (
+            f"None of the models describes this film: the best of {len(fitted)}, {closest.name}, "
+            f"is off by {closest.inflation:.3g} times the stated errors "
+            f"({closest.residual * 1e6:.2g} um). Check load, clearance and tilt of the joint, and "
+            "the times of the frames."
         )
 
     text = _CARRIES[best.name]

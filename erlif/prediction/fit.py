@@ -12,7 +12,7 @@ import numpy.typing as npt
 from erlif.core.arrays import Array
 from erlif.core.errors import ConfigError, ModelError
 from erlif.core.notes import Note, remark, warn
-from erlif.models.reynolds import Journal, Motion
+from erlif.models.reynolds import Journal
 from erlif.prediction.given import FITTED, GivenErrors, GivenStep, follow_changes, share_of_fitted
 from erlif.prediction.least_squares import (
     CONVERGED,
@@ -223,6 +223,7 @@ def fit_motion(
     --------
     A joint at rest under its load, measured to 10 nm, whose oil is 25 % thicker than expected:
 
+    >>> from erlif.models.reynolds import Motion
     >>> joint = Journal(0.03336, 0.03359, length=0.237, viscosity=0.12, long=True)
     >>> time = np.linspace(0.0, 4.0, 41)
     >>> ratio = 3.0 + time * 222.4 / (1.25 * joint.squeeze_constant)
@@ -240,7 +241,10 @@ def fit_motion(
     if sideways != "free":
         lead = lead_of(motion.motion, motion.crank)
         if lead is None and motion.lead is not None:
-            lead = _ended(motion.lead, motion.motion)
+            # the last step of the lead is the first one of the motion
+            before = motion.lead.at(slice(-1))
+            since = motion.motion.time[0] - motion.lead.time[-1]
+            lead = replace(before, time=since + before.time)
         orbits = HeldOrbits(journal, motion.motion, sideways, lead=lead)
     problem = Problem(orbits, frames, measured, sideways)
     given = given or GivenErrors()
@@ -248,12 +252,6 @@ def fit_motion(
     if sideways != "guided" or given.load_line is None:
         known["load_line"] = load_line_std
     return _fit_held(problem, problem.unknowns(fitted, known), given, profiles)
-
-
-def _ended(lead: Motion, motion: Motion) -> Motion:
-    """Lead without its last step, shifted in time to end before the motion."""
-    before = lead.at(slice(-1))
-    return replace(before, time=motion.time[0] - lead.time[-1] + before.time)
 
 
 def film_temperature(viscosity: Estimate, law: VogelLaw) -> Estimate:
@@ -527,45 +525,34 @@ def _estimates(
 ) -> dict[str, Estimate]:
     """The unknowns of a search (unknown,) as quantities of the joint."""
     journal, motion = problem.orbits.journal, problem.orbits.motion
-    found: dict[str, Estimate] = {}
-    for name, one, error, (low, high) in zip(unknowns.names, value, std, ends, strict=True):
-        found |= _joint_quantity(name, float(one), float(error), low, high, journal, motion)
-    return found
-
-
-def _joint_quantity(
-    name: str,
-    value: float,
-    std: float,
-    low: float,
-    high: float,
-    journal: Journal,
-    motion: Motion,
-) -> dict[str, Estimate]:
-    """An unknown of the search as a quantity of the joint."""
-    if name == "fluidity":
-        safe = max(value, 1e-9)
-        eta = journal.viscosity / safe
-        low_eta = journal.viscosity / high if np.isfinite(high) else 0.0
-        high_eta = journal.viscosity / low if low > 0 else np.inf
-        time = journal.squeeze_constant / journal.viscosity / float(motion.load.mean())
-        estimate = Estimate(eta, eta * std / safe, low_eta, high_eta, "Pa s")
-        return {"viscosity": estimate, "squeeze_time": estimate.times(time, "s")}
-    if name == "start_film":
-        film = float(np.exp(value))
-        return {name: Estimate(film, film * std, float(np.exp(low)), float(np.exp(high)), "m")}
-    if name == "stiffness":
-        size = float(10**value)
-        error = size * std * float(np.log(10))
-        return {name: Estimate(size, error, float(10**low), float(10**high), "N m-1")}
-    scale, unit = {
+    units = {
         "start_attitude": (1.0, "rad"),
         "rest": (journal.clearance, "m"),
         "load_line": (journal.radius, "m"),
         "cavitation_pressure": (-ATMOSPHERE, "Pa"),
         "drift": (1.0, "1"),
-    }[name]
-    return {name: Estimate(value, std, low, high, unit).times(scale, unit)}
+    }
+    found: dict[str, Estimate] = {}
+    numbers = zip(unknowns.names, value.tolist(), std.tolist(), ends, strict=True)
+    for name, one, error, (low, high) in numbers:
+        if name == "fluidity":
+            safe = max(one, 1e-9)
+            eta = journal.viscosity / safe
+            low_eta = journal.viscosity / high if np.isfinite(high) else 0.0
+            high_eta = journal.viscosity / low if low > 0 else np.inf
+            time = journal.squeeze_constant / journal.viscosity / float(motion.load.mean())
+            viscosity = Estimate(eta, eta * error / safe, low_eta, high_eta, "Pa s")
+            found |= {"viscosity": viscosity, "squeeze_time": viscosity.times(time, "s")}
+        elif name == "start_film":
+            film, thin, thick = (float(np.exp(each)) for each in (one, low, high))
+            found[name] = Estimate(film, film * error, thin, thick, "m")
+        elif name == "stiffness":
+            size = float(10**one)
+            error = size * error * float(np.log(10))
+            found[name] = Estimate(size, error, float(10**low), float(10**high), "N m-1")
+        else:
+            found[name] = Estimate(one, error, low, high, "").times(*units[name])
+    return found
 
 
 def _limits_of_fit(

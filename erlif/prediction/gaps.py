@@ -75,12 +75,19 @@ def find_motion_in_gaps(
     period, gaps = float(time[-1] - time[0]), np.diff(time)
     if gaps.max() > MOST_FILLED * period:
         return None
-    errors = {"random_cov": random_cov, "surface_cov": surface_cov, "gradient": gradient}
+
+    # marks and calibration are the same at all triggers
+    marks = covariance_root(surface_cov.mean(axis=0)[_PLACE, _PLACE])
+    calibration = gradient[:, _PLACE] @ covariance_root(calibration_cov)
+    shared = [calibration, np.tile(marks, (len(position), 1, 1))]
+    measured = MeasuredMotion(
+        position[:, _PLACE], random_cov[:, _PLACE, _PLACE], np.concatenate(shared, axis=2)
+    )
     trigger = np.full(moved.motion.time.size, -1)
     trigger[moved.steps[:-1]] = np.arange(len(position))
     try:
         fit = fit_motion(
-            _measured_displacement(position, **errors, calibration_cov=calibration_cov),
+            measured,
             journal,
             replace(moved, steps=np.arange(trigger.size)),
             trigger=trigger,
@@ -101,6 +108,7 @@ def find_motion_in_gaps(
     speed = np.gradient(moved.motion.angle, clock)[moments]
     speed[recorded] = turning
     bushing = clock[moments], np.asarray(moved.motion.angle)[moments], speed
+    errors = {"random_cov": random_cov, "surface_cov": surface_cov, "gradient": gradient}
     find: Callable[..., PinMotion] = partial(
         find_pin_motion, calibration_cov=calibration_cov, period=period
     )
@@ -124,20 +132,3 @@ def find_motion_in_gaps(
     errors["random_cov"] += doubt[:, :, np.newaxis] ** 2 * np.eye(doubt.shape[1])
     found = find(*bushing, filled, **errors)
     return replace(found, recorded=recorded, otherwise=replace(found, position=smooth, rate=rate))
-
-
-def _measured_displacement(
-    position: Array,
-    *,
-    random_cov: Array,
-    surface_cov: Array,
-    gradient: Array,
-    calibration_cov: Array,
-) -> MeasuredMotion:
-    """Displacements with their errors, of which marks and calibration are shared."""
-    marks = covariance_root(surface_cov.mean(axis=0)[_PLACE, _PLACE])
-    calibration = gradient[:, _PLACE] @ covariance_root(calibration_cov)
-    shared = [calibration, np.tile(marks, (len(position), 1, 1))]
-    return MeasuredMotion(
-        position[:, _PLACE], random_cov[:, _PLACE, _PLACE], np.concatenate(shared, axis=2)
-    )

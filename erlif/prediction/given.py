@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -181,10 +182,8 @@ def _tilted(problem: Problem, unknowns: dict[str, Array], tilt: float) -> tuple[
     orbits, journal = problem.orbits, problem.orbits.journal
     half = tilt * journal.length / 2
     if isinstance(orbits, HeldOrbits) and not journal.long:
-        shape = np.array([-half, half])
-        return replace(
-            problem, orbits=replace(orbits, journal=replace(journal, axial_shape=shape))
-        ), _SQUARE
+        bent = replace(journal, axial_shape=np.array([-half, half]))
+        return replace(problem, orbits=replace(orbits, journal=bent)), _SQUARE
     unknowns.pop("load_line", None)
     (orbit,) = orbits.follow(unknowns)
     film = journal.clearance - np.hypot(*orbit.T)
@@ -194,9 +193,8 @@ def _tilted(problem: Problem, unknowns: dict[str, Array], tilt: float) -> tuple[
     parallel = squeeze.damping(film / journal.clearance)[:, 0]
     thicker = weight @ squeeze.damping(slices)[..., 0] / 2 / parallel
     motion, lead = thickened(orbits.motion, getattr(orbits, "lead", None), thicker)
-    if isinstance(orbits, HeldOrbits):
-        return replace(problem, orbits=replace(orbits, motion=motion, lead=lead)), _SQUARE
-    return replace(problem, orbits=replace(orbits, motion=motion)), _SQUARE
+    changed: dict[str, Any] = {"motion": motion} | ({} if lead is None else {"lead": lead})
+    return replace(problem, orbits=replace(orbits, **changed)), _SQUARE
 
 
 def _first_order(least: LeastSquares, minimum: Minimum, off: Array) -> Array:

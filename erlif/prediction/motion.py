@@ -172,7 +172,10 @@ def _clock(frames: xr.Dataset, linkage: CrankRocker, crank_speed: float) -> tupl
     crank = np.radians(frames.crank_angle.values.astype(float))
     time = frames["time"].values.astype(float) if "time" in frames else None
     if time is None or not (np.diff(time) > 0).all():
-        turned = _unwrap_crank(crank, frames["cycle"].values)
+        # noise about a dead point may hold the crank
+        missed = np.maximum(np.diff(frames["cycle"].values) - 1, 0)
+        steps = crank_steps(crank) + _TURN * missed
+        turned = np.maximum.accumulate(crank[0] + np.concatenate([[0.0], np.cumsum(steps)]))
         return (turned - turned[0]) / crank_speed, turned
 
     # between two frames the crank turns by whole turns more, as many as fit its speed best
@@ -191,14 +194,6 @@ def _clock(frames: xr.Dataset, linkage: CrankRocker, crank_speed: float) -> tupl
             "Correct crank_speed, or the unit of the times."
         )
     return time, np.maximum.accumulate(turned) if even is None else even
-
-
-def _unwrap_crank(crank: Array, cycle: npt.NDArray[np.int64]) -> Array:
-    """Crank angle without jumps, rising; noise about a dead point may hold it. [rad]"""
-    missed = np.maximum(np.diff(cycle) - 1, 0)
-    steps = crank_steps(crank) + _TURN * missed
-    turned = crank[0] + np.concatenate([[0.0], np.cumsum(steps)])
-    return np.asarray(np.maximum.accumulate(turned))
 
 
 def _even_turning(time: Array, turned: Array, linkage: CrankRocker) -> Array | None:

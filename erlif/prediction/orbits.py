@@ -38,7 +38,7 @@ _LONG = 2000  # steps of a long run
 # Of the change by half the spacing, what leads to the limit: 4/3 at second order, 2 at first. The
 # edges of cavities move by whole cells, which leaves a part of first order; springs, which belong
 # to the end of a step, have it alone. Along the axis the finer of both is already counted.
-_HALF_STEPS = {"guided": 5 / 3, "free": 5 / 3, "spring": 2.0}
+_HALF_STEPS = {"guided": 5 / 3, "spring": 2.0}
 _AROUND = 4 / 3
 _AXIAL = 0.5
 _UNEVEN = 0.4  # of the change by half the spacing, as a doubt: from one order to the other
@@ -60,7 +60,7 @@ _FilmCase: TypeAlias = tuple[tuple[int, int], int, dict[str, float]]
 
 @dataclass(frozen=True)
 class FreeOrbits:
-    """Pins that are free sideways, or on a soft spring, in a film that does not rupture.
+    """Pins that are free sideways, in a film that does not rupture.
 
     Attributes
     ----------
@@ -77,9 +77,9 @@ class FreeOrbits:
         """Displacement along the load and sideways, (case, step, axis). [m]
 
         Unknowns are arrays (case,): fluidity, viscosity of the joint over that of the case;
-        start_film, logarithm of the film at the first step in metres; start_attitude [rad]; with a
-        spring rest, over the clearance, and stiffness, decimal logarithm of that in N/m. Where it
-        is given, drift, change of the logarithm of the viscosity from the first step to the last.
+        start_film, logarithm of the film at the first step in metres; start_attitude [rad]. Where
+        it is given, drift, change of the logarithm of the viscosity from the first step to the
+        last.
         """
         drift = unknowns.get("drift", np.zeros(len(unknowns["fluidity"])))
         orbits = np.empty((drift.size, self.motion.time.size, 2))
@@ -94,14 +94,11 @@ class FreeOrbits:
         clearance = self.journal.clearance
         film = np.clip(np.exp(unknowns["start_film"]) / clearance, 2 * THINNEST, 1.0)
         eccentric, attitude = (1 - film) * clearance, unknowns["start_attitude"]
-        spring = "stiffness" in unknowns
         return follow_full_film(
             self.journal,
             motion,
             start=np.stack([eccentric * np.cos(attitude), eccentric * np.sin(attitude)], axis=1),
             fluidity=unknowns["fluidity"],
-            stiffness=10 ** unknowns["stiffness"] if spring else 0.0,
-            rest=unknowns["rest"] * clearance if spring else 0.0,
         )
 
     def lowest_pressure(self, orbit: Array) -> float:
@@ -123,12 +120,12 @@ class FreeOrbits:
 
 @dataclass(frozen=True)
 class HeldOrbits:
-    """Pins in a film with cavities: guided, on a spring, or free.
+    """Pins in a film with cavities, guided or on a spring.
 
     Attributes
     ----------
     sideways : str
-        "guided", "spring" or "free".
+        "guided" or "spring".
     journal : Journal
         The joint.
     motion : Motion
@@ -163,8 +160,8 @@ class HeldOrbits:
     def follow(self, unknowns: dict[str, Array]) -> Array:
         """As `FreeOrbits.follow`, one transient film for each case.
 
-        Besides, cavitation_pressure is the suction in atmospheres. NaN where no film carries the
-        load.
+        Besides, rest is over the clearance, stiffness the decimal logarithm of that in N/m, and
+        cavitation_pressure the suction in atmospheres. NaN where no film carries the load.
         """
         cases = len(unknowns["fluidity"])
         each = [{name: float(column[k]) for name, column in unknowns.items()} for k in range(cases)]
@@ -309,13 +306,12 @@ class HeldOrbits:
         if start_attitude is not None:
             side = eccentric * float(np.sin(start_attitude))
         start = float(np.sqrt(max(eccentric**2 - side**2, 0.0))), side
-        mount: Mount | str = "free"
-        if self.sideways == "guided":
-            mount = Mount(np.inf, rest=rest * clearance, direction=0.0)
-        elif self.sideways == "spring":
-            mount = Mount(10**stiffness, rest=rest * clearance, direction=0.0)
+        size = np.inf if self.sideways == "guided" else 10**stiffness
+        mount = Mount(size, rest=rest * clearance, direction=0.0)
         own, lead = drifted(self.motion, self.lead, drift)
-        motion = _thinned(_joined(lead, self.turns, own), stride)
+        whole = _joined(lead, self.turns, own)
+        last = whole.time.size - 1
+        motion = whole.at(np.unique(np.append(np.arange(0, last + 1, stride), last)))
         try:
             solved = solve_journal(
                 journal,
@@ -456,9 +452,3 @@ def _joined(lead: Motion | None, turns: int, motion: Motion) -> Motion:
         np.append(np.tile(lead.load, turns), motion.load),
         np.append(np.tile(lead.load_direction, turns), motion.load_direction),
     )
-
-
-def _thinned(motion: Motion, stride: int) -> Motion:
-    """Every so many steps of a motion, and the last."""
-    kept = np.unique(np.append(np.arange(0, motion.time.size, stride), motion.time.size - 1))
-    return motion.at(kept)

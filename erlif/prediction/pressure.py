@@ -6,8 +6,9 @@ is solved on this gap and its rate. No load enters: the load that follows is a c
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 import numpy.typing as npt
@@ -139,52 +140,24 @@ def find_pressures(
     True
     """
     view = _View(journal.radius, place, axial)
-    errors = _Errors(np.array(settings_std), load_line_std)
-
-    def find(
-        motion: PinMotion, voids: dict[tuple[int, int], Array], others: Sequence[Array] = ()
-    ) -> list[dict[str, Array]]:
-        rows = []
-        for done, k in enumerate(_triggers(motion)):
-            try:
-                solved = _find_one(
-                    replace(journal, viscosity=float(viscosity[done])),
-                    np.concatenate([motion.position[k], motion.rate[k]]),
-                    float(motion.turning[k]),
-                    replace(errors, random=motion.random_root[k], shared=motion.shared_root[k]),
-                    view,
-                    cells,
-                    0.5 * float(motion.angle[k]),
-                    {grid: void[k] for grid, void in voids.items()},
-                    _voids_about(voids, others, int(k)),
-                )
-            except ModelError as error:
-                solved = view.nothing(solved=isinstance(error, OverlapError))
-            rows.append(solved)
-            what = "pressure with cavities" if voids else "pressure"
-            progress(what, done + 1, viscosity.size)
-        return rows
-
-    rows = [_judge(row) for row in find(motion, {})]
+    search = _Search(journal, viscosity, motion, view, cells, np.array(settings_std), load_line_std)
+    rows = [_judge(row) for row in search.find_all(progress)]
     # a cavity at a trigger without a pressure may be one of the noise
-    if any(row["cavity"] > 0 and row["pressure_measured"] > 0 for row in rows):
+    if any(row["pressure_measured"] > 0 and row["cavity"] > 0 for row in rows):
         mean = replace(journal, viscosity=float(np.mean(viscosity)))
-        grids = {cells, min(cells, SLOPE_CELLS)}
         if not _covers_turn(motion):
             filled = None if fill is None else fill()
             if filled is None or not _covers_turn(filled):
                 return _collect([_hide(row, np.nan, np.inf) for row in rows], view)
             motion = filled
         try:
-            voids = {grid: follow_cavities(mean, motion, cells=grid) for grid in grids}
-            others = [_follow_another_turn(mean, motion, min(grids))]
-            if motion.otherwise is not None:
-                others.append(follow_cavities(mean, motion.otherwise, cells=min(grids)))
+            cavities = _Cavities.of(mean, motion, {cells, min(cells, SLOPE_CELLS)})
         except ModelError:
-            rows = [_judge(view.nothing(solved=False)) for _ in rows]
+            rows = [_judge(_nothing(solved=False)) for _ in rows]
         else:
-            change = _change_of_cavities(voids[cells])[_triggers(motion)]
-            found = _add_error_of_cells(find(motion, voids, others))
+            search = replace(search, motion=motion, cavities=cavities)
+            change = _change_of_cavities(cavities.own[cells])[search.triggers]
+            found = _add_error_of_cells(search.find_all(progress))
             rows = [
                 row | {"cavity_change": moved} if moved <= CHANGING else _hide(row, moved)
                 for row, moved in zip(found, change, strict=True)
@@ -192,34 +165,28 @@ def find_pressures(
     return _collect(rows, view)
 
 
-def _triggers(motion: PinMotion) -> npt.NDArray[np.intp]:
-    """Numbers of the times of a motion that are triggers."""
-    if motion.recorded is None:
-        return np.arange(motion.turning.size)
-    return np.flatnonzero(motion.recorded)
+# What is found at a trigger, with a standard deviation, and the change by coarser cells.
+_SINGLE = ("peak_pressure", "peak_place", "load_from_pressure", "side_from_pressure")
+_FOUND = ("pressure", "pressure_profile", *_SINGLE)
+_CELLS = "_by_cells"
+
+# Dimensions besides the trigger.
+_DIMS = {"pressure": ("axial", "place"), "pressure_profile": ("place",)}
+
+_PARTS = ("peak_std_random", "peak_std_shared", "peak_std_settings")
+_SENSITIVITIES = tuple(f"peak_by_{name}" for name in SETTINGS)
+_STATES = ("pressure_measured", "pressure_solved", "cavity", "cavity_change", "cavity_history")
 
 
 def _collect(rows: list[dict[str, Array]], view: _View) -> xr.Dataset:
-    """Collect the rows of all triggers in a dataset."""
-    dims = {
-        "pressure": ("trigger", "axial", "place"),
-        "pressure_std": ("trigger", "axial", "place"),
-        "pressure_profile": ("trigger", "place"),
-        "pressure_profile_std": ("trigger", "place"),
-    }
-    pressures = xr.Dataset(
-        {
-            name: (dims.get(name, ("trigger",)), np.array([row[name] for row in rows]))
-            for name in rows[0]
-            if name not in _LOAD_PARTS and not name.endswith(_CELLS)
-        },
-        {"place": view.place, "axial": view.axial},
-    )
-    return pressures.assign(load_cov=(("trigger", "trigger_other"), _load_covariance(rows)))
-
-
-_LOAD_PARTS = ("load_root", "load_own")
-_CELLS = "_by_cells"  # what coarser cells change
+    """Collect the rows of all triggers in a dataset; NaN where a row has no value."""
+    between: tuple[str, ...] = ("trigger", "trigger_other")
+    columns = {"load_cov": (between, _load_covariance(rows))}
+    for name in (*_FOUND, *(f"{name}_std" for name in _FOUND), *_PARTS, *_SENSITIVITIES, *_STATES):
+        dims = _DIMS.get(name.removesuffix("_std"), ())
+        unknown = np.full([getattr(view, dim).size for dim in dims], np.nan)
+        columns[name] = ("trigger", *dims), np.array([row.get(name, unknown) for row in rows])
+    return xr.Dataset(columns, {"place": view.place, "axial": view.axial})
 
 
 def _add_error_of_cells(rows: list[dict[str, Array]]) -> list[dict[str, Array]]:
@@ -229,34 +196,40 @@ def _add_error_of_cells(rows: list[dict[str, Array]]) -> list[dict[str, Array]]:
     next: its mean square over five is the measure.
     """
     done = [dict(row) for row in rows]
-    for name in [name.removesuffix(_CELLS) for name in rows[0] if name.endswith(_CELLS)]:
-        square = np.array([row[name + _CELLS] for row in rows], float) ** 2
+    solved = [row for row in rows if "peak_pressure" in row]
+    for name in _FOUND if solved else ():
+        unknown = np.full_like(solved[0][name], np.nan)
+        square = np.array([row.get(name + _CELLS, unknown) for row in rows], float) ** 2
         near = np.stack([np.roll(square, off, axis=0) for off in (-2, -1, 0, 1, 2)])
         known = np.isfinite(near)
         mean = np.where(known, near, 0.0).sum(axis=0) / np.maximum(known.sum(axis=0), 1)
+        stds = [f"{name}_std"] + (["load_own"] if name == "load_from_pressure" else [])
         for row, more in zip(done, mean, strict=True):
-            row[f"{name}_std"] = np.sqrt(row[f"{name}_std"] ** 2 + more)
-            if name == "load_from_pressure":
-                row["load_own"] = np.sqrt(row["load_own"] ** 2 + more)
+            row.update({std: np.sqrt(row[std] ** 2 + more) for std in stds if std in row})
     return [_judge(row) for row in done]
 
 
+def _nothing(*, solved: bool) -> dict[str, Array]:
+    """A trigger without a solution, or without a gap all over the joint."""
+    return {"pressure_solved": np.array(int(solved))}
+
+
 def _judge(row: dict[str, Array]) -> dict[str, Array]:
-    """Mark a row as measured, or hide its pressure if the peak is not significant."""
-    measured = bool(row["peak_pressure_std"] <= CLEAR * row["peak_pressure"])
-    hidden = ("pressure", "pressure_profile", *_SINGLE, *_SENSITIVITIES)
-    nothing = {name: np.full_like(row[name], np.nan, float) for name in hidden}
-    return row | ({} if measured else nothing) | {"pressure_measured": np.array(int(measured))}
+    """Mark a row as measured, or leave out its pressure if the peak is not significant."""
+    peak, std = (row.get(name, np.nan) for name in ("peak_pressure", "peak_pressure_std"))
+    measured = bool(std <= CLEAR * peak)
+    hidden = () if measured else (*_FOUND, *_SENSITIVITIES)
+    kept = {name: value for name, value in row.items() if name not in hidden}
+    return kept | {"pressure_measured": np.array(int(measured))}
 
 
 def _load_covariance(rows: list[dict[str, Array]]) -> Array:
     """Covariance of the loads of all triggers, (trigger, trigger); NaN where one is not known."""
-    width = max(row["load_root"].size for row in rows)
-    root = np.full((len(rows), width), np.nan)
-    for one, row in zip(root, rows, strict=True):
-        if row["load_root"].size == width:
-            one[:] = row["load_root"]
-    return np.asarray(root @ root.T + np.diag([float(row["load_own"]) ** 2 for row in rows]))
+    causes = [row["load_root"].size for row in rows if "load_root" in row]
+    unknown = np.full(max(causes, default=1), np.nan)
+    root = np.array([row.get("load_root", unknown) for row in rows])
+    own = np.array([row.get("load_own", np.nan) for row in rows])
+    return np.asarray(root @ root.T + np.diag(own**2))
 
 
 def _change_of_cavities(void: Array) -> Array:
@@ -267,19 +240,6 @@ def _change_of_cavities(void: Array) -> Array:
     return np.asarray(np.divide(change, total, out=np.zeros_like(total), where=total > 0))
 
 
-def _voids_about(
-    voids: dict[tuple[int, int], Array], others: Sequence[Array], k: int
-) -> tuple[Array, ...] | None:
-    """Cavities of the triggers before and after one, and its own on other paths.
-
-    On the coarsest cells; a turn is closed.
-    """
-    if not others:
-        return None
-    void = voids[min(voids)]
-    return void[k - 1], void[(k + 1) % void.shape[0]], *(other[k] for other in others)
-
-
 def _covers_turn(motion: PinMotion) -> bool:
     """Whether the bushing is back where it was, a step after the last trigger, without a gap."""
     step = motion.turn - (motion.time[-1] - motion.time[0])
@@ -288,22 +248,10 @@ def _covers_turn(motion: PinMotion) -> bool:
     return bool(returns and motion.widest_gap <= LARGEST_GAP)
 
 
-def _follow_another_turn(journal: Journal, motion: PinMotion, cells: tuple[int, int]) -> Array:
-    """Follow the cavities from a turn earlier, when a falling film was thicker."""
-    try:
-        return follow_cavities(journal, motion, sinking=OTHER_TURN, cells=cells)
-    except OverlapError:  # a film that rises
-        return follow_cavities(journal, motion, sinking=0.0, cells=cells)
-
-
 def _hide(row: dict[str, Array], change: float, history: float = np.nan) -> dict[str, Array]:
-    """Hide the pressure of a trigger whose cavities are not known."""
-    kept = ("cavity", "pressure_solved", *_PARTS)
-    hidden = {
-        name: value if name in kept else np.full_like(value, np.nan, float)
-        for name, value in row.items()
-    }
-    return hidden | {
+    """Leave out the pressure of a trigger whose cavities are not known."""
+    kept = {name: row[name] for name in ("cavity", "pressure_solved", *_PARTS) if name in row}
+    return kept | {
         "pressure_measured": np.array(0),
         "cavity_change": np.array(change),
         "cavity_history": np.array(history),
@@ -356,24 +304,6 @@ class _View:
         found = np.linalg.lstsq(shapes, np.ones_like(angle), rcond=None)[0]
         return np.concatenate([found, np.zeros(NUMBERS - 2)])
 
-    def nothing(self, *, solved: bool) -> dict[str, Array]:
-        """A trigger without a solution, or without a gap all over the joint."""
-        plane, line, one = (self.axial.size, self.place.size), (self.place.size,), ()
-        shapes = {"pressure": plane, "pressure_profile": line} | dict.fromkeys(_SINGLE, one)
-        rows = {name: np.full(shape, np.nan) for name, shape in shapes.items()}
-        rows |= {name + end: value for name, value in rows.items() for end in ("_std", _CELLS)}
-        parts = dict.fromkeys(
-            (*_PARTS, *_SENSITIVITIES, *_LOAD_PARTS, *_CAVITIES), np.array(np.nan)
-        )
-        known = {"pressure_measured": np.array(0), "pressure_solved": np.array(int(solved))}
-        return rows | parts | known
-
-
-_CAVITIES = ("cavity", "cavity_change", "cavity_history")
-_PARTS = ("peak_std_random", "peak_std_shared", "peak_std_settings")
-_SENSITIVITIES = tuple(f"peak_by_{name}" for name in SETTINGS)
-_SINGLE = ("peak_pressure", "peak_place", "load_from_pressure", "side_from_pressure")
-
 
 def _at(nodes: Array, values: Array, places: Array) -> Array:
     """Linear interpolation over the first axis; constant beyond the nodes. (place, other)"""
@@ -399,128 +329,188 @@ def _peak(angle: Array, pressure: Array, seen: npt.NDArray[np.intp]) -> tuple[fl
 
 
 @dataclass(frozen=True)
-class _Errors:
-    """Errors of the input at one trigger.
+class _Cavities:
+    """Cavities along a motion, each (trigger, angle, axial).
 
     Attributes
     ----------
-    settings : Array
+    own : dict
+        By the cells on which they are followed: those of the pressure and of its derivatives.
+    older : Array
+        After another turn before the recorded one, on the cells of the derivatives.
+    alone : Array or None
+        The same on the path without the prediction that fills its gaps.
+    """
+
+    own: dict[tuple[int, int], Array]
+    older: Array
+    alone: Array | None = None
+
+    @classmethod
+    def of(cls, journal: Journal, motion: PinMotion, grids: set[tuple[int, int]]) -> _Cavities:
+        """Follow the cavities of a motion."""
+        own = {grid: follow_cavities(journal, motion, cells=grid) for grid in grids}
+        coarse = min(grids)
+        try:
+            older = follow_cavities(journal, motion, sinking=OTHER_TURN, cells=coarse)
+        except OverlapError:  # a film that rises was thicker a turn earlier
+            older = follow_cavities(journal, motion, sinking=0.0, cells=coarse)
+        if motion.otherwise is None:
+            return cls(own, older)
+        return cls(own, older, follow_cavities(journal, motion.otherwise, cells=coarse))
+
+
+@dataclass(frozen=True)
+class _Search:
+    """What the pressure of each trigger follows from.
+
+    Attributes
+    ----------
+    journal : Journal
+        With any viscosity.
+    viscosity : Array
+        (trigger,) [Pa s]
+    motion : PinMotion
+    view : _View
+    cells : (int, int)
+    settings_std : Array
         Standard deviations over the values, in the order of `SETTINGS`.
-    load_line : float
+    load_line_std : float
         Of the place of the load line. [m]
-    random, shared : Array
-        Roots of the covariances of position and rate, (2 number, cause).
+    cavities : _Cavities or None
+        None: as if they were older than the film.
     """
 
-    settings: Array
-    load_line: float
-    random: Array = field(default_factory=lambda: np.zeros((2 * NUMBERS, 0)))
-    shared: Array = field(default_factory=lambda: np.zeros((2 * NUMBERS, 0)))
+    journal: Journal
+    viscosity: Array
+    motion: PinMotion
+    view: _View
+    cells: tuple[int, int]
+    settings_std: Array
+    load_line_std: float
+    cavities: _Cavities | None = None
 
-    def carry(self, slope: Array) -> dict[str, Array]:
-        """Changes of a result with every cause, (..., cause), by their kind.
+    @property
+    def triggers(self) -> npt.NDArray[np.intp]:
+        """Numbers of the times of the motion that are triggers."""
+        recorded = self.motion.recorded
+        return np.arange(self.viscosity.size) if recorded is None else np.flatnonzero(recorded)
 
-        `slope` are the derivatives with position, rate and settings, (number, ...).
-        """
-        motion, settings = np.moveaxis(slope, 0, -1)[..., None, :], slope[2 * NUMBERS :]
-        motion = motion[..., : 2 * NUMBERS]
-        return {
-            "random": (motion @ self.random)[..., 0, :],
-            "shared": (motion @ self.shared)[..., 0, :],
-            "settings": np.moveaxis(settings, 0, -1) * self.settings,
-        }
+    def find_all(self, progress: Progress) -> list[dict[str, Array]]:
+        """Pressure of all triggers."""
+        what = "pressure" if self.cavities is None else "pressure with cavities"
+        rows = []
+        for done, k in enumerate(self.triggers):
+            try:
+                journal = replace(self.journal, viscosity=float(self.viscosity[done]))
+                rows.append(self._find(journal, k))
+            except ModelError as error:
+                rows.append(_nothing(solved=isinstance(error, OverlapError)))
+            progress(what, done + 1, self.viscosity.size)
+        return rows
 
-
-def _find_one(
-    journal: Journal,
-    numbers: Array,
-    turning: float,
-    errors: _Errors,
-    view: _View,
-    cells: tuple[int, int],
-    turned: float,
-    voids: dict[tuple[int, int], Array],
-    about: tuple[Array, ...] | None,
-) -> dict[str, Array]:
-    """Pressure of one trigger; `numbers` are position and rate, `voids` cavities by their cells.
-
-    `about` are the cavities of the triggers before and after, those of another history, and those
-    of another path through a gap, where the own ones are uncertain.
-    """
-    lift = view.lift()
-
-    def solve(at: Array, cells: tuple[int, int], void: Array | None = None) -> xr.Dataset:
+    def _solve(
+        self,
+        journal: Journal,
+        k: int,
+        at: Array,
+        cells: tuple[int, int],
+        void: Array | None = None,
+    ) -> xr.Dataset:
+        """The film at position, rate and relative changes of the settings."""
         viscosity, clearance = at[2 * NUMBERS :]
         wider = clearance * journal.clearance
+        if void is None and self.cavities is not None:
+            void = self.cavities.own[cells][k]
         return solve_pin_motion(
             replace(
                 journal,
                 viscosity=journal.viscosity * (1 + viscosity),
                 bushing_radius=journal.bushing_radius + wider,
             ),
-            at[:NUMBERS] + wider * lift,
+            at[:NUMBERS] + wider * self.view.lift(),
             at[NUMBERS : 2 * NUMBERS],
-            turning,
-            turned=turned,
-            void_fraction=voids.get(cells) if void is None else void,
+            float(self.motion.turning[k]),
+            turned=0.5 * float(self.motion.angle[k]),
+            void_fraction=void,
             cells=cells,
         )
 
-    numbers = np.concatenate([numbers, np.zeros(len(SETTINGS))])
-    solved = solve(numbers, cells)
-    found = view.look(solved)
-    std = np.sqrt((errors.random**2).sum(axis=1) + (errors.shared**2).sum(axis=1))
-    steps = np.concatenate([_steps(std, float(solved.film.min()), journal), _NUDGE])
-    coarse = min(cells, SLOPE_CELLS)
-    rough = view.look(solve(numbers, coarse))
-    slopes = _differentiate(lambda at: view.look(solve(at, coarse)), rough, numbers, steps)
+    def _find(self, journal: Journal, k: int) -> dict[str, Array]:
+        """Pressure of one trigger."""
+        motion, view, cavities = self.motion, self.view, self.cavities
+        solve, coarse = partial(self._solve, journal, k), min(self.cells, SLOPE_CELLS)
+        numbers = np.concatenate([motion.position[k], motion.rate[k], np.zeros(len(SETTINGS))])
+        solved = solve(numbers, self.cells)
+        found = view.look(solved)
+        own, common = motion.random_root[k], motion.shared_root[k]
+        std = np.sqrt((own**2).sum(axis=1) + (common**2).sum(axis=1))
+        steps = np.concatenate([_steps(std, float(solved.film.min()), journal), _NUDGE])
+        rough = view.look(solve(numbers, coarse))
+        slopes = _differentiate(lambda at: view.look(solve(at, coarse)), rough, numbers, steps)
 
-    # cavities are known to within half the change of two triggers
-    other = older = gap = dict.fromkeys(found, np.array(0.0))
-    if about is not None:
-        before, after, past, *path = (view.look(solve(numbers, coarse, void)) for void in about)
-        other = {name: 0.5 * (after[name] - before[name]) for name in found}
-        older = {name: past[name] - rough[name] for name in found}
-        if path:
-            gap = {name: path[0][name] - rough[name] for name in found}
+        # cavities are known to within half the change of two triggers
+        other = older = gap = dict.fromkeys(found, np.array(0.0))
+        if cavities is not None:
+            near = cavities.own[coarse]
+            voids = [near[k - 1], near[(k + 1) % len(near)], cavities.older[k]]
+            before, after, past = (view.look(solve(numbers, coarse, void)) for void in voids)
+            other = {name: 0.5 * (after[name] - before[name]) for name in found}
+            older = {name: past[name] - rough[name] for name in found}
+            if cavities.alone is not None:
+                path = view.look(solve(numbers, coarse, cavities.alone[k]))
+                gap = {name: path[name] - rough[name] for name in found}
 
-    # what a turn of the load line by a small angle does to both forces, and the cells to the rest
-    line = errors.load_line / journal.radius
-    own = {
-        "load_from_pressure": line * found["side_from_pressure"],
-        "side_from_pressure": line * found["load_from_pressure"],
-    }
-    rows: dict[str, Array] = {}
-    for name, value in found.items():
-        carried = np.concatenate(list(errors.carry(slopes[name]).values()), axis=-1)
-        cell = _grid_error(cells, long=journal.long) * value
-        if name == "peak_place":
-            cell = PLACE_ERROR * np.array(2 * np.pi * journal.radius / cells[0])
-        turn = own.get(name, np.zeros(()))
-        rows[name] = value
-        rows[name + _CELLS] = np.asarray(rough[name] - value)
-        rows[f"{name}_std"] = np.sqrt(
-            (carried**2).sum(axis=-1)
-            + other[name] ** 2
-            + older[name] ** 2
-            + gap[name] ** 2
-            + cell**2
-            + turn**2
-        )
-        if name == "load_from_pressure":
-            rows["load_root"] = np.concatenate([carried, [cell, turn, older[name], gap[name]]])
-            rows["load_own"] = np.array(other[name])
-    peak = slopes["peak_pressure"]
-    for name, part in errors.carry(peak).items():
-        rows[f"peak_std_{name}"] = np.sqrt((part**2).sum())
-    for name, slope in zip(_SENSITIVITIES, peak[2 * NUMBERS :], strict=True):
-        rows[name] = slope / found["peak_pressure"]
+        # what a small turn of the load line does to both forces, and the cells to the rest
+        line = self.load_line_std / journal.radius
+        turned = {
+            "load_from_pressure": line * found["side_from_pressure"],
+            "side_from_pressure": line * found["load_from_pressure"],
+        }
+        rows: dict[str, Array] = {}
+        for name, value in found.items():
+            carried = np.concatenate(list(self._carry(slopes[name], k).values()), axis=-1)
+            cell = _grid_error(self.cells, long=journal.long) * value
+            if name == "peak_place":
+                cell = PLACE_ERROR * np.array(2 * np.pi * journal.radius / self.cells[0])
+            turn = turned.get(name, np.zeros(()))
+            rows[name] = value
+            rows[name + _CELLS] = np.asarray(rough[name] - value)
+            rows[f"{name}_std"] = np.sqrt(
+                (carried**2).sum(axis=-1)
+                + other[name] ** 2
+                + older[name] ** 2
+                + gap[name] ** 2
+                + cell**2
+                + turn**2
+            )
+            if name == "load_from_pressure":
+                rows["load_root"] = np.concatenate([carried, [cell, turn, older[name], gap[name]]])
+                rows["load_own"] = np.array(other[name])
+        peak = slopes["peak_pressure"]
+        for name, part in self._carry(peak, k).items():
+            rows[f"peak_std_{name}"] = np.sqrt((part**2).sum())
+        for name, slope in zip(_SENSITIVITIES, peak[2 * NUMBERS :], strict=True):
+            rows[name] = slope / found["peak_pressure"]
 
-    rows["pressure_solved"] = np.array(1)
-    rows["cavity"] = np.array((view.cut(solved.void_fraction) > 0).mean())
-    rows["cavity_change"] = np.array(0.0)
-    rows["cavity_history"] = np.abs(older["peak_pressure"] / found["peak_pressure"])
-    return rows
+        rows["pressure_solved"] = np.array(1)
+        rows["cavity"] = np.array((view.cut(solved.void_fraction) > 0).mean())
+        rows["cavity_change"] = np.array(0.0)
+        rows["cavity_history"] = np.abs(older["peak_pressure"] / found["peak_pressure"])
+        return rows
+
+    def _carry(self, slope: Array, k: int) -> dict[str, Array]:
+        """Changes of a result with every cause, (..., cause), by their kind.
+
+        `slope` are the derivatives with position, rate and settings, (number, ...).
+        """
+        slopes = np.moveaxis(slope, 0, -1)
+        motion, settings = slopes[..., None, : 2 * NUMBERS], slopes[..., 2 * NUMBERS :]
+        return {
+            "random": (motion @ self.motion.random_root[k])[..., 0, :],
+            "shared": (motion @ self.motion.shared_root[k])[..., 0, :],
+            "settings": settings * self.settings_std,
+        }
 
 
 def _grid_error(cells: tuple[int, int], *, long: bool) -> float:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import NamedTuple
 
 import numpy as np
 
@@ -25,31 +24,13 @@ _LARGEST_STEP = 1.0  # largest change of the logarithm of the start film in one 
 _INSENSITIVE = 1e-3
 
 
-class StartFilm(NamedTuple):
-    """A start film and the films that follow from it.
-
-    Attributes
-    ----------
-    value : float
-        Minimum film thickness at the first frame. [m]
-    predicted : Array
-        Films that follow from it, (trigger,). [m]
-    trials : int
-        Predictions that the search took.
-    """
-
-    value: float
-    predicted: Array
-    trials: int
-
-
 def find_start_film(
     predict: Callable[[float], Array],
     measured: Array,
     measured_std: Array,
     *,
     clearance: float,
-) -> StartFilm:
+) -> float:
     """Find the start film of the least squares.
 
     Parameters
@@ -63,7 +44,8 @@ def find_start_film(
 
     Returns
     -------
-    StartFilm
+    float
+        Minimum film thickness at the first frame. [m]
 
     Raises
     ------
@@ -78,7 +60,7 @@ def find_start_film(
     >>> measured = 5e-6 * sinking
     >>> found = find_start_film(
     ...     lambda start: start * sinking, measured, 0.01 * measured, clearance=230e-6)
-    >>> round(found.value * 1e6, 3)
+    >>> round(found * 1e6, 3)
     5.0
     """
     known = np.isfinite(measured) & (measured > 0) & np.isfinite(measured_std) & (measured_std > 0)
@@ -90,16 +72,14 @@ def find_start_film(
     film, weight = np.log(measured[known]), (measured[known] / measured_std[known]) ** 2
     low, high = np.log(_THINNEST), np.log(_THICKEST * clearance)
 
-    def miss(logarithm: float) -> tuple[Array, Array]:
-        found = predict(float(np.exp(logarithm)))
-        return film - np.log(found[known]), found
+    def miss(logarithm: float) -> Array:
+        return film - np.log(predict(float(np.exp(logarithm)))[known])
 
     # the first film is the natural start; films scale with it unless something else carries them
     place = float(np.clip(film[0], low, high))
-    off, found = miss(place)
+    off = miss(place)
     cost, slope, largest = float(weight @ off**2), np.ones_like(off), _LARGEST_STEP
-    trials = 1
-    while trials < MOST_TRIALS:
+    for _ in range(1, MOST_TRIALS):
         curvature = float(weight @ slope**2)
         if curvature < _INSENSITIVE**2 * float(weight.sum()):
             break
@@ -109,9 +89,8 @@ def find_start_film(
             break
 
         # the change of the films along a step is the slope of the next one, also where it misled
-        there, films = miss(place + step)
-        trials += 1
+        there = miss(place + step)
         slope, largest = (off - there) / step, abs(step) / 2
         if (reached := float(weight @ there**2)) < cost:
-            place, off, found, cost, largest = place + step, there, films, reached, _LARGEST_STEP
-    return StartFilm(float(np.exp(place)), found, trials)
+            place, off, cost, largest = place + step, there, reached, _LARGEST_STEP
+    return float(np.exp(place))

@@ -204,7 +204,7 @@ def predict_triggers(
         measured, std = film["film_min"].values, film["film_min_std"].values
         start_film = find_start_film(
             minima, measured / _MICRO, std / _MICRO, clearance=journal.clearance
-        ).value
+        )
     frames, triggers = positions(start_film)
     predicted = _describe_positions(triggers, journal, view, "trigger")
     each = _describe_positions(frames, journal, view, "frame")

@@ -188,7 +188,7 @@ def estimate_background(
     """
     known = np.isfinite(record.log_ratio) & np.isfinite(record.light) & (record.variance > 0)
     if energies is not None:
-        measured = np.asarray(energies) > 0
+        measured = energies > 0
         if 2 * np.count_nonzero(measured) > measured.size:
             known &= measured[:, None]
         else:
@@ -243,7 +243,8 @@ class _BackgroundFit:
     ) -> None:
         self.record, self.known, self.calibration = record, known, calibration
         self.energies, self.passed = energies, passed
-        self.surface = _quadratic_terms(places)
+        x, y = places
+        self.surface = np.stack([np.ones_like(x), x, y, x * x, x * y, y * y], axis=1)
         light = np.where(known, record.light, 0.0)
         self.unit = (
             float(np.median(np.exp(light[known]))),
@@ -305,8 +306,9 @@ class _BackgroundFit:
         light, log_ratio = self._subtract(share, energies)
         film, smooth, inside = self._measure_films(log_ratio)
         if chosen is None:
-            chosen = self._choose(smooth, inside)
-            if chosen is None:
+            # cells and frames stay the same while the estimate is improved
+            chosen = choose_cells(smooth, inside, self.calibration)
+            if chosen.any(axis=1).sum() < FEWEST_FRAMES:
                 return None
         if not (smooth[chosen] > _LOST_FILM).all():
             return None
@@ -346,11 +348,6 @@ class _BackgroundFit:
             total = weight.sum(axis=0)
             form = (weight * (film - surface)).sum(axis=0) / np.where(total > 0, total, 1.0)
         return film, surface + form, inside
-
-    def _choose(self, smooth: Array, inside: Mask) -> Mask | None:
-        """Cells and frames of the estimate; they stay the same while it is improved."""
-        usable = choose_cells(smooth, inside, self.calibration)
-        return usable if usable.any(axis=1).sum() >= FEWEST_FRAMES else None
 
     def _compare(self, light: Array, film: Array, smooth: Array, chosen: Mask) -> Array:
         """Logarithm of measured over expected light of the film; 0 in cells that are not chosen."""
@@ -462,9 +459,3 @@ class _BackgroundFit:
         scatter = float(((shown - shown.mean()) ** 2).sum()) / max(int(some.sum()) - unknowns, 1)
         noise = float((1 / of_frame[some]).mean())
         return max(math.sqrt(max(scatter - noise, 0.0)), _LEAST_ENERGY_STD)
-
-
-def _quadratic_terms(places: tuple[Array, Array]) -> Array:
-    """Terms of a quadratic surface, (cell, 6)."""
-    x, y = places
-    return np.stack([np.ones_like(x), x, y, x * x, x * y, y * y], axis=1)

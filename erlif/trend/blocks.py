@@ -147,13 +147,8 @@ def sum_blocks(ratios: RatioImages, region: Region, maps: ThicknessMaps | None =
         displaced=_sum_selected(displaced, measurable),
         valid=valid,
         beyond=beyond,
-        noise_correlation=noise_correlation(ratios),
+        noise_correlation=float(ratios.get("noise_correlation", 1.0)),
     )
-
-
-def noise_correlation(ratios: RatioImages) -> float:
-    """Variance of a mean over many pixels, relative to that of independent pixels. [1]"""
-    return float(ratios.noise_correlation) if "noise_correlation" in ratios else 1.0
 
 
 def _sum_selected(image: Array | Image, mask: Mask) -> Array:

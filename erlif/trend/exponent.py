@@ -86,11 +86,8 @@ def fit_exponent(
     """
     fast = np.abs(speed) >= SLOWEST * np.abs(speed).max()
     use = fast & (film > 0) & np.isfinite(film) & np.isfinite(random_std)
-    if use.sum() < LEAST_TRIGGERS:
-        return Exponent(math.nan, math.nan, math.nan, int(use.sum()))
-
     x = np.log(np.abs(speed[use]) / load[use])
-    if np.ptp(x) < _LEAST_RANGE:
+    if x.size < LEAST_TRIGGERS or np.ptp(x) < _LEAST_RANGE:
         return Exponent(math.nan, math.nan, math.nan, int(use.sum()))
     y = np.log(film[use])
     own = random_std[use] / film[use]
