@@ -49,7 +49,7 @@ class FilmWork:
     Attributes
     ----------
     run : Run
-    calibration : RunCurve
+    curve : RunCurve
     output : Path
         Where the film goes.
     stamps : Any
@@ -59,20 +59,20 @@ class FilmWork:
     """
 
     run: Run
-    calibration: RunCurve
+    curve: RunCurve
     output: Path
     stamps: Any
     digests: Digests
 
     @classmethod
-    def of(cls, run: Run, calibration: RunCurve, output: Path) -> FilmWork:
+    def of(cls, run: Run, curve: RunCurve, output: Path) -> FilmWork:
         """The work, with the state of its inputs now."""
-        return cls(run, calibration, output, stamp_inputs(run), hash_files_beside_frames(run))
+        return cls(run, curve, output, stamp_inputs(run), hash_files_beside_frames(run))
 
     def identify(self, inputs: str) -> str:
         """Identity of the work by its inputs as text, its settings and the version of erlif."""
         skipped = json.dumps(sorted(self.run.pairs.skipped))
-        made_with = record_calibration(self.calibration)
+        made_with = record_calibration(self.curve)
         return identify(to_toml(self.run.settings), inputs, made_with, skipped)
 
     def is_done(self, *, overwrite: bool) -> bool:

@@ -31,7 +31,7 @@ def test_calibration_records_its_day_and_its_inputs(small_rig, calibration, monk
     assert {"fixture.toml", "profile.csv"} <= {
         name.rpartition("/")[2] for name in made.input_hashes
     }
-    npt.assert_array_equal(made.parameters, calibration.parameters)
+    npt.assert_array_equal(made.calibration.parameters, calibration.parameters)
 
 
 def test_frames_of_a_film_at_rest_are_combined(prepared):
@@ -55,6 +55,6 @@ def test_frames_of_a_film_at_rest_are_combined(prepared):
 def test_missing_calibration_is_made_from_its_fixture_and_kept(lab, calibration):
     (lab.fixture / "calibration.nc").unlink()
     made, _ = find_calibration(open_run(lab.run), None, progress=silent)
-    npt.assert_array_equal(made.parameters, calibration.parameters)
+    npt.assert_array_equal(made.calibration.parameters, calibration.parameters)
     kept = erlif.open_calibration(lab.fixture / "calibration.nc")
     npt.assert_array_equal(kept.parameters, calibration.parameters)

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+from erlif.calibration import RunCurve
 from erlif.io.ingest import hash_files_beside_frames, open_run, sign_inputs
 from erlif.pipeline.work import FilmWork
 
@@ -18,12 +19,13 @@ def change_pairs(work):
 
 
 def change_calibration(work):
-    ratio = work.calibration.ratio_at_zero * 1.001
-    return replace(work, calibration=replace(work.calibration, ratio_at_zero=ratio))
+    fixture = work.curve.calibration
+    other = replace(fixture, ratio_at_zero=1.001 * fixture.ratio_at_zero)
+    return replace(work, curve=replace(work.curve, calibration=other))
 
 
 def test_work_is_known_by_its_inputs(run, calibration, tmp_path):
-    work = FilmWork.of(run, calibration, tmp_path / "film.nc")
+    work = FilmWork.of(run, RunCurve.of(calibration), tmp_path / "film.nc")
     known = work.identify("inputs")
     assert replace(work, run=replace(run)).identify("inputs") == known
     assert work.identify("other inputs") != known
