@@ -31,7 +31,7 @@ def test_calibration_records_its_day_and_its_inputs(small_rig, calibration, monk
     assert {"fixture.toml", "profile.csv"} <= {
         name.rpartition("/")[2] for name in made.input_hashes
     }
-    npt.assert_array_equal(made.calibration.parameters, calibration.parameters)
+    npt.assert_array_equal(made.parameters, calibration.parameters)
 
 
 def test_frames_of_a_film_at_rest_are_combined(prepared):
