@@ -336,25 +336,17 @@ def sized_settings(settings: DesignSettings, joint: Joint) -> DesignSettings:
     >>> sized_settings(settings, sized).pin.diameter.text
     '31.5 mm'
     """
+    lengths = {_places()[name]: getattr(joint, name) for name in DIMENSIONS}
     changed: dict[str, dict[str, Any]] = {}
-    for name in DIMENSIONS:
-        table, key = _places()[name]
-        if getattr(getattr(settings, table), key) is None:
-            changed.setdefault(table, {})[key] = _millimetres(getattr(joint, name))
-    if settings.lock is not None and joint.lock is not None:
-        lock = changed.setdefault("lock", {})
-        for key in _LOCK_LENGTHS:
-            value = getattr(joint.lock, key)
-            if getattr(settings.lock, key) is None and value is not None:
-                lock[key] = _millimetres(value)
-        lock["weld"] = joint.lock.weld
+    if joint.lock is not None:
+        lengths |= {("lock", key): getattr(joint.lock, key) for key in _LOCK_LENGTHS}
+        changed["lock"] = {"weld": joint.lock.weld}
+    for (table, key), length in lengths.items():
+        if getattr(getattr(settings, table), key) is None and length is not None:
+            # with all its digits
+            text = f"{length * 1e3:.12g} mm"
+            changed.setdefault(table, {})[key] = Quantity(length, text)
     tables = {
         table: getattr(settings, table).model_copy(update=keys) for table, keys in changed.items()
     }
     return settings.model_copy(update=tables)
-
-
-def _millimetres(length: float) -> Quantity:
-    """A length as it is written into joint.toml, with all its digits."""
-    text = f"{length * 1e3:.12g} mm"
-    return Quantity(length, text)
