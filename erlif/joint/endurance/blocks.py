@@ -9,7 +9,7 @@ import numpy as np
 
 from erlif.core.arrays import AnyArray, Array
 from erlif.joint.endurance.disturbances import replace_spikes
-from erlif.joint.endurance.noise import StageFit, whiten
+from erlif.joint.endurance.noise import whiten
 
 # A longer step of the time is a pause of the log: in seconds, and in sample intervals.
 PAUSE = (20.0, 5.0)
@@ -280,14 +280,13 @@ class Candidate:
     rise: float
 
 
-def fits(records: Sequence[BlockRecord], candidate: Candidate | None) -> list[StageFit]:
-    """Collect what the noise is fitted to: the stages, the candidate as a column of its stage."""
-    stages = []
-    for k, record in enumerate(records):
-        if candidate is not None and candidate.record == k:
-            record = record.with_rise(candidate.onset, candidate.rise)
-        stages.append((record.time, record.background, record.friction))
-    return stages
+def explain(records: Sequence[BlockRecord], candidate: Candidate | None) -> list[BlockRecord]:
+    """Put a candidate into the background of its stage."""
+    explained = [*records]
+    if candidate is not None:
+        record = records[candidate.record]
+        explained[candidate.record] = record.with_rise(candidate.onset, candidate.rise)
+    return explained
 
 
 def rises(time: Array, onsets: Array, constant: float) -> Array:

@@ -22,8 +22,8 @@ from erlif.joint.endurance.blocks import (
     Candidate,
     LogClock,
     StageFriction,
+    explain,
     find_pauses,
-    fits,
     rises,
     without,
 )
@@ -121,7 +121,9 @@ def find_onset(
     interval = float(np.median(np.concatenate([np.diff(record.time) for record in records])))
     candidate: Candidate | None = None
     for _ in range(_ROUNDS):
-        noise = fit_noise(fits(records, candidate), interval=interval)
+        known = explain(records, candidate)
+        stages_fit = [(one.time, one.background, one.friction) for one in known]
+        noise = fit_noise(stages_fit, interval=interval)
         spreads = pool_spreads([_spread(record, noise) for record in records])
         scans = [
             _scan(record, noise, spread) for record, spread in zip(records, spreads, strict=True)
@@ -133,7 +135,11 @@ def find_onset(
         candidate = chosen
 
     # what the noise does not describe
-    records = [_with_scale(record, noise, candidate, k) for k, record in enumerate(records)]
+    known = explain(records, candidate)
+    records = [
+        replace(record, scale=_local_scale(one, noise))
+        for record, one in zip(records, known, strict=True)
+    ]
     for _ in range(_MOST_TRANSIENTS):
         spreads = pool_spreads([_spread(record, noise) for record in records])
         found = _most_likely(records, noise, spreads)
@@ -195,10 +201,8 @@ def _most_likely(
     scans = [_scan(record, noise, spread) for record, spread in zip(records, spreads, strict=True)]
     place = max(range(len(scans)), key=lambda k: scans[k].statistic)
     best = scans[place]
-    rest = [
-        _scan(record.with_rise(best.onset, best.rise) if k == place else record, noise, spread)
-        for k, (record, spread) in enumerate(zip(records, spreads, strict=True))
-    ]
+    known = explain(records, Candidate(place, best.onset, best.rise))
+    rest = [_scan(record, noise, spread) for record, spread in zip(known, spreads, strict=True)]
     excess = max(_excess(rest)[SCANNED.index(best.rise)], _fall(rest)) ** _UNLIKE
     level = _normal_quantile(best, excess)
     p_value = min(1.0, sum(_exceedance(level, scan.correlation) for scan in scans))
@@ -217,17 +221,11 @@ def _most_likely(
     )
 
 
-def _with_scale(
-    record: BlockRecord, noise: Noise, candidate: Candidate | None, place: int
-) -> BlockRecord:
-    """Return a stage whose samples are weighted down where they scatter more."""
-    known = record
-    if candidate is not None and candidate.record == place:
-        known = record.with_rise(candidate.onset, candidate.rise)
+def _local_scale(record: BlockRecord, noise: Noise) -> Array:
+    """Scatter of a stage near each block over the ordinary one, about its background."""
     factor = noise.factor(record.time)
-    basis = np.linalg.qr(whiten(factor, known.background))[0]
-    residuals = without(basis, whiten(factor, known.friction))
-    return replace(record, scale=local_scale(residuals))
+    basis = np.linalg.qr(whiten(factor, record.background))[0]
+    return local_scale(without(basis, whiten(factor, record.friction)))
 
 
 def _excess(scans: Sequence[_Scan]) -> list[float]:
