@@ -265,13 +265,9 @@ def analyse_friction(
     trend = np.nan  # two pairs have none
     if values.size > 2:
         trend = float(np.polyfit(at, values, 1)[0] * np.ptp(at))
-    budget = {
-        "scatter": of_mean.std,
-        "torque": mean * torque_std,
-        "load": mean * load_std,
-        "shaft radius": mean * radius_std,
-    }
-    shared = mean * float(np.linalg.norm([torque_std, load_std, radius_std]))
+    shares = {"torque": torque_std, "load": load_std, "shaft radius": radius_std}
+    budget = {"scatter": of_mean.std, **{name: mean * share for name, share in shares.items()}}
+    shared = mean * float(np.linalg.norm([*shares.values()]))
     wide = float(np.hypot(of_mean.wide, _NORMAL * shared))
     return ReversalSeries(
         pairs,
@@ -292,12 +288,11 @@ def _pairs(
 ) -> xr.Dataset:
     """One value for each two neighbouring stretches of opposite direction."""
     levels = np.array([_level(time, torque, load, one, radius) for one in found]).reshape(-1, 5)
-    forward = [one.forward for one in found]
+    forward = np.array([one.forward for one in found], dtype=bool)
     firsts: list[int] = []
-    for place in range(len(found) - 1):
-        # two of one direction: what lay between them was too short
-        taken = firsts[-1:] == [place - 1]
-        if not taken and forward[place] != forward[place + 1]:
+    # neighbours of one direction are no pair: what lay between them was too short
+    for place in np.flatnonzero(np.diff(forward)).tolist():
+        if firsts[-1:] != [place - 1]:
             firsts.append(place)
     if len(firsts) < 2:
         raise EnduranceError(
@@ -310,7 +305,7 @@ def _pairs(
     apart, difference, *_ = (one - other).T
 
     # a drift of the offset within a pair adds to one direction what it takes from the other
-    sign = np.where(np.array(forward)[firsts], 1, -1)
+    sign = np.where(forward[firsts], 1, -1)
     half = 0.5 * (np.abs(difference) - sign * apart * np.gradient(middle, at))
     return xr.Dataset(
         {

@@ -21,10 +21,8 @@ from erlif.joint.models.bearing import (
     RECOMMENDED_HOUSING,
     RECOMMENDED_PLAY,
     RECOMMENDED_WIDTH,
-    least_eyebar_diameter,
-    least_seat_width,
 )
-from erlif.joint.sizing import pin, pressure
+from erlif.joint.sizing import fit, pin, pressure
 from erlif.joint.sizing.assessment import EQUATIONS
 from erlif.joint.sizing.joint import DIMENSIONS, Joint, known, warn_of_units
 from erlif.joint.sizing.lock import size_lock
@@ -146,25 +144,19 @@ class _Choice:
         """The joint with all dimensions."""
         joint, (d, w) = self.joint, self.pin_and_width()
         wall = self.wall(d)
-        seat = joint.seat_width
-        if seat is None:
-            hardness, least = joint.seat.hardness, w / 2
-            if hardness is not None:
-                least = least_seat_width(
-                    joint.force, diameter=d, hardness=hardness, safety=joint.safety
-                )
-            practical = 0.0 if self.series == "none" else NARROW_SEAT * d
-            seat = round_up(max(least, SMALLEST_MADE, practical), self.series)
+        state = self.trial(d, w, wall=wall)
 
-        housing, bore = joint.housing_diameter, d + 2 * wall
+        # the least sizes of both are NaN where a strength is not known
+        seat, housing, bore = joint.seat_width, joint.housing_diameter, state.size.fit
+        if seat is None:
+            least = 1e-3 * float(pin.seat_edge(state).values["least"])
+            practical = 0.0 if self.series == "none" else NARROW_SEAT * d
+            enough = w / 2 if math.isnan(least) else least
+            seat = round_up(max(enough, SMALLEST_MADE, practical), self.series)
         if housing is None:
             low, high = RECOMMENDED_HOUSING
-            strength, least = joint.housing.yield_stress, low * bore
-            if strength is not None:
-                eye = least_eyebar_diameter(
-                    joint.force, bore=bore, width=w, yield_stress=strength, safety=joint.safety
-                )
-                least = max(least, eye)
+            eye = 1e-3 * float(fit.eye(state).values["least"])
+            least = float(np.fmax(low * bore, eye))
             housing = round_up(least, self.series) if math.isfinite(least) else high * bore
         sizes = (d, w, wall, seat, housing, self.play(d))
         return replace(joint, **dict(zip(DIMENSIONS, sizes, strict=True)))  # type: ignore[arg-type]
