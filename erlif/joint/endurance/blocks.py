@@ -9,7 +9,7 @@ import numpy as np
 
 from erlif.core.arrays import AnyArray, Array
 from erlif.joint.endurance.disturbances import replace_spikes
-from erlif.joint.endurance.noise import whiten
+from erlif.joint.endurance.noise import NoiseSpread, whiten
 
 # A longer step of the time is a pause of the log: in seconds, and in sample intervals.
 PAUSE = (20.0, 5.0)
@@ -39,6 +39,7 @@ USUAL = (0.05, 0.05, 0.05)
 # stage.
 RESTART = (0.01, 0.05, 0.05)
 
+_COLLINEAR = 1e-6  # norm of a rise that the background explains altogether
 _WITHIN = 8  # samples in a block; more are averaged, as the work grows with them
 
 
@@ -172,6 +173,7 @@ class BlockRecord:
         time, friction, parts = _kept(stage)
         per_block = parts.pop()
         starts = np.arange(0, time.size, per_block)
+        blocks, firsts = _average(friction, starts), [first // per_block for first in parts[1:]]
 
         # level, drift, and running-in of any time constant between those two
         columns = [np.ones_like(time), (LogClock.of(time).logged(time) - time[0]) / longest]
@@ -186,7 +188,7 @@ class BlockRecord:
             time,
             starts,
             _average(time, starts),
-            _without_spikes(_average(friction, starts), [first // per_block for first in parts]),
+            np.concatenate([replace_spikes(part) for part in np.split(blocks, firsts)]),
             _average(np.column_stack(columns), starts),
             np.array([*USUAL, *RESTART * (len(parts) - 1)]),
             np.ones(starts.size),
@@ -251,11 +253,6 @@ def _kept(stage: StageFriction) -> tuple[Array, Array, list[int]]:
     return np.concatenate(times), np.concatenate(frictions), [*firsts, per_block]
 
 
-def _without_spikes(friction: Array, parts: Sequence[int]) -> Array:
-    """Friction of the blocks, each part for itself."""
-    return np.concatenate([replace_spikes(part) for part in np.split(friction, parts[1:])])
-
-
 def _average(values: Array, starts: AnyArray) -> Array:
     """Mean of each block of samples, all of one size, along the first axis."""
     return np.asarray(values.reshape(starts.size, -1, *values.shape[1:]).mean(axis=1))
@@ -304,6 +301,19 @@ def forms(time: Array, onsets: Array) -> Iterator[Array]:
     lag = np.maximum(time[:, None] - onsets[None, :], 0.0)
     for duration in RAMPS:
         yield np.minimum(lag / duration, 1.0)
+
+
+def fit_rises(rises: Array, values: Array, spread: NoiseSpread) -> tuple[Array, Array, Array]:
+    """Fit each of many rises to values, both whitened and without the background.
+
+    Returns the norm of each rise, infinite where the background explains it altogether; the
+    amplitude of the rise of unit norm; and the sum of squares that is left, with that of `spread`.
+    """
+    norm = np.sqrt(np.einsum("ij,ij->j", rises, rises))
+    norm = np.where(norm > _COLLINEAR, norm, np.inf)
+    amplitude = values @ rises / norm
+    left = float(values @ values) + spread.power - amplitude**2
+    return norm, amplitude, np.maximum(left, np.finfo(float).tiny)
 
 
 def without(basis: Array, values: Array) -> Array:

@@ -24,12 +24,13 @@ from erlif.joint.endurance.blocks import (
     StageFriction,
     explain,
     find_pauses,
+    fit_rises,
     rises,
     without,
 )
 from erlif.joint.endurance.disturbances import local_scale
 from erlif.joint.endurance.noise import Noise, NoiseSpread, fit_noise, pool_spreads, whiten
-from erlif.joint.endurance.onset import COLLINEAR, Onset, locate_onset
+from erlif.joint.endurance.onset import Onset, locate_onset
 
 # Time constants of the rise in the search for an onset; 0 is a step. [s]
 SCANNED = (0.0, 10.0, 40.0)
@@ -267,26 +268,21 @@ def _scan_with(
     columns = np.vstack([columns, record.usual_rows(deviation)])
     basis = np.linalg.qr(columns[:, :-1])[0]
     values = without(basis, columns[:, -1])
-    total = float(values @ values) + spread.power
     freedom = record.time.size - basis.shape[1] - 1 + spread.freedom
 
     if onsets is None:
         onsets = record.samples[record.starts][_MARGIN:-_END]
-    statistics, units, smallest = [], [], total
+    statistics, units, smallest = [], [], np.inf
     for constant in constants:
         shapes = record.average(rises(record.samples, onsets, constant))
         shapes = np.vstack(
             [record.whiten(factor, shapes), np.zeros((record.usual.size, onsets.size))]
         )
         shapes = without(basis, shapes)
-        norm = np.sqrt(np.einsum("ij,ij->j", shapes, shapes))
-        usable = norm > COLLINEAR
-        shapes /= np.where(usable, norm, 1.0)
-        size = values @ shapes
-        left = np.maximum(total - size**2, np.finfo(float).tiny)
+        norm, size, left = fit_rises(shapes, values, spread)
         smallest = min(smallest, float(left.min()))
-        statistics.append(np.where(usable, size / np.sqrt(left / freedom), -np.inf))
-        units.append(shapes)
+        statistics.append(np.where(np.isfinite(norm), size / np.sqrt(left / freedom), -np.inf))
+        units.append(shapes / norm)
 
     best = int(np.argmax(statistics))
     constant, place = divmod(best, onsets.size)
