@@ -9,7 +9,7 @@ from itertools import pairwise
 import numpy as np
 from scipy.ndimage import uniform_filter1d
 
-from erlif.core.arrays import AnyArray, Array
+from erlif.core.arrays import AnyArray, Array, Mask
 from erlif.core.notes import Note, remark, warn
 from erlif.core.statistics import robust_std
 from erlif.joint.endurance.blocks import find_pauses
@@ -123,12 +123,11 @@ def find_stages(
         if time[last] - time[first] >= LEAST_DURATION
     ]
     runs = _join_parts(spans, load, pauses, floor)
-    loads = [float(np.median(np.concatenate([load[a : b + 1] for a, b in run]))) for run in runs]
+    loads = np.array([np.median(np.concatenate([load[a : b + 1] for a, b in run])) for run in runs])
     durations = [float(sum(time[b] - time[a] for a, b in run)) for run in runs]
-    below = _ZERO * highest if idle_load is None else idle_load
-    idle = [load <= below for load in loads]
+    idle = loads <= (_ZERO * highest if idle_load is None else idle_load)
     if idle_load is None:
-        idle = np.logical_or(idle, _find_idle(loads, durations, floor)).tolist()
+        idle |= _find_idle(loads, durations, floor)
 
     stages: list[Stage] = []
     number = 0
@@ -297,8 +296,8 @@ def _running_mean(values: Array, width: int) -> Array:
 def _scatter(parts: Sequence[Array], width: int) -> float:
     """Standard deviation of a load as a share of it, from its differences up to a width apart."""
     highest = max((float(part.max(initial=0.0)) for part in parts), default=0.0)
-    largest, lag = 0.0, 1
-    while lag <= width:
+    largest = 0.0
+    for lag in 2 ** np.arange(width.bit_length()):
         shares = []
         for part in parts:
             loaded = np.flatnonzero(part[:-lag] > _UNLOADED * highest)
@@ -306,32 +305,26 @@ def _scatter(parts: Sequence[Array], width: int) -> float:
         differences = np.concatenate(shares)
         if differences.size:
             largest = max(largest, robust_std(differences) / np.sqrt(2))
-        lag *= 2
     return largest
 
 
-def _find_idle(loads: Sequence[float], durations: Sequence[float], floor: float) -> list[bool]:
+def _find_idle(loads: Array, durations: Sequence[float], floor: float) -> Mask:
     """Mark the stretches that are idle runs by the loads before them."""
     # below the highest load so far by more than a stage may change
-    highest, idle = -np.inf, []
-    for load in loads:
-        idle.append(load < highest - max(2 * SAME_LOAD * abs(highest), floor))
-        highest = max(highest, load)
+    highest = np.append(-np.inf, np.maximum.accumulate(loads))[:-1]
+    idle: Mask = loads < highest - np.maximum(2 * SAME_LOAD * np.abs(highest), floor)
 
     # the run before the first stage follows no higher load, but has that of the other idle runs
-    dropped = [load for load, is_idle in zip(loads, idle, strict=True) if is_idle]
-    if dropped:
-        reach = max(dropped) + max(SAME_LOAD * abs(max(dropped)), floor)
-    elif len(loads) > 1:
+    if idle.any():
+        dropped = float(loads[idle].max())
+        reach = dropped + max(SAME_LOAD * abs(dropped), floor)
+    elif loads.size > 1:
         # a test of one stage has no other idle run: the run before it is light, or short
         brief = durations[0] < _BRIEF * durations[1]
         reach = loads[0] if brief else _UNLOADED * loads[1]
     else:
         reach = -np.inf
-    for n, load in enumerate(loads):
-        if idle[n] or load > reach:
-            break
-        idle[n] = True
+    idle[np.logical_and.accumulate(~idle & (loads <= reach))] = True
     return idle
 
 
