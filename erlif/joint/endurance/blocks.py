@@ -170,8 +170,7 @@ class BlockRecord:
     @classmethod
     def of(cls, stage: StageFriction, longest: float) -> BlockRecord:
         """Average a stage; the longest stage lasts `longest` without its pauses. [s]"""
-        time, friction, parts = _kept(stage)
-        per_block = parts.pop()
+        time, friction, parts, per_block = _kept(stage)
         starts = np.arange(0, time.size, per_block)
         blocks, firsts = _average(friction, starts), [first // per_block for first in parts[1:]]
 
@@ -230,7 +229,7 @@ class BlockRecord:
         return rows
 
 
-def _kept(stage: StageFriction) -> tuple[Array, Array, list[int]]:
+def _kept(stage: StageFriction) -> tuple[Array, Array, list[int], int]:
     """Samples in whole blocks, none across a pause; first places of the parts, size of a block."""
     pauses = find_pauses(stage.time)
     together = -(-stage.time.size // (_WITHIN * MOST_BLOCKS))
@@ -250,7 +249,7 @@ def _kept(stage: StageFriction) -> tuple[Array, Array, list[int]]:
         frictions.append(_average(friction[:kept], inner))
         firsts.append(count)
         count += inner.size
-    return np.concatenate(times), np.concatenate(frictions), [*firsts, per_block]
+    return np.concatenate(times), np.concatenate(frictions), firsts, per_block
 
 
 def _average(values: Array, starts: AnyArray) -> Array:

@@ -126,8 +126,8 @@ def verdict(design: BearingDesign) -> Verdict:
 def name_materials(design: BearingDesign) -> dict[str, str]:
     """Materials of the parts; those that were not given are marked."""
     return {
-        part: getattr(design.joint, part).name + " (assumed)" * (part in design.assumed)
-        for part in ("pin", "bushing", "seat", "housing")
+        part: material.name + " (assumed)" * (part in design.assumed)
+        for part, material in design.joint.parts.items()
     }
 
 
@@ -204,12 +204,11 @@ def dimension_title(design: BearingDesign) -> str:
 
 def assumed_values(design: BearingDesign) -> list[tuple[str, str]]:
     """Materials of the joint with those of their values for which no source was at hand."""
-    joint = design.joint
-    parts = {part.name: part for part in (joint.pin, joint.bushing, joint.seat, joint.housing)}
+    materials = {material.name: material for material in design.joint.parts.values()}
     return [
         (name, clause.removesuffix(_ASSUMED))
-        for name, part in parts.items()
-        for clause in part.source.split("; ")
+        for name, material in materials.items()
+        for clause in material.source.split("; ")
         if clause.endswith(_ASSUMED)
     ]
 

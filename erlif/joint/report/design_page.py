@@ -258,11 +258,10 @@ def _substitutes(design: BearingDesign) -> Markup:
 
 
 def _materials(design: BearingDesign) -> Markup:
-    joint = design.joint
-    parts = {"Pin": joint.pin, "Bushing": joint.bushing, "Seats": joint.seat}
-    parts["Housing"] = joint.housing
-    if joint.lock is not None:
-        parts["Lock plate"] = joint.lock.plate
+    lock, titles = design.joint.lock, ("Pin", "Bushing", "Seats", "Housing")
+    parts = dict(zip(titles, design.joint.parts.values(), strict=True))
+    if lock is not None:
+        parts["Lock plate"] = lock.plate
     rows = []
     for part, one in parts.items():
         strength = words.scaled(one.yield_stress, 1e6, ""), words.hardness_range(one)

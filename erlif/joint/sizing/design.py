@@ -18,7 +18,7 @@ from erlif.core.units import Quantity
 from erlif.io.settings import settings_of, to_toml, write_example
 from erlif.joint.settings import DesignSettings, LockOfJoint, PartOfJoint, read_design_settings
 from erlif.joint.sizing.assessment import Assessment, assess_joint
-from erlif.joint.sizing.joint import DIMENSIONS, Joint, Lock, dimensions_of
+from erlif.joint.sizing.joint import DIMENSIONS, PARTS, Joint, Lock, dimensions_of
 from erlif.joint.sizing.materials import Material, read_materials
 from erlif.joint.sizing.practice import practice_notes, unchecked
 from erlif.joint.sizing.sensitivity import Sensitivity, Substitute, sensitivities, substitutes
@@ -246,10 +246,7 @@ def joint_of(settings: DesignSettings, folder: Path) -> Joint:
         if (value := getattr(getattr(settings, table), key, None)) is not None
     }
     _require_known(settings, materials)
-    parts = {
-        part: _material(getattr(settings, part), materials)
-        for part in ("pin", "bushing", "seat", "housing")
-    }
+    parts = {part: _material(getattr(settings, part), materials) for part in PARTS}
     lock = None if settings.lock is None else _lock(settings.lock, materials)
     return Joint(**numbers, **parts, lock=lock)  # type: ignore[arg-type]
 
@@ -269,7 +266,7 @@ def _materials(settings: DesignSettings, folder: Path) -> Mapping[str, Material]
 def _require_known(settings: DesignSettings, materials: Mapping[str, Material]) -> None:
     """Refuse materials that are not in the table, all at once."""
     faults = []
-    for table in ("pin", "bushing", "seat", "housing", "lock"):
+    for table in (*PARTS, "lock"):
         name = getattr(getattr(settings, table), "material", "")
         if name and name not in materials:
             near = difflib.get_close_matches(name, materials, n=3, cutoff=0.4)
@@ -305,7 +302,7 @@ def _own_values(settings: DesignSettings) -> Iterator[str]:
     """Names of the properties that joint.toml gives, of the parts with a material of the table."""
     numbers = read_table("erlif.joint.sizing", "quantities.toml")["material"].values()
     names = {one["place"]: one.get("name", one["place"]) for one in numbers if "place" in one}
-    for part in ("pin", "bushing", "seat", "housing", "lock"):
+    for part in (*PARTS, "lock"):
         table = getattr(settings, part)
         for key, name in names.items():
             if table is not None and table.material and getattr(table, key, None) is not None:
