@@ -12,6 +12,7 @@ import math
 import warnings
 from dataclasses import dataclass, replace
 from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -159,7 +160,8 @@ class _Choice:
             least = float(np.fmax(low * bore, eye))
             housing = round_up(least, self.series) if math.isfinite(least) else high * bore
         sizes = (d, w, wall, seat, housing, self.play(d))
-        return replace(joint, **dict(zip(DIMENSIONS, sizes, strict=True)))  # type: ignore[arg-type]
+        changed: dict[str, Any] = dict(zip(DIMENSIONS, sizes, strict=True))
+        return replace(joint, **changed)
 
     def wall(self, diameter: float) -> float:
         """Wall of the bushing. [m]"""
@@ -254,8 +256,8 @@ class _Choice:
         """A joint with a pin and a bushing that are tried, and their assembled play."""
         outer = self.joint.housing_diameter or self.joint.eye_ratio * (diameter + 2 * wall)
         sizes = (diameter, width, wall, width, outer, self.play(diameter))
-        changed = dict(zip(DIMENSIONS, sizes, strict=True))
-        return JointState(replace(self.joint, **changed, interference=0.0))  # type: ignore[arg-type]
+        changed: dict[str, Any] = dict(zip(DIMENSIONS, sizes, strict=True))
+        return JointState(replace(self.joint, **changed, interference=0.0))
 
     def least_width(self, diameter: float) -> float:
         """Minimum width for the limits of the sliding surface; infinite if none is enough. [m]"""
