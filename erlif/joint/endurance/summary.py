@@ -89,9 +89,8 @@ def describe_test(result: EnduranceResult) -> list[str]:
             (stage, FEWEST * sum(part.number == stage.number for part in loaded))
             for stage in left_out
         ],
-        p=_print_p(search.p_value),
         print_p=_print_p,
-        round_below=_round_below(search.small.rise) if search.small else None,
+        round_below=_round_below,
     )
     return text.splitlines()
 
