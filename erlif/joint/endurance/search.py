@@ -125,12 +125,7 @@ def find_onset(
         known = explain(records, candidate)
         stages_fit = [(one.time, one.background, one.friction) for one in known]
         noise = fit_noise(stages_fit, interval=interval)
-        spreads = pool_spreads([_spread(record, noise) for record in records])
-        scans = [
-            _scan(record, noise, spread) for record, spread in zip(records, spreads, strict=True)
-        ]
-        place = max(range(len(scans)), key=lambda k: scans[k].statistic)
-        chosen = Candidate(place, scans[place].onset, scans[place].rise)
+        chosen, *_ = _best_rise(records, noise)
         if chosen == candidate:
             break
         candidate = chosen
@@ -142,8 +137,7 @@ def find_onset(
         for record, one in zip(records, known, strict=True)
     ]
     for _ in range(_MOST_TRANSIENTS):
-        spreads = pool_spreads([_spread(record, noise) for record in records])
-        found = _most_likely(records, noise, spreads)
+        found = _most_likely(records, noise)
         start, place = found.scan.onset, found.place
         left = records[place].time.size - records[place].background.shape[1] - _TRANSIENT[1]
         if found.p_value > significance or found.lasting <= significance or left < FEWEST:
@@ -152,7 +146,7 @@ def find_onset(
     p_value = min(max(found.p_value, found.lasting), 1.0)
     if p_value > significance:
         return OnsetSearch(None, p_value, noise, left_out, least_rise=least_rise)
-    onset = locate_onset(records[place], noise, spreads[place], found.scan.deviation, usable[place])
+    onset = locate_onset(records[place], noise, found.spread, found.scan.deviation, usable[place])
     galls = onset.rise >= least_rise
     return OnsetSearch(
         onset if galls else None, p_value, noise, left_out, None if galls else onset, least_rise
@@ -185,6 +179,7 @@ class _Found:
 
     place: int
     scan: _Scan
+    spread: NoiseSpread
     p_value: float
     lasting: float
 
@@ -195,14 +190,21 @@ def _transient(interval: float) -> float:
     return float(np.clip(time, least * interval, most * interval))
 
 
-def _most_likely(
-    records: Sequence[BlockRecord], noise: Noise, spreads: Sequence[NoiseSpread]
-) -> _Found:
-    """Search all stages for the best rise."""
+def _best_rise(
+    records: Sequence[BlockRecord], noise: Noise
+) -> tuple[Candidate, list[_Scan], list[NoiseSpread]]:
+    """Search all stages for the best rise; return also their scans and variances."""
+    spreads = pool_spreads([_spread(record, noise) for record in records])
     scans = [_scan(record, noise, spread) for record, spread in zip(records, spreads, strict=True)]
     place = max(range(len(scans)), key=lambda k: scans[k].statistic)
+    return Candidate(place, scans[place].onset, scans[place].rise), scans, spreads
+
+
+def _most_likely(records: Sequence[BlockRecord], noise: Noise) -> _Found:
+    """Compute the p-values of the best rise of all stages."""
+    candidate, scans, spreads = _best_rise(records, noise)
+    place, known = candidate.record, explain(records, candidate)
     best = scans[place]
-    known = explain(records, Candidate(place, best.onset, best.rise))
     rest = [_scan(record, noise, spread) for record, spread in zip(known, spreads, strict=True)]
     excess = max(_excess(rest)[SCANNED.index(best.rise)], _fall(rest)) ** _UNLIKE
     level = _normal_quantile(best, excess)
@@ -217,9 +219,8 @@ def _most_likely(
         onsets=np.array([best.onset]),
         constants=(0.0,),
     )
-    return _Found(
-        place, best, p_value, _PLACES * float(stdtr(lasting.freedom, -lasting.statistic / excess))
-    )
+    chance = _PLACES * float(stdtr(lasting.freedom, -lasting.statistic / excess))
+    return _Found(place, best, spreads[place], p_value, chance)
 
 
 def _local_scale(record: BlockRecord, noise: Noise) -> Array:
@@ -247,10 +248,8 @@ def _spread(record: BlockRecord, noise: Noise) -> NoiseSpread:
 
 def _scan(record: BlockRecord, noise: Noise, spread: NoiseSpread) -> _Scan:
     # the usual size of drift and running-in is known in units of the noise
-    scan = _scan_with(record, noise, spread, np.inf)
-    if not np.isfinite(scan.deviation):
-        return scan
-    return _scan_with(record, noise, spread, scan.deviation)
+    first = _scan_with(record, noise, spread, np.inf)
+    return _scan_with(record, noise, spread, first.deviation)
 
 
 def _scan_with(
