@@ -28,7 +28,7 @@ fig, (curve, loads) = plt.subplots(1, 2, figsize=(8.5, 3.8), layout="constrained
 # at 4380 s.
 
 test = tests["uncut_1"]
-erlif.joint.plots.friction_over_test(test, ax=curve)
+erlif.joint.plots.quantity_over_test(test, "friction", ax=curve)
 minute = 60.0
 curve.set(xlim=(3700 / minute, 4500 / minute), title="uncut_1")
 print(f"onset at {test.onset.time:.1f} s, {test.onset.earliest:.1f} to {test.onset.latest:.1f} s")

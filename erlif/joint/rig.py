@@ -7,7 +7,6 @@ at rest while the bolts are turned and a run without load. Nothing here is share
 
 from __future__ import annotations
 
-import csv
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -288,11 +287,10 @@ def write_endurance_log(
         "temperature": ("Temperature [degC]", "%.1f"),
         "vibration": ("Vibration [g]", "%.2f"),
     }
-    with path.open("w", encoding="utf-8", newline="") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow((names or {}).get(name, heading) for name, (heading, _) in known.items())
-        columns = ([form % x for x in log[name].values] for name, (_, form) in known.items())
-        writer.writerows(zip(*columns, strict=True))
+    headings = [(names or {}).get(name, heading) for name, (heading, _) in known.items()]
+    columns, forms = [log[name].values for name in known], [form for _, form in known.values()]
+    text = {"header": ",".join(headings), "comments": "", "encoding": "utf-8"}
+    np.savetxt(path, np.column_stack(columns), forms, delimiter=",", **text)
     return path
 
 

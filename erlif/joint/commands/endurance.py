@@ -108,7 +108,11 @@ def endurance(
     # pictures and rows are named after the logs
     names = [log.stem for log in logs]
     overviews = name_overviews(names)
-    _refuse_doubled(names)
+    if doubled := {name for name in names if names.count(name) > 1}:
+        raise click.UsageError(
+            f"Expected logs of different names; {', '.join(sorted(doubled))} comes twice. Rename "
+            "one, or analyse them with different -o."
+        )
     members = _divide(logs, designs or dict(given.designs))
     output = output or logs[0].parent / "endurance"
     table = output / "endurance.csv"
@@ -118,13 +122,11 @@ def endurance(
 
     reading = {"skip_bad_rows": skip_bad_rows, "compression_negative": compression_negative}
     used["calibration"] = used.pop("load_error")
-    results: list[EnduranceResult] = []
-    reading_of: dict[str, list[str]] = {}
-    for log in logs:
-        read = read_torque_log(log, choice, **reading)
-        results.append(analyse_endurance(read, name=log.stem, **used))
-        reading_of[log.stem] = describe_reading(read)
-    click.echo(wrap("\n".join(_describe(results, reading_of))) + "\n")
+    results = [
+        analyse_endurance(read_torque_log(log, choice, **reading), name=log.stem, **used)
+        for log in logs
+    ]
+    click.echo(wrap("\n".join(_describe(results))) + "\n")
 
     # the tests of both designs are known only after all logs
     if members:
@@ -141,10 +143,11 @@ def endurance(
     click.echo(describe_written(written))
 
 
-def _describe(results: Sequence[EnduranceResult], reading: dict[str, list[str]]) -> Iterator[str]:
+def _describe(results: Sequence[EnduranceResult]) -> Iterator[str]:
     """A single test and its columns in full; of several a row each, with ``-v`` in full."""
     from erlif.joint.endurance import describe_test, describe_tests
 
+    reading = {result.name: describe_reading(result.test) for result in results}
     if len(results) == 1 or verbosity():
         for result in results:
             yield from (*describe_test(result), *reading[result.name], "")
@@ -155,16 +158,6 @@ def _describe(results: Sequence[EnduranceResult], reading: dict[str, list[str]])
         named = [name for name, lines in reading.items() if line in lines]
         yield line if len(named) == len(reading) else f"{', '.join(named)}: {line}"
     yield "Stages, changes of temperature and vibration, and notes: -v"
-
-
-def _refuse_doubled(names: list[str]) -> None:
-    """Outputs are named after the logs."""
-    doubled = {name for name in names if names.count(name) > 1}
-    if doubled:
-        raise click.UsageError(
-            f"Expected logs of different names; {', '.join(sorted(doubled))} comes twice. Rename "
-            "one, or analyse them with different -o."
-        )
 
 
 def _divide(logs: tuple[Path, ...], designs: Mapping[str, Sequence[str]]) -> dict[str, list[str]]:

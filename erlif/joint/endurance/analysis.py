@@ -267,16 +267,11 @@ def analyse_endurance(
 
     # the cells may read nothing for a moment even in a stage
     whole = join_stages(loaded)
-    known = [
-        np.concatenate(
-            [
-                np.flatnonzero(np.isfinite(friction[part.samples])) + part.first
-                for part in loaded
-                if part.number == stage.number
-            ]
-        )
-        for stage in whole
-    ]
+    number = np.zeros(time.size, dtype=int)
+    for part in loaded:
+        number[part.samples] = part.number
+    number[~np.isfinite(friction)] = 0
+    known = [np.flatnonzero(number == stage.number) for stage in whole]
     frictions = [StageFriction(time[places], friction[places]) for places in known]
     # the matrices are small: more threads of the linear algebra wait for each other
     with threadpool_limits(1, user_api="blas"):

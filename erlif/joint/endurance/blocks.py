@@ -9,7 +9,7 @@ import numpy as np
 
 from erlif.core.arrays import AnyArray, Array
 from erlif.joint.endurance.disturbances import replace_spikes
-from erlif.joint.endurance.noise import StageFit, whiten
+from erlif.joint.endurance.noise import NoiseSpread, whiten
 
 # A longer step of the time is a pause of the log: in seconds, and in sample intervals.
 PAUSE = (20.0, 5.0)
@@ -39,6 +39,7 @@ USUAL = (0.05, 0.05, 0.05)
 # stage.
 RESTART = (0.01, 0.05, 0.05)
 
+_COLLINEAR = 1e-6  # norm of a rise that the background explains altogether
 _WITHIN = 8  # samples in a block; more are averaged, as the work grows with them
 
 
@@ -169,9 +170,9 @@ class BlockRecord:
     @classmethod
     def of(cls, stage: StageFriction, longest: float) -> BlockRecord:
         """Average a stage; the longest stage lasts `longest` without its pauses. [s]"""
-        time, friction, parts = _kept(stage)
-        per_block = parts.pop()
+        time, friction, parts, per_block = _kept(stage)
         starts = np.arange(0, time.size, per_block)
+        blocks, firsts = _average(friction, starts), [first // per_block for first in parts[1:]]
 
         # level, drift, and running-in of any time constant between those two
         columns = [np.ones_like(time), (LogClock.of(time).logged(time) - time[0]) / longest]
@@ -186,7 +187,7 @@ class BlockRecord:
             time,
             starts,
             _average(time, starts),
-            _without_spikes(_average(friction, starts), [first // per_block for first in parts]),
+            np.concatenate([replace_spikes(part) for part in np.split(blocks, firsts)]),
             _average(np.column_stack(columns), starts),
             np.array([*USUAL, *RESTART * (len(parts) - 1)]),
             np.ones(starts.size),
@@ -228,7 +229,7 @@ class BlockRecord:
         return rows
 
 
-def _kept(stage: StageFriction) -> tuple[Array, Array, list[int]]:
+def _kept(stage: StageFriction) -> tuple[Array, Array, list[int], int]:
     """Samples in whole blocks, none across a pause; first places of the parts, size of a block."""
     pauses = find_pauses(stage.time)
     together = -(-stage.time.size // (_WITHIN * MOST_BLOCKS))
@@ -248,12 +249,7 @@ def _kept(stage: StageFriction) -> tuple[Array, Array, list[int]]:
         frictions.append(_average(friction[:kept], inner))
         firsts.append(count)
         count += inner.size
-    return np.concatenate(times), np.concatenate(frictions), [*firsts, per_block]
-
-
-def _without_spikes(friction: Array, parts: Sequence[int]) -> Array:
-    """Friction of the blocks, each part for itself."""
-    return np.concatenate([replace_spikes(part) for part in np.split(friction, parts[1:])])
+    return np.concatenate(times), np.concatenate(frictions), firsts, per_block
 
 
 def _average(values: Array, starts: AnyArray) -> Array:
@@ -280,14 +276,13 @@ class Candidate:
     rise: float
 
 
-def fits(records: Sequence[BlockRecord], candidate: Candidate | None) -> list[StageFit]:
-    """Collect what the noise is fitted to: the stages, the candidate as a column of its stage."""
-    stages = []
-    for k, record in enumerate(records):
-        if candidate is not None and candidate.record == k:
-            record = record.with_rise(candidate.onset, candidate.rise)
-        stages.append((record.time, record.background, record.friction))
-    return stages
+def explain(records: Sequence[BlockRecord], candidate: Candidate | None) -> list[BlockRecord]:
+    """Put a candidate into the background of its stage."""
+    explained = [*records]
+    if candidate is not None:
+        record = records[candidate.record]
+        explained[candidate.record] = record.with_rise(candidate.onset, candidate.rise)
+    return explained
 
 
 def rises(time: Array, onsets: Array, constant: float) -> Array:
@@ -305,6 +300,19 @@ def forms(time: Array, onsets: Array) -> Iterator[Array]:
     lag = np.maximum(time[:, None] - onsets[None, :], 0.0)
     for duration in RAMPS:
         yield np.minimum(lag / duration, 1.0)
+
+
+def fit_rises(rises: Array, values: Array, spread: NoiseSpread) -> tuple[Array, Array, Array]:
+    """Fit each of many rises to values, both whitened and without the background.
+
+    Returns the norm of each rise, infinite where the background explains it altogether; the
+    amplitude of the rise of unit norm; and the sum of squares that is left, with that of `spread`.
+    """
+    norm = np.sqrt(np.einsum("ij,ij->j", rises, rises))
+    norm = np.where(norm > _COLLINEAR, norm, np.inf)
+    amplitude = values @ rises / norm
+    left = float(values @ values) + spread.power - amplitude**2
+    return norm, amplitude, np.maximum(left, np.finfo(float).tiny)
 
 
 def without(basis: Array, values: Array) -> Array:

@@ -51,9 +51,6 @@ class DesignComparison:
         End of its 95 % interval. [1]
     probability : float
         Probability that the second design carries more. [1]
-    scatter : float
-        Standard deviation of the logarithm of the load (lognormal), or the inverse of the shape
-        (Weibull). [1]
     log_rank : float
         Two-sided p-value of the log-rank test by permutation of the designs. [1]
     least_p : float
@@ -76,7 +73,6 @@ class DesignComparison:
     low: float
     high: float
     probability: float
-    scatter: float
     log_rank: float
     least_p: float
     model: str
@@ -137,14 +133,14 @@ def compare_designs(
             )
     p_value, least = _log_rank(first, second)
     failures = (sum(run.failed for run in first), sum(run.failed for run in second))
-    ratio = low = high = probability = scatter = float("nan")
+    ratio = low = high = probability = float("nan")
     if min(failures) > 0:
-        (low, ratio, high), probability, scatter = _posterior(first, second, model)
+        low, ratio, high, probability = _posterior(first, second, model)
     undecided = (sum(not run.decided for run in first), sum(not run.decided for run in second))
     if_failed = (np.nan, np.nan, np.nan)
     one, two = _as_failures(first), _as_failures(second)
     if any(undecided) and all(any(run.failed for run in runs) for runs in (one, two)):
-        if_failed = _posterior(one, two, model)[0]
+        if_failed = _posterior(one, two, model)[:3]
     return DesignComparison(
         first=names[0],
         second=names[1],
@@ -154,7 +150,6 @@ def compare_designs(
         low=low,
         high=high,
         probability=probability,
-        scatter=scatter,
         log_rank=p_value,
         least_p=least,
         model=model,
@@ -178,41 +173,33 @@ def _as_failures(runs: Sequence[FailureLoad]) -> list[FailureLoad]:
 
 def _posterior(
     first: Sequence[FailureLoad], second: Sequence[FailureLoad], model: str
-) -> tuple[tuple[float, float, float], float, float]:
-    """Quantiles of the ratio, the probability that it is above 1, and the median scatter."""
+) -> tuple[float, float, float, float]:
+    """Quantiles of the ratio, and the probability that it is above 1."""
     bounds = [_bounds(runs) for runs in (first, second)]
     known = np.concatenate([np.log(one[np.isfinite(one) & (one > 0)]) for one in bounds])
-    scatters = np.geomspace(*SCATTERS, _SCATTER_STEPS)
 
     # the difference of the medians on one grid for all scatters
     reach = 2 * _MOST_REACH + float(np.ptp(known))
     half = int(np.ceil(reach / _FINEST))
     differences = _FINEST * np.arange(-half, half + 1)
-    density = np.zeros(differences.size)
-    evidence = np.zeros(scatters.size)
-    logs = []
-    for scatter in scatters:
+    densities, weights = [], []
+    for scatter in np.geomspace(*SCATTERS, _SCATTER_STEPS):
         step = max(_STEP * scatter, _FINEST)
         margin = min(max(_REACH * scatter, _LEAST_REACH), _MOST_REACH)
         places = np.arange(known.min() - margin, known.max() + margin, step)
         one, other = (_log_likelihood(b, places, scatter, model) for b in bounds)
-        logs.append((step, places, one, other))
-    highest = max(one.max() + other.max() for _, _, one, other in logs)
-    for k, (step, places, one, other) in enumerate(logs):
         left, right = np.exp(one - one.max()), np.exp(other - other.max())
-        weight = np.exp(one.max() + other.max() - highest)
-        together = np.correlate(right, left, mode="full") * step * weight
+        together = np.correlate(right, left, mode="full") * step
         shift = step * (np.arange(together.size) - (places.size - 1))
-        density += np.interp(differences, shift, together, left=0.0, right=0.0)
-        evidence[k] = together.sum() * step
+        densities.append(np.interp(differences, shift, together, left=0.0, right=0.0))
+        weights.append(one.max() + other.max())
 
     # the prior is flat in the logarithm of the scatter, and so is its grid
+    density = np.exp(np.array(weights) - max(weights)) @ np.array(densities)
     # a place of the grid stands for half a step on both sides
     cumulative = (np.cumsum(density) - density / 2) / density.sum()
     low, middle, high = np.exp(np.interp(_QUANTILES, cumulative, differences))
-    above = 1 - float(np.interp(0.0, differences, cumulative))
-    scatter = float(np.interp(0.5, np.cumsum(evidence) / evidence.sum(), scatters))
-    return (float(low), float(middle), float(high)), above, scatter
+    return low, middle, high, 1 - float(np.interp(0.0, differences, cumulative))
 
 
 def _bounds(runs: Sequence[FailureLoad]) -> Array:

@@ -85,19 +85,14 @@ def find_level_rises(
     >>> [(rise.stage, rise.level, rise.before) for rise in find_level_rises(stages)]
     [(3, 0.193, 0.133)]
     """
-    spans: list[_Span | None] = []
+    ends = np.inf if onset is None else onset.earliest
+    spans: dict[int, _Span] = {}
     for place, stage in enumerate(stages):
-        if onset is not None and place > onset.stage:
-            break
-        ends = onset.earliest if onset is not None and place == onset.stage else np.inf
         kept = stage.time < ends
-        if np.count_nonzero(kept) < FEWEST_LEVEL:
-            spans.append(None)
-            continue
-        time = stage.time[kept]
-        spans.append((LogClock.of(time).logged(time) - time[0], stage.friction[kept]))
-    numbers = [place for place, span in enumerate(spans) if span is not None]
-    known = [span for span in spans if span is not None]
+        if np.count_nonzero(kept) >= FEWEST_LEVEL:
+            time = stage.time[kept]
+            spans[place] = LogClock.of(time).logged(time) - time[0], stage.friction[kept]
+    numbers, known = [*spans], [*spans.values()]
 
     found: list[LevelRise] = []
     for k, (passed, _) in enumerate(known):

@@ -13,7 +13,7 @@ import numpy as np
 from scipy.special import stdtr
 
 from erlif.core.arrays import Array
-from erlif.joint.endurance.blocks import BlockRecord, LogClock, forms, without
+from erlif.joint.endurance.blocks import BlockRecord, LogClock, fit_rises, forms, without
 from erlif.joint.endurance.noise import Noise, NoiseSpread, whiten
 
 # Noise after the onset over that before it. [1]
@@ -21,9 +21,6 @@ GROWTHS = (1.0, 1.4, 2.0, 2.8)
 
 # Quantiles of the onset.
 INTERVAL = (0.025, 0.5, 0.975)
-
-# Norm of a rise that the background explains altogether.
-COLLINEAR = 1e-6
 
 _FINE = 8  # places of the posterior in a sample interval
 _MOST_PLACES = 240  # of the posterior, where it is wide
@@ -192,12 +189,7 @@ def _log_density(
             rest = without(basis, columns[:, p:])
             values, rises = rest[:, 0], rest[:, 1:]
 
-            norm = np.sqrt(np.einsum("ij,ij->j", rises, rises))
-            usable = norm > COLLINEAR
-            norm = np.where(usable, norm, 1.0)
-            amplitude = (values @ rises) / norm
-            power = float(values @ values) + spread.power
-            left = np.maximum(power - amplitude**2, np.finfo(float).tiny)
+            norm, amplitude, left = fit_rises(rises, values, spread)
             scatter = np.sqrt(left / freedom)
             found = -0.5 * freedom * np.log(left) - np.log(norm) - np.log(scale).sum()
             found -= np.log(np.abs(np.diagonal(triangle))).sum()
@@ -206,7 +198,7 @@ def _log_density(
 
             end = ends[:, at].ravel()
             cells = (shapes.shape[0], at.size)
-            logarithm[a][:, at] = np.where(usable, found, -np.inf).reshape(cells)
+            logarithm[a][:, at] = found.reshape(cells)
             size[a][:, at] = (amplitude / norm * end).reshape(cells)
             error[a][:, at] = (scatter / norm * end).reshape(cells)
     return logarithm, size, error

@@ -171,9 +171,9 @@ def _fit_change(
     # heat spreads over minutes to hours: slow warming is a parabola, quick warming decays
     columns = [np.ones_like(share), share]
     columns += [share**2, np.exp(-share / _START)] if warms else []
-    design = np.column_stack([*columns, form])[:kept].reshape(-1, per_block, len(columns) + 1)
-    design, places = design.mean(axis=1), time[:kept].reshape(-1, per_block).mean(axis=1)
-    level = values[:kept].reshape(-1, per_block).mean(axis=1)
+    samples = np.stack([*columns, form, time, values])[:, :kept]
+    *columns, places, level = samples.reshape(len(samples), -1, per_block).mean(axis=2)
+    design = np.column_stack(columns)
     if np.count_nonzero(design[:, -1]) < _FEWEST_AFTER or level.size < _FEWEST:
         return None
 

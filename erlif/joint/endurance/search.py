@@ -22,14 +22,15 @@ from erlif.joint.endurance.blocks import (
     Candidate,
     LogClock,
     StageFriction,
+    explain,
     find_pauses,
-    fits,
+    fit_rises,
     rises,
     without,
 )
 from erlif.joint.endurance.disturbances import local_scale
 from erlif.joint.endurance.noise import Noise, NoiseSpread, fit_noise, pool_spreads, whiten
-from erlif.joint.endurance.onset import COLLINEAR, Onset, locate_onset
+from erlif.joint.endurance.onset import Onset, locate_onset
 
 # Time constants of the rise in the search for an onset; 0 is a step. [s]
 SCANNED = (0.0, 10.0, 40.0)
@@ -121,22 +122,22 @@ def find_onset(
     interval = float(np.median(np.concatenate([np.diff(record.time) for record in records])))
     candidate: Candidate | None = None
     for _ in range(_ROUNDS):
-        noise = fit_noise(fits(records, candidate), interval=interval)
-        spreads = pool_spreads([_spread(record, noise) for record in records])
-        scans = [
-            _scan(record, noise, spread) for record, spread in zip(records, spreads, strict=True)
-        ]
-        place = max(range(len(scans)), key=lambda k: scans[k].statistic)
-        chosen = Candidate(place, scans[place].onset, scans[place].rise)
+        known = explain(records, candidate)
+        stages_fit = [(one.time, one.background, one.friction) for one in known]
+        noise = fit_noise(stages_fit, interval=interval)
+        chosen, *_ = _best_rise(records, noise)
         if chosen == candidate:
             break
         candidate = chosen
 
     # what the noise does not describe
-    records = [_with_scale(record, noise, candidate, k) for k, record in enumerate(records)]
+    known = explain(records, candidate)
+    records = [
+        replace(record, scale=_local_scale(one, noise))
+        for record, one in zip(records, known, strict=True)
+    ]
     for _ in range(_MOST_TRANSIENTS):
-        spreads = pool_spreads([_spread(record, noise) for record in records])
-        found = _most_likely(records, noise, spreads)
+        found = _most_likely(records, noise)
         start, place = found.scan.onset, found.place
         left = records[place].time.size - records[place].background.shape[1] - _TRANSIENT[1]
         if found.p_value > significance or found.lasting <= significance or left < FEWEST:
@@ -145,7 +146,7 @@ def find_onset(
     p_value = min(max(found.p_value, found.lasting), 1.0)
     if p_value > significance:
         return OnsetSearch(None, p_value, noise, left_out, least_rise=least_rise)
-    onset = locate_onset(records[place], noise, spreads[place], found.scan.deviation, usable[place])
+    onset = locate_onset(records[place], noise, found.spread, found.scan.deviation, usable[place])
     galls = onset.rise >= least_rise
     return OnsetSearch(
         onset if galls else None, p_value, noise, left_out, None if galls else onset, least_rise
@@ -178,6 +179,7 @@ class _Found:
 
     place: int
     scan: _Scan
+    spread: NoiseSpread
     p_value: float
     lasting: float
 
@@ -188,17 +190,22 @@ def _transient(interval: float) -> float:
     return float(np.clip(time, least * interval, most * interval))
 
 
-def _most_likely(
-    records: Sequence[BlockRecord], noise: Noise, spreads: Sequence[NoiseSpread]
-) -> _Found:
-    """Search all stages for the best rise."""
+def _best_rise(
+    records: Sequence[BlockRecord], noise: Noise
+) -> tuple[Candidate, list[_Scan], list[NoiseSpread]]:
+    """Search all stages for the best rise; return also their scans and variances."""
+    spreads = pool_spreads([_spread(record, noise) for record in records])
     scans = [_scan(record, noise, spread) for record, spread in zip(records, spreads, strict=True)]
     place = max(range(len(scans)), key=lambda k: scans[k].statistic)
+    return Candidate(place, scans[place].onset, scans[place].rise), scans, spreads
+
+
+def _most_likely(records: Sequence[BlockRecord], noise: Noise) -> _Found:
+    """Compute the p-values of the best rise of all stages."""
+    candidate, scans, spreads = _best_rise(records, noise)
+    place, known = candidate.record, explain(records, candidate)
     best = scans[place]
-    rest = [
-        _scan(record.with_rise(best.onset, best.rise) if k == place else record, noise, spread)
-        for k, (record, spread) in enumerate(zip(records, spreads, strict=True))
-    ]
+    rest = [_scan(record, noise, spread) for record, spread in zip(known, spreads, strict=True)]
     excess = max(_excess(rest)[SCANNED.index(best.rise)], _fall(rest)) ** _UNLIKE
     level = _normal_quantile(best, excess)
     p_value = min(1.0, sum(_exceedance(level, scan.correlation) for scan in scans))
@@ -212,22 +219,15 @@ def _most_likely(
         onsets=np.array([best.onset]),
         constants=(0.0,),
     )
-    return _Found(
-        place, best, p_value, _PLACES * float(stdtr(lasting.freedom, -lasting.statistic / excess))
-    )
+    chance = _PLACES * float(stdtr(lasting.freedom, -lasting.statistic / excess))
+    return _Found(place, best, spreads[place], p_value, chance)
 
 
-def _with_scale(
-    record: BlockRecord, noise: Noise, candidate: Candidate | None, place: int
-) -> BlockRecord:
-    """Return a stage whose samples are weighted down where they scatter more."""
-    known = record
-    if candidate is not None and candidate.record == place:
-        known = record.with_rise(candidate.onset, candidate.rise)
+def _local_scale(record: BlockRecord, noise: Noise) -> Array:
+    """Scatter of a stage near each block over the ordinary one, about its background."""
     factor = noise.factor(record.time)
-    basis = np.linalg.qr(whiten(factor, known.background))[0]
-    residuals = without(basis, whiten(factor, known.friction))
-    return replace(record, scale=local_scale(residuals))
+    basis = np.linalg.qr(whiten(factor, record.background))[0]
+    return local_scale(without(basis, whiten(factor, record.friction)))
 
 
 def _excess(scans: Sequence[_Scan]) -> list[float]:
@@ -248,10 +248,8 @@ def _spread(record: BlockRecord, noise: Noise) -> NoiseSpread:
 
 def _scan(record: BlockRecord, noise: Noise, spread: NoiseSpread) -> _Scan:
     # the usual size of drift and running-in is known in units of the noise
-    scan = _scan_with(record, noise, spread, np.inf)
-    if not np.isfinite(scan.deviation):
-        return scan
-    return _scan_with(record, noise, spread, scan.deviation)
+    first = _scan_with(record, noise, spread, np.inf)
+    return _scan_with(record, noise, spread, first.deviation)
 
 
 def _scan_with(
@@ -269,26 +267,21 @@ def _scan_with(
     columns = np.vstack([columns, record.usual_rows(deviation)])
     basis = np.linalg.qr(columns[:, :-1])[0]
     values = without(basis, columns[:, -1])
-    total = float(values @ values) + spread.power
     freedom = record.time.size - basis.shape[1] - 1 + spread.freedom
 
     if onsets is None:
         onsets = record.samples[record.starts][_MARGIN:-_END]
-    statistics, units, smallest = [], [], total
+    statistics, units, smallest = [], [], np.inf
     for constant in constants:
         shapes = record.average(rises(record.samples, onsets, constant))
         shapes = np.vstack(
             [record.whiten(factor, shapes), np.zeros((record.usual.size, onsets.size))]
         )
         shapes = without(basis, shapes)
-        norm = np.sqrt(np.einsum("ij,ij->j", shapes, shapes))
-        usable = norm > COLLINEAR
-        shapes /= np.where(usable, norm, 1.0)
-        size = values @ shapes
-        left = np.maximum(total - size**2, np.finfo(float).tiny)
+        norm, size, left = fit_rises(shapes, values, spread)
         smallest = min(smallest, float(left.min()))
-        statistics.append(np.where(usable, size / np.sqrt(left / freedom), -np.inf))
-        units.append(shapes)
+        statistics.append(np.where(np.isfinite(norm), size / np.sqrt(left / freedom), -np.inf))
+        units.append(shapes / norm)
 
     best = int(np.argmax(statistics))
     constant, place = divmod(best, onsets.size)

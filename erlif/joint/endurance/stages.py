@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 from scipy.ndimage import uniform_filter1d
 
-from erlif.core.arrays import AnyArray, Array
-from erlif.core.notes import Level, Note
+from erlif.core.arrays import AnyArray, Array, Mask
+from erlif.core.notes import Note, remark, warn
 from erlif.core.statistics import robust_std
 from erlif.joint.endurance.blocks import find_pauses
 from erlif.joint.friction.stretches import running_median
@@ -122,11 +123,11 @@ def find_stages(
         if time[last] - time[first] >= LEAST_DURATION
     ]
     runs = _join_parts(spans, load, pauses, floor)
-    loads = [float(np.median(np.concatenate([load[a : b + 1] for a, b in run]))) for run in runs]
+    loads = np.array([np.median(np.concatenate([load[a : b + 1] for a, b in run])) for run in runs])
     durations = [float(sum(time[b] - time[a] for a, b in run)) for run in runs]
-    idle = _find_idle(loads, durations, floor, idle_load)
+    idle = loads <= (_ZERO * highest if idle_load is None else idle_load)
     if idle_load is None:
-        idle = [one or load <= _ZERO * highest for one, load in zip(idle, loads, strict=True)]
+        idle |= _find_idle(loads, durations, floor)
 
     stages: list[Stage] = []
     number = 0
@@ -139,8 +140,8 @@ def find_stages(
             stages.append(
                 Stage(
                     0 if is_idle else number,
-                    int(first),
-                    int(last),
+                    first,
+                    last,
                     float(time[first]),
                     float(time[last]),
                     float(np.median(load[first : last + 1])),
@@ -202,29 +203,20 @@ def note_stages(
     raw = _scatter(np.split(load, pauses), width)
     scatter = _scatter([running_median(part) for part in np.split(load, pauses)], width)
     if _CLEAR * scatter > SAME_LOAD:
+        scattered = f"the load scatters by {100 * raw:.1f} % (standard deviation)"
         notes.append(
-            Note(
-                Level.NOTE,
-                "",
-                f"the load scatters by {100 * raw:.1f} % (standard deviation); stages are found "
-                f"from its mean over {width} samples",
-            )
+            remark("", f"{scattered}; stages are found from its mean over {width} samples")
         )
 
-    first = stages[0] if stages else None
-    others = any(stage.is_idle for stage in stages[1:])
-    highest = float(np.max(load, initial=0.0))
-    alone = first is not None and first.is_idle and not others and len(stages) > 1
-    if first and alone and idle_load is None and first.load > _ZERO * highest:
-        notes.append(
-            Note(
-                Level.WARNING,
-                "",
-                f"the stretch of {first.load / 1e3:.1f} kN from {first.start:.0f} to "
-                f"{first.end:.0f} s is taken for an idle run, as it is shorter than a third of "
-                "the next or below a quarter of its load; if it is a stage, give --idle-load",
-            )
-        )
+    # the only idle run is the first stretch, and nothing was stated about it
+    idle = [place for place, stage in enumerate(stages) if stage.is_idle]
+    if idle == [0] and len(stages) > 1 and idle_load is None:
+        first = stages[0]
+        if first.load > _ZERO * float(np.max(load, initial=0.0)):
+            stretch = f"{first.load / 1e3:.1f} kN from {first.start:.0f} to {first.end:.0f} s"
+            reason = "it is shorter than a third of the next or below a quarter of its load"
+            taken = f"the stretch of {stretch} is taken for an idle run, as {reason}"
+            notes.append(warn("", f"{taken}; if it is a stage, give --idle-load"))
 
     for stage in join_stages([stage for stage in stages if not stage.is_idle]):
         inside = load[stage.samples]
@@ -232,14 +224,9 @@ def note_stages(
         start, end = float(np.median(inside[:tenth])), float(np.median(inside[-tenth:]))
         chance = _CLEAR * raw * np.sqrt(2 / tenth)
         if abs(end - start) > (_DRIFT + chance) * stage.load:
-            notes.append(
-                Note(
-                    Level.WARNING,
-                    f"stage {stage.number}",
-                    f"the load changes from {start / 1e3:.1f} to {end / 1e3:.1f} kN; it is a ramp, "
-                    f"and its median of {stage.load / 1e3:.1f} kN counts as the load of the stage",
-                )
-            )
+            changes = f"the load changes from {start / 1e3:.1f} to {end / 1e3:.1f} kN; it is a ramp"
+            median = f"its median of {stage.load / 1e3:.1f} kN counts as the load of the stage"
+            notes.append(warn(f"stage {stage.number}", f"{changes}, and {median}"))
     return notes
 
 
@@ -265,10 +252,7 @@ def _steady_spans(
 ) -> list[tuple[int, int]]:
     """First and last sample of each stretch whose load follows its own recent mean."""
     same_load = SAME_LOAD
-    parts = [
-        (int(start), int(end))
-        for start, end in zip([0, *pauses], [*pauses, time.size], strict=True)
-    ]
+    parts = list(pairwise([0, *pauses.tolist(), time.size]))
     smooth = [running_median(load[start:end]) for start, end in parts]
 
     # a load that scatters by more than the tolerance would be shattered
@@ -312,8 +296,8 @@ def _running_mean(values: Array, width: int) -> Array:
 def _scatter(parts: Sequence[Array], width: int) -> float:
     """Standard deviation of a load as a share of it, from its differences up to a width apart."""
     highest = max((float(part.max(initial=0.0)) for part in parts), default=0.0)
-    largest, lag = 0.0, 1
-    while lag <= width:
+    largest = 0.0
+    for lag in 2 ** np.arange(width.bit_length()):
         shares = []
         for part in parts:
             loaded = np.flatnonzero(part[:-lag] > _UNLOADED * highest)
@@ -321,40 +305,26 @@ def _scatter(parts: Sequence[Array], width: int) -> float:
         differences = np.concatenate(shares)
         if differences.size:
             largest = max(largest, robust_std(differences) / np.sqrt(2))
-        lag *= 2
     return largest
 
 
-def _find_idle(
-    loads: Sequence[float],
-    durations: Sequence[float],
-    floor: float,
-    idle_load: float | None,
-) -> list[bool]:
-    """Mark the stretches that are idle runs."""
-    if idle_load is not None:
-        return [load <= idle_load for load in loads]
-
+def _find_idle(loads: Array, durations: Sequence[float], floor: float) -> Mask:
+    """Mark the stretches that are idle runs by the loads before them."""
     # below the highest load so far by more than a stage may change
-    highest, idle = -np.inf, []
-    for load in loads:
-        idle.append(load < highest - max(2 * SAME_LOAD * abs(highest), floor))
-        highest = max(highest, load)
+    highest = np.append(-np.inf, np.maximum.accumulate(loads))[:-1]
+    idle: Mask = loads < highest - np.maximum(2 * SAME_LOAD * np.abs(highest), floor)
 
     # the run before the first stage follows no higher load, but has that of the other idle runs
-    dropped = [load for load, is_idle in zip(loads, idle, strict=True) if is_idle]
-    if dropped:
-        reach = max(dropped) + max(SAME_LOAD * abs(max(dropped)), floor)
-    elif len(loads) > 1:
+    if idle.any():
+        dropped = float(loads[idle].max())
+        reach = dropped + max(SAME_LOAD * abs(dropped), floor)
+    elif loads.size > 1:
         # a test of one stage has no other idle run: the run before it is light, or short
         brief = durations[0] < _BRIEF * durations[1]
         reach = loads[0] if brief else _UNLOADED * loads[1]
     else:
         reach = -np.inf
-    for n, load in enumerate(loads):
-        if idle[n] or load > reach:
-            break
-        idle[n] = True
+    idle[np.logical_and.accumulate(~idle & (loads <= reach))] = True
     return idle
 
 

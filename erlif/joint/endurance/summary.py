@@ -40,10 +40,9 @@ _COLUMNS = {
     "friction before [1]": ("onset", "{.friction_before:.4f}"),
     "rise [1]": ("onset", "{.rise:.4f}"),
     "rise std [1]": ("onset", "{.rise_std:.4f}"),
-    # below 1e-12 they are written as that
-    "p-value [1]": ("search", "{.p_value:.3g}"),
-    "p-value of temperature [1]": ("temperature", "{.p_value:.3g}"),
-    "p-value of vibration [1]": ("vibration", "{.p_value:.3g}"),
+    "p-value [1]": ("friction", "{:.3g}"),
+    "p-value of temperature [1]": ("temperature", "{:.3g}"),
+    "p-value of vibration [1]": ("vibration", "{:.3g}"),
 }
 
 
@@ -89,9 +88,8 @@ def describe_test(result: EnduranceResult) -> list[str]:
             (stage, FEWEST * sum(part.number == stage.number for part in loaded))
             for stage in left_out
         ],
-        p=_print_p(search.p_value),
         print_p=_print_p,
-        round_below=_round_below(search.small.rise) if search.small else None,
+        round_below=_round_below,
     )
     return text.splitlines()
 
@@ -194,26 +192,23 @@ def write_test_table(found: Sequence[EnduranceResult], output: Path) -> Path:
     'example,6,1,'
     """
     rows = [_row(one) for one in found]
-    columns = {title: [row[n] for row in rows] for n, title in enumerate(_COLUMNS)}
+    columns = {title: [row[title] for row in rows] for title in _COLUMNS}
     return write_file(output, table_csv(columns))
 
 
-def _row(found: EnduranceResult) -> list[str]:
-    """Texts of one test, in the order of the columns."""
+def _row(found: EnduranceResult) -> dict[str, str]:
+    """Texts of one test by their columns; p-values below 1e-12 are written as that."""
+    p_values = {sensor.name: sensor.p_value for sensor in found.other_sensors}
+    p_values["friction"] = found.search.p_value
     parts = {
         "test": found.name,
         "stages": len(found.loaded),
         "failed": int(found.failure.failed),
         "failure": found.failure,
         "onset": found.onset,
-        "search": found.search,
-        **{sensor.name: sensor for sensor in found.other_sensors},
+        **{name: max(value, _NO_CHANCE) for name, value in p_values.items()},
     }
-    cells = {
+    return {
         title: "" if parts.get(part) is None else form.format(parts[part])
         for title, (part, form) in _COLUMNS.items()
     }
-    return [
-        f"{max(float(cell), _NO_CHANCE):g}" if title.startswith("p-value") and cell else cell
-        for title, cell in cells.items()
-    ]

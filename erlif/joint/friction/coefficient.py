@@ -79,16 +79,16 @@ def measure_friction(
     time = log["time"].values
     other_sensors = {name: log[name].values for name in ("temperature", "vibration") if name in log}
     columns = {"load": load, "torque": torque, **other_sensors}
-    if _reverses(torque):
-        time, columns, period = _over_oscillations(time, columns)
-        attributes = {**log.attrs, "period": period}
-    else:
-        attributes = dict(log.attrs)
-        columns["torque"] = np.abs(columns["torque"])
-
-    attributes["pin_radius"] = pin_radius
+    attributes = {**log.attrs, "pin_radius": pin_radius}
     if "torque" not in log:
         attributes["arm"] = arm
+
+    # both signs, and not only noise about zero
+    low, high = np.percentile(torque, _ENDS)
+    if min(-low, high) > _REVERSES * max(-low, high):
+        time, columns, attributes["period"] = _over_oscillations(time, columns)
+    else:
+        columns["torque"] = np.abs(torque)
 
     loaded = columns["load"] > _UNLOADED * np.max(columns["load"])
     friction = np.full(time.size, np.nan)
@@ -172,12 +172,6 @@ def torque_of(log: xr.Dataset, arm: float | None) -> Array:
     return force * arm
 
 
-def _reverses(torque: Array) -> bool:
-    """Whether the torque has both signs, and not only noise about zero."""
-    low, high = np.percentile(torque, _ENDS)
-    return bool(min(-low, high) > _REVERSES * max(-low, high))
-
-
 def _over_oscillations(
     time: Array, columns: dict[str, Array]
 ) -> tuple[Array, dict[str, Array], float]:
@@ -206,23 +200,21 @@ def _over_oscillations(
     starts = np.flatnonzero(np.diff(number, prepend=-1))
     counts = np.diff(np.append(starts, time.size))
     whole = counts >= 0.9 * width / interval  # gaps and the end leave bins that are not full
-    starts, counts = starts[whole], counts[whole]
+    parts = [slice(a, a + n) for a, n in zip(starts[whole], counts[whole], strict=True)]
 
-    means = {
-        name: np.array([values[a : a + n].mean() for a, n in zip(starts, counts, strict=True)])
-        for name, values in columns.items()
-        if name != "torque"
-    }
-    half = []
-    for a, n in zip(starts, counts, strict=True):
-        inside = torque[a : a + n]
-        middle = 0.5 * (inside.max() + inside.min())
-        above = inside > middle
-        half.append(
-            0.5 * (np.median(inside[above]) - np.median(inside[~above])) if above.any() else 0.0
+    def half_difference(inside: Array) -> float:
+        above = inside > 0.5 * (inside.max() + inside.min())
+        if not above.any():
+            return 0.0
+        return 0.5 * float(np.median(inside[above]) - np.median(inside[~above]))
+
+    binned = {
+        name: np.array(
+            [(half_difference if name == "torque" else np.mean)(values[part]) for part in parts]
         )
-    centres = np.array([time[a : a + n].mean() for a, n in zip(starts, counts, strict=True)])
-    return centres, {"load": means.pop("load"), "torque": np.array(half), **means}, period
+        for name, values in {"time": time, **columns}.items()
+    }
+    return binned.pop("time"), binned, period
 
 
 # Friction coefficients of metal in a bushing, from well lubricated to dry and galled. [1]

@@ -152,17 +152,14 @@ def read_torque_log(
     table = with_clocks(_read_table(path, columns))
     found = _find(table, columns, with_load=load is None)
     used = [column for members in found.values() for column in members]
-    places = {
-        quantity: [n for n, column in enumerate(table.columns) if column in members]
-        for quantity, members in found.items()
-    }
     others = [column.name for column in table.columns if column not in used]
-    table, left_out = leave_out_bad_rows(table, used, skip=skip_bad_rows)
-    by_name = {quantity: [table.columns[n] for n in place] for quantity, place in places.items()}
+    kept, left_out = leave_out_bad_rows(table, used, skip=skip_bad_rows)
+    now = dict(zip(table.columns, kept.columns, strict=True))
+    by_name = {quantity: [now[column] for column in found[quantity]] for quantity in found}
 
     log = xr.Dataset()
     for quantity, members in by_name.items():
-        values, unit = _convert(members, quantity, table, columns)
+        values, unit = _convert(members, quantity, kept, columns)
         if quantity == "time":
             log["time"] = ("time", values[0], {"units": "s"})
         elif quantity == "cells":
@@ -172,7 +169,7 @@ def read_torque_log(
             log[quantity] = ("time", np.mean(values, axis=0), {"units": unit})
     if load is not None:
         log["cells"] = (("cell", "time"), np.full((1, log.sizes["time"]), load), {"units": "N"})
-    _check(log, by_name, table, vector=vector)
+    _check(log, by_name, kept, vector=vector)
     log.attrs["file"] = path.name
     log.attrs["columns"] = ", ".join(
         f"{quantity} from {' and '.join(repr(column.name) for column in members)}"

@@ -259,18 +259,16 @@ def analyse_friction(
         distance = (pairs["time"].values - time[0] - rest) * speed
         pairs["sliding_distance"] = ("time", distance, {"units": "m"})
 
-    values = pairs["friction"].values
+    at, values = pairs["time"].values, pairs["friction"].values
     mean = float(values.mean())
-    of_mean, of_trend = spread_of_line(pairs["time"].values, values)
-    budget = {
-        "scatter": of_mean.std,
-        "torque": mean * torque_std,
-        "load": mean * load_std,
-        "shaft radius": mean * radius_std,
-    }
-    shared = mean * float(np.linalg.norm([torque_std, load_std, radius_std]))
+    of_mean, of_trend = spread_of_line(at, values)
+    trend = np.nan  # two pairs have none
+    if values.size > 2:
+        trend = float(np.polyfit(at, values, 1)[0] * np.ptp(at))
+    shares = {"torque": torque_std, "load": load_std, "shaft radius": radius_std}
+    budget = {"scatter": of_mean.std, **{name: mean * share for name, share in shares.items()}}
+    shared = mean * float(np.linalg.norm([*shares.values()]))
     wide = float(np.hypot(of_mean.wide, _NORMAL * shared))
-    trend = _trend(pairs["time"].values, values)
     return ReversalSeries(
         pairs,
         friction=mean,
@@ -289,57 +287,43 @@ def _pairs(
     time: Array, torque: Array, load: Array, radius: float, found: list[Stretch]
 ) -> xr.Dataset:
     """One value for each two neighbouring stretches of opposite direction."""
-    stretches = [_level(time, torque, load, one, radius) for one in found]
-    pairs = []
-    index = 0
-    while index + 1 < len(stretches):
-        one, other = stretches[index], stretches[index + 1]
-        if one.forward == other.forward:  # what lay between them was too short
-            index += 1
-            continue
-        pairs.append((one, other))
-        index += 2
-    if len(pairs) < 2:
+    levels = np.array([_level(time, torque, load, one, radius) for one in found]).reshape(-1, 5)
+    forward = np.array([one.forward for one in found], dtype=bool)
+    firsts: list[int] = []
+    # neighbours of one direction are no pair: what lay between them was too short
+    for place in np.flatnonzero(np.diff(forward)).tolist():
+        if firsts[-1:] != [place - 1]:
+            firsts.append(place)
+    if len(firsts) < 2:
         raise EnduranceError(
-            f"Expected a torque that reverses at least three times; got {len(stretches)} stretches "
+            f"Expected a torque that reverses at least three times; got {len(found)} stretches "
             "of one direction. Log the torque with its sign, over two reversals of the motor and "
             "back; for a motion of one direction take erlif endurance."
         )
-    half = np.array([0.5 * abs(a.ratio - b.ratio) for a, b in pairs])
-    middle = np.array([0.5 * (a.ratio + b.ratio) for a, b in pairs])
-    scatter = np.array([0.5 * np.hypot(a.std, b.std) for a, b in pairs])
-    at = np.array([0.5 * (a.time + b.time) for a, b in pairs])
-    carried = np.array([0.5 * (a.load + b.load) for a, b in pairs])
-    rested = np.array([a.dwell + b.dwell for a, b in pairs])
+    one, other = levels[firsts], levels[np.add(firsts, 1)]
+    at, middle, _, carried, rested = (0.5 * (one + other)).T
+    apart, difference, *_ = (one - other).T
 
     # a drift of the offset within a pair adds to one direction what it takes from the other
-    apart = np.array([(a.time - b.time) * (1 if a.forward else -1) for a, b in pairs])
-    half -= 0.5 * apart * np.gradient(middle, at)
+    sign = np.where(forward[firsts], 1, -1)
+    half = 0.5 * (np.abs(difference) - sign * apart * np.gradient(middle, at))
     return xr.Dataset(
         {
             "friction": ("time", half, {"units": "1"}),
-            "friction_std": ("time", scatter, {"units": "1"}),
+            "friction_std": ("time", 0.5 * np.hypot(one[:, 2], other[:, 2]), {"units": "1"}),
             "offset": ("time", middle, {"units": "1"}),
             "load": ("time", carried, {"units": "N"}),
-            "dwell": ("time", rested, {"units": "s"}),
+            "dwell": ("time", 2 * rested, {"units": "s"}),
         },
         {"time": ("time", at, {"units": "s"})},
     )
 
 
-@dataclass(frozen=True)
-class _Level:
-    """The torque of a stretch."""
-
-    forward: bool
-    time: float
-    ratio: float  # signed torque over load and radius
-    std: float
-    load: float
-    dwell: float  # s
+_Level = tuple[float, float, float, float, float]
 
 
 def _level(time: Array, torque: Array, load: Array, stretch: Stretch, radius: float) -> _Level:
+    """Mean time, torque over load and radius with its std, load, and dwell of a stretch. [s, N]"""
     inside = stretch.samples
     if np.any(load[inside] <= 0):
         raise EnduranceError(
@@ -349,14 +333,8 @@ def _level(time: Array, torque: Array, load: Array, stretch: Stretch, radius: fl
         )
     ratio = np.asarray(friction_coefficient(torque[inside], load=load[inside], radius=radius))
     interval = (time[stretch.last] - time[stretch.first]) / (stretch.last - stretch.first)
-    return _Level(
-        stretch.forward,
-        float(time[inside].mean()),
-        float(ratio.mean()),
-        _std_of_mean(ratio),
-        float(load[inside].mean()),
-        float(interval * sum(stretch.dwell)),
-    )
+    dwell = interval * sum(stretch.dwell)
+    return time[inside].mean(), ratio.mean(), _std_of_mean(ratio), load[inside].mean(), dwell
 
 
 def _std_of_mean(values: Array) -> float:
@@ -368,14 +346,6 @@ def _std_of_mean(values: Array) -> float:
     for lag in range(1, width):
         variance += 2 * (1 - lag / width) * float(away[lag:] @ away[:-lag]) / size
     return float(np.sqrt(max(variance, 0.0) / size))
-
-
-def _trend(time: Array, values: Array) -> float:
-    """Change from the first to the last value, by a straight line."""
-    if values.size < 3:
-        return float("nan")
-    away = time - time.mean()
-    return float(away @ values / (away @ away) * (time[-1] - time[0]))
 
 
 def describe_friction(found: ReversalSeries, *, torque_ratio: float = 1.0) -> list[str]:

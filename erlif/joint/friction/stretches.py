@@ -275,11 +275,9 @@ def _split(values: Array, half: float) -> tuple[int, int]:
 
 def _require_levels(torque: Array, stretches: list[Stretch]) -> None:
     """Refuse noise: within a direction it scatters nearly as much as the directions differ."""
-    levels = [float(torque[one.samples].mean()) for one in stretches]
-    sides = [
-        [level for level, one in zip(levels, stretches, strict=True) if one.forward == sense]
-        for sense in (True, False)
-    ]
+    levels = np.array([torque[one.samples].mean() for one in stretches])
+    forward = np.array([one.forward for one in stretches], dtype=bool)
+    sides = levels[forward], levels[~forward]
     if min(map(len, sides)) < _FEWEST_LEVELS:
         return
     # friction may change over the log, so that only neighbours are compared

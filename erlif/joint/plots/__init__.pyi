@@ -12,10 +12,7 @@ from .edges import undercut_pressure as undercut_pressure
 from .endurance import designs_figure as designs_figure
 from .endurance import endurance_figure as endurance_figure
 from .endurance import failure_figure as failure_figure
-from .endurance import friction_over_test as friction_over_test
-from .endurance import load_profile as load_profile
 from .endurance import loads_of_designs as loads_of_designs
-from .endurance import name_figures as name_figures
 from .endurance import name_overviews as name_overviews
 from .endurance import quantity_over_test as quantity_over_test
 from .endurance import write_designs_figure as write_designs_figure

@@ -18,7 +18,7 @@ from erlif.joint.endurance import DesignComparison, EnduranceResult, FailureLoad
 from erlif.show.plots import style
 from erlif.show.plots.style import MUTED, OUTWARD, RETURN, TWO_COLUMNS, AnyFigure, Curve, pt, styled
 
-_MINUTE = 60.0
+_MINUTE, _KILO = 60.0, 1e3
 _ROW = 1.15  # inch, height of a panel
 _MARGIN = 0.02  # of the time axis
 _NOTHING = 0.02  # of the highest load: a reading below zero by less is noise
@@ -35,67 +35,24 @@ DESIGNS = "designs.png"
 
 
 @styled
-def load_profile(result: EnduranceResult, *, ax: Axes | None = None) -> list[Artist]:
-    """Draw the load over time with the numbers of the stages. Farzaneh (2002), fig. 4-2.
+def quantity_over_test(
+    result: EnduranceResult, name: str, *, ax: Axes | None = None
+) -> list[Artist]:
+    """Draw one quantity over time, with the onset of galling. Figs. 4-2 to 4-11.
+
+    The load has the numbers of the stages; friction is known within the stages only.
 
     Parameters
     ----------
     result : EnduranceResult
         From `erlif.joint.analyse_endurance`.
-
-    Returns
-    -------
-    list of Artist
-        The line of the load; then, where the test has failed, the mark of the onset.
-
-    Examples
-    --------
-    >>> from erlif.joint.plots.example import example_test
-    >>> line, *_ = load_profile(example_test())
-    >>> line.axes.get_ylabel()
-    'load [kN]'
-    """
-    return quantity_over_test(result, "load", ax=ax)
-
-
-@styled
-def friction_over_test(result: EnduranceResult, *, ax: Axes | None = None) -> list[Artist]:
-    """Draw the friction coefficient over time, with the onset of galling. Figs. 4-4, 4-6 and 4-7.
-
-    Arguments as in `load_profile`.
-
-    Returns
-    -------
-    list of Artist
-        The same for friction, which is known within the stages only.
-
-    Examples
-    --------
-    >>> from erlif.joint.plots.example import example_test
-    >>> line, *_ = friction_over_test(example_test())
-    >>> line.axes.get_ylabel()
-    'friction coefficient'
-    """
-    return quantity_over_test(result, "friction", ax=ax)
-
-
-@styled
-def quantity_over_test(
-    result: EnduranceResult, name: str, *, ax: Axes | None = None
-) -> list[Artist]:
-    """Draw one quantity over time, with the onset of galling. Figs. 4-3 to 4-11.
-
-    Arguments that are not listed are those of `load_profile`.
-
-    Parameters
-    ----------
     name : str
         ``"load"``, ``"torque"``, ``"friction"``, ``"temperature"`` or ``"vibration"``.
 
     Returns
     -------
     list of Artist
-        Line and onset, as those of the load, which has the numbers of the stages in addition.
+        The line; then, where the test has failed, the mark of the onset.
 
     Examples
     --------
@@ -108,12 +65,13 @@ def quantity_over_test(
     if name == "friction":  # without a load it has no meaning
         values = _in_stages(result, name)
     time = result.test["time"].values / _MINUTE
-    line = Curve(time, values / _SCALES.get(name, 1.0), OUTWARD, None, {"width": 0.7})
+    shown = values / _KILO if name == "load" else values
+    line = Curve(time, shown, OUTWARD, None, {"width": 0.7})
     for stage in result.loaded:
         start, end = stage.start / _MINUTE, stage.end / _MINUTE
         ax.axvspan(start, end, color=_LOADS, linewidth=0, zorder=0, label="stage under load")
         if name == "load":
-            above = (0.5 * (start + end), stage.load / _SCALES["load"])
+            above = (0.5 * (start + end), stage.load / _KILO)
             style.write_beside(ax, str(stage.number), above, (0, pt(2)), ha="center")
     marks = _mark_onset(ax, result, _MINUTE)
     # a jump just before the end must not lie on the frame
@@ -141,26 +99,27 @@ def _mark_onset(ax: Axes, result: EnduranceResult, unit: float) -> list[Artist]:
 
 
 def _label(result: EnduranceResult, name: str) -> str:
-    """Label of the axis of a quantity."""
-    if name == "friction":
-        return "friction coefficient"
-    unit = _UNITS.get(name) or result.test[name].attrs.get("units", "1")
-    return name if unit == "1" else f"{name} [{unit}]"
+    """Label of the axis of a quantity; a vibration has the unit of its log."""
+    unit = result.test[name].attrs.get("units", "1")
+    return _LABELS[name] or (name if unit == "1" else f"{name} [{unit}]")
 
-
-_UNITS = {"load": "kN", "torque": "N m", "temperature": "°C"}
-_SCALES = {"load": 1e3}  # of the units in the log
-_PAUSE = "in a pause of the log"
 
 # panels of the figure of all that a test has logged
-_PANELS = ("load", "torque", "friction", "temperature", "vibration")
+_LABELS = {
+    "load": "load [kN]",
+    "torque": "torque [N m]",
+    "friction": "friction coefficient",
+    "temperature": "temperature [°C]",
+    "vibration": "",
+}
+_PAUSE = "in a pause of the log"
 
 
 @styled
 def endurance_figure(result: EnduranceResult, *, figure: AnyFigure | None = None) -> AnyFigure:
     """Draw all that a test has logged, one panel below the other. Figs. 4-3 and 4-10.
 
-    Arguments as in `load_profile`.
+    Arguments as in `quantity_over_test`.
 
     Returns
     -------
@@ -173,7 +132,7 @@ def endurance_figure(result: EnduranceResult, *, figure: AnyFigure | None = None
     >>> len(endurance_figure(example_test()).axes)
     5
     """
-    names = [name for name in _PANELS if name in result.test]
+    names = [name for name in _LABELS if name in result.test]
     figure = style.given_figure(figure, TWO_COLUMNS, _ROW * len(names) + 0.2, text=0.6)
     figure.suptitle(result.name)
     panels = style.rows_or_columns(figure, len(names), sharex=True)
@@ -193,7 +152,7 @@ def failure_figure(result: EnduranceResult, *, figure: AnyFigure | None = None) 
     Parameters
     ----------
     result
-        As for `load_profile`; a test that has failed.
+        As for `quantity_over_test`; a test that has failed.
 
     Returns
     -------
@@ -244,36 +203,6 @@ def failure_figure(result: EnduranceResult, *, figure: AnyFigure | None = None) 
 _FIGURES = ("load", "friction", "temperature")  # of one panel
 
 
-def name_figures(result: EnduranceResult, *, overview: str = "") -> list[str]:
-    """List the files that `write_endurance_figures` writes.
-
-    Parameters
-    ----------
-    result : EnduranceResult
-    overview : str
-        File of all that the test has logged, from `name_overviews`; default: the test's name.
-
-    Returns
-    -------
-    list of str
-        As many as there are figures, the overview first.
-
-    Examples
-    --------
-    >>> from erlif.joint.plots.example import example_test
-    >>> name_figures(example_test(galls=False))
-    ['example.png', 'example_load.png', 'example_friction.png', 'example_temperature.png']
-    """
-    return [overview or f"{result.name}.png"] + [
-        f"{result.name}_{kind}.png" for kind in _kinds(result)
-    ]
-
-
-def _kinds(result: EnduranceResult) -> list[str]:
-    """Figures of a test beside that of all it has logged."""
-    return [name for name in _FIGURES if name in result.test] + ["failure"] * bool(result.onset)
-
-
 def name_overviews(names: Sequence[str]) -> dict[str, str]:
     """Name the figures of all that each of several tests has logged.
 
@@ -307,12 +236,14 @@ def name_overviews(names: Sequence[str]) -> dict[str, str]:
 def write_endurance_figures(
     result: EnduranceResult, folder: Path, *, overview: str = ""
 ) -> list[Path]:
-    """Write the figures of a test. Arguments that are not listed are those of `name_figures`.
+    """Write the figures of a test.
 
     Parameters
     ----------
     result : EnduranceResult
     folder : Path
+    overview : str
+        File of all that the test has logged, from `name_overviews`; default: the test's name.
 
     Returns
     -------
@@ -326,19 +257,18 @@ def write_endurance_figures(
     'write_endurance_figures'
     """
     with style.in_style(None):
-        figures = [endurance_figure(result), *(_one_panel(result, k) for k in _kinds(result))]
-        names = name_figures(result, overview=overview)
-        return [
-            style.save_figure(figure, folder / name)
-            for figure, name in zip(figures, names, strict=True)
-        ]
+        figures = {overview or f"{result.name}.png": endurance_figure(result)}
+        for name in _FIGURES:
+            if name in result.test:
+                figures[f"{result.name}_{name}.png"] = _one_panel(result, name)
+        if result.onset is not None:
+            figures[f"{result.name}_failure.png"] = failure_figure(result)
+        return [style.save_figure(figure, folder / name) for name, figure in figures.items()]
 
 
 @styled
 def _one_panel(result: EnduranceResult, kind: str) -> AnyFigure:
     """A quantity over the time of the test; friction twice, so that its running-in is seen."""
-    if kind == "failure":
-        return failure_figure(result)
     onset = result.onset if kind == "friction" else None
     count = 1 if onset is None else 2
     figure = style.new_figure(height=_ROW * (1.2 + count), text=0.4)

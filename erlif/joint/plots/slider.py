@@ -93,13 +93,8 @@ def joint_wear(worn: xr.Dataset, *, ax: Axes | None = None) -> list[Line2D]:
     if np.any(worn.pin_depth.values[-1] > 0):
         curves.append(Curve(degrees, 1e3 * worn.pin_depth.values[-1], RETURN, "pin"))
     labels = "place on the bushing, 0 in tension [°]", "worn depth [mm]"
-    limits: dict[str, Any] = {
-        "xlim": (-180, 180),
-        "xticks": range(-180, 181, 90),
-        "ylim": (0, None),
-    }
-    limits["xticks"] = range(-180, 181, 90)
-    return style.draw_curves(style.given_or_new(ax), curves, *labels, **limits)
+    limits: dict[str, Any] = {"xlim": (-180, 180), "xticks": range(-180, 181, 90)}
+    return style.draw_curves(style.given_or_new(ax), curves, *labels, ylim=(0, None), **limits)
 
 
 @styled

@@ -8,11 +8,11 @@ from typing import NamedTuple
 
 from erlif.core.tables import read_table
 from erlif.core.units import count_of
-from erlif.joint.sizing import ROUNDING, BearingDesign, Material, Step
+from erlif.joint.sizing import DIMENSIONS, ROUNDING, BearingDesign, Material, Step
 from erlif.show.report.layout import print_columns, render_text
 
-# What tables name: titles, columns and their order.
-TABLES = read_table("erlif.joint.report", "tables.toml")
+# The numbers of a joint: the names of its dimensions, the titles of what it is designed for.
+NUMBERS = read_table("erlif.joint.sizing", "quantities.toml")["joint"]
 
 _ASSUMED = ": assumption"  # as the table of materials writes it
 _SMALL = 0.01
@@ -126,8 +126,8 @@ def verdict(design: BearingDesign) -> Verdict:
 def name_materials(design: BearingDesign) -> dict[str, str]:
     """Materials of the parts; those that were not given are marked."""
     return {
-        part: getattr(design.joint, part).name + " (assumed)" * (part in design.assumed)
-        for part in ("pin", "bushing", "seat", "housing")
+        part: material.name + " (assumed)" * (part in design.assumed)
+        for part, material in design.joint.parts.items()
     }
 
 
@@ -188,11 +188,11 @@ def within(step: Step) -> str:
 def dimensions(design: BearingDesign) -> list[tuple[str, str, str]]:
     """Name of each dimension, its value with unit, and whether it was chosen or given."""
     rows = []
-    for name, title in TABLES["dimensions"].items():
+    for name in DIMENSIONS:
         value = float(getattr(design.joint, name))
         digits = 5 if value >= 1e-3 else 3
         text = f"{value * 1e6:.4g} um" if name == "play" else f"{value * 1e3:.{digits}g} mm"
-        rows.append((title, text, "chosen" if name in design.chosen else "given"))
+        rows.append((NUMBERS[name]["name"], text, "chosen" if name in design.chosen else "given"))
     return rows
 
 
@@ -204,12 +204,11 @@ def dimension_title(design: BearingDesign) -> str:
 
 def assumed_values(design: BearingDesign) -> list[tuple[str, str]]:
     """Materials of the joint with those of their values for which no source was at hand."""
-    joint = design.joint
-    parts = {part.name: part for part in (joint.pin, joint.bushing, joint.seat, joint.housing)}
+    materials = {material.name: material for material in design.joint.parts.values()}
     return [
         (name, clause.removesuffix(_ASSUMED))
-        for name, part in parts.items()
-        for clause in part.source.split("; ")
+        for name, material in materials.items()
+        for clause in material.source.split("; ")
         if clause.endswith(_ASSUMED)
     ]
 

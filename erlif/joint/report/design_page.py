@@ -119,9 +119,9 @@ def make_design_page(design: BearingDesign) -> str:
 def _result(design: BearingDesign) -> Markup:
     found, joint = words.verdict(design), design.joint
     given: list[tuple[str, str]] = [
-        (one["title"], _signs(f"{words.plain(value * one.get('scale', 1))}{one.get('unit', '')}"))
-        for name, one in words.TABLES["inputs"].items()
-        if (value := getattr(joint, name)) is not None
+        (one["title"], _signs(f"{words.plain(value * one.get('scale', 1))}{one.get('shown', '')}"))
+        for name, one in words.NUMBERS.items()
+        if "title" in one and (value := getattr(joint, name)) is not None
     ]
     if joint.bushing.wear is not None:
         own = ", your own" if "wear rate of the bushing" in design.own else ""
@@ -177,17 +177,23 @@ def _state(step: Step) -> str:
 
 def _steps_csv(steps: Sequence[Step]) -> str:
     """The steps for other programs; a limit that is none is empty."""
-    columns: dict[str, list[object]] = {title: [] for title in words.TABLES["columns"]["steps"]}
-    for step in steps:
-        numbers = (step.present, *step.allowed, step.margin)
-        row = (
+    titles = (
+        *("step", "title", "source", "kind", "quantity", "unit"),
+        *("present", "least", "most", "margin"),
+        *("valid", "state", "validity", "missing"),
+    )
+    rows = [
+        (
             *(step.key, step.title, step.equation, step.kind, step.quantity, step.unit),
-            *(number if math.isfinite(number) else None for number in numbers),
+            *(
+                number if math.isfinite(number) else None
+                for number in (step.present, *step.allowed, step.margin)
+            ),
             *(str(step.valid).lower(), step.state, step.validity, step.missing),
         )
-        for column, cell in zip(columns.values(), row, strict=True):
-            column.append(cell)
-    return table_csv(columns, digits=9)
+        for step in steps
+    ]
+    return table_csv(dict(zip(titles, zip(*rows, strict=True), strict=True)), digits=9)
 
 
 def _figures(design: BearingDesign) -> list[layout.PageFigure]:
@@ -252,11 +258,10 @@ def _substitutes(design: BearingDesign) -> Markup:
 
 
 def _materials(design: BearingDesign) -> Markup:
-    joint = design.joint
-    parts = {"Pin": joint.pin, "Bushing": joint.bushing, "Seats": joint.seat}
-    parts["Housing"] = joint.housing
-    if joint.lock is not None:
-        parts["Lock plate"] = joint.lock.plate
+    lock, titles = design.joint.lock, ("Pin", "Bushing", "Seats", "Housing")
+    parts = dict(zip(titles, design.joint.parts.values(), strict=True))
+    if lock is not None:
+        parts["Lock plate"] = lock.plate
     rows = []
     for part, one in parts.items():
         strength = words.scaled(one.yield_stress, 1e6, ""), words.hardness_range(one)
@@ -265,7 +270,8 @@ def _materials(design: BearingDesign) -> Markup:
         rows.append((part, one.name, *strength, *numbers))
     # one material may serve several parts
     sources = {one.name: one.source for one in parts.values()}
-    table = layout.PageTable(rows, words.TABLES["columns"]["materials"], numbers=range(2, 7))
+    elastic = ("Yield [MPa]", "Hardness [HB]", "E [GPa]", "λ [W/(m K)]", "α [10⁻⁶/K]")
+    table = layout.PageTable(rows, ("Part", "Material", *elastic), numbers=range(2, 7))
     return _render("materials", rows=table, sources=sources.items())
 
 

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import math
 
-from erlif.core.tables import read_table
 from erlif.joint.models.linkage import LinkageDesign, Synthesis, link_sensitivity
 from erlif.show.report.layout import print_columns
 
-_COLUMNS = read_table("erlif.joint.report", "tables.toml")["columns"]
-
-# Columns of links and motion, which stand before those of transmission and space.
-_MOTION = 8
+# Titles and units of the columns: links and motion, then transmission and space.
+_MOTION = (
+    ("crank", "coupler", "rocker", "ground", "crank speed", "swing", "ratio", "time ratio"),
+    ("mm", "mm", "mm", "mm", "rpm", "deg", "", ""),
+)
+_SPACE = (("slower", "transmission", "space"), ("stroke", "deg", "mm"))
 
 
 def summarise_linkages(found: Synthesis) -> str:
@@ -37,12 +38,12 @@ def summarise_linkages(found: Synthesis) -> str:
     """
     # without a solution the nearest linkage stands in the table
     designs = found.designs or (() if found.nearest is None else (found.nearest,))
-    heads = (_COLUMNS[name] for name in ("linkages", "units_of_linkages"))
-    rows = [*heads, *(_cells(design) for design in designs)]
+    rows = [_cells(design) for design in designs]
+    count = len(_MOTION[0])
     blocks = [
         [found.statement],
-        [print_columns([row[:_MOTION] for row in rows], ">>>>>>>>")],
-        [print_columns([row[_MOTION:] for row in rows], ">>>")],
+        [print_columns([*_MOTION, *(row[:count] for row in rows)], ">>>>>>>>")],
+        [print_columns([*_SPACE, *(row[count:] for row in rows)], ">>>")],
         _broken(found.designs),
         _tolerances(designs[0]),
     ]

@@ -18,7 +18,7 @@ from erlif.core.units import Quantity
 from erlif.io.settings import settings_of, to_toml, write_example
 from erlif.joint.settings import DesignSettings, LockOfJoint, PartOfJoint, read_design_settings
 from erlif.joint.sizing.assessment import Assessment, assess_joint
-from erlif.joint.sizing.joint import DIMENSIONS, Joint, Lock, dimensions_of
+from erlif.joint.sizing.joint import DIMENSIONS, PARTS, Joint, Lock, dimensions_of
 from erlif.joint.sizing.materials import Material, read_materials
 from erlif.joint.sizing.practice import practice_notes, unchecked
 from erlif.joint.sizing.sensitivity import Sensitivity, Substitute, sensitivities, substitutes
@@ -246,10 +246,7 @@ def joint_of(settings: DesignSettings, folder: Path) -> Joint:
         if (value := getattr(getattr(settings, table), key, None)) is not None
     }
     _require_known(settings, materials)
-    parts = {
-        part: _material(getattr(settings, part), materials)
-        for part in ("pin", "bushing", "seat", "housing")
-    }
+    parts = {part: _material(getattr(settings, part), materials) for part in PARTS}
     lock = None if settings.lock is None else _lock(settings.lock, materials)
     return Joint(**numbers, **parts, lock=lock)  # type: ignore[arg-type]
 
@@ -269,7 +266,7 @@ def _materials(settings: DesignSettings, folder: Path) -> Mapping[str, Material]
 def _require_known(settings: DesignSettings, materials: Mapping[str, Material]) -> None:
     """Refuse materials that are not in the table, all at once."""
     faults = []
-    for table in ("pin", "bushing", "seat", "housing", "lock"):
+    for table in (*PARTS, "lock"):
         name = getattr(getattr(settings, table), "material", "")
         if name and name not in materials:
             near = difflib.get_close_matches(name, materials, n=3, cutoff=0.4)
@@ -305,7 +302,7 @@ def _own_values(settings: DesignSettings) -> Iterator[str]:
     """Names of the properties that joint.toml gives, of the parts with a material of the table."""
     numbers = read_table("erlif.joint.sizing", "quantities.toml")["material"].values()
     names = {one["place"]: one.get("name", one["place"]) for one in numbers if "place" in one}
-    for part in ("pin", "bushing", "seat", "housing", "lock"):
+    for part in (*PARTS, "lock"):
         table = getattr(settings, part)
         for key, name in names.items():
             if table is not None and table.material and getattr(table, key, None) is not None:
@@ -336,25 +333,17 @@ def sized_settings(settings: DesignSettings, joint: Joint) -> DesignSettings:
     >>> sized_settings(settings, sized).pin.diameter.text
     '31.5 mm'
     """
+    lengths = {_places()[name]: getattr(joint, name) for name in DIMENSIONS}
     changed: dict[str, dict[str, Any]] = {}
-    for name in DIMENSIONS:
-        table, key = _places()[name]
-        if getattr(getattr(settings, table), key) is None:
-            changed.setdefault(table, {})[key] = _millimetres(getattr(joint, name))
-    if settings.lock is not None and joint.lock is not None:
-        lock = changed.setdefault("lock", {})
-        for key in _LOCK_LENGTHS:
-            value = getattr(joint.lock, key)
-            if getattr(settings.lock, key) is None and value is not None:
-                lock[key] = _millimetres(value)
-        lock["weld"] = joint.lock.weld
+    if joint.lock is not None:
+        lengths |= {("lock", key): getattr(joint.lock, key) for key in _LOCK_LENGTHS}
+        changed["lock"] = {"weld": joint.lock.weld}
+    for (table, key), length in lengths.items():
+        if getattr(getattr(settings, table), key) is None and length is not None:
+            # with all its digits
+            text = f"{length * 1e3:.12g} mm"
+            changed.setdefault(table, {})[key] = Quantity(length, text)
     tables = {
         table: getattr(settings, table).model_copy(update=keys) for table, keys in changed.items()
     }
     return settings.model_copy(update=tables)
-
-
-def _millimetres(length: float) -> Quantity:
-    """A length as it is written into joint.toml, with all its digits."""
-    text = f"{length * 1e3:.12g} mm"
-    return Quantity(length, text)

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 
 from erlif.joint.models.bearing import RECOMMENDED_HOUSING, RECOMMENDED_PLAY, least_eyebar_diameter
-from erlif.joint.sizing.heat import missing_motion, name_missing
-from erlif.joint.sizing.joint import Dimensions, known
+from erlif.joint.sizing.heat import name_missing
+from erlif.joint.sizing.joint import known
 from erlif.joint.sizing.state import JointState
 from erlif.joint.sizing.steps import Result
 
@@ -74,31 +74,21 @@ def _missing_for_fit(state: JointState, strength: str = "") -> str:
     return strength + "youngs_modulus and poissons_ratio of [bushing] and [housing]"
 
 
-def _pressed_bushing(size: Dimensions, pressure: float) -> tuple[float, float]:
-    """Von Mises stress and hoop stress at the bore of the bushing. [Pa]"""
-    stress = 2 * pressure / (1 - (size.pin / size.fit) ** 2)
-    return stress, -stress
-
-
-def _pressed_housing(size: Dimensions, pressure: float) -> tuple[float, float]:
-    """Von Mises stress and hoop stress at the bore of the housing. [Pa]"""
-    outer, inner = size.housing**2, size.fit**2
-    hoop = pressure * (outer + inner) / (outer - inner)
-    return math.sqrt(hoop**2 + hoop * pressure + pressure**2), hoop  # the radial stress is -p
-
-
-_STRESSES = {"bushing": _pressed_bushing, "housing": _pressed_housing}
-
-
 def pressed(state: JointState, part: str) -> Result | None:
-    """A stress of the press fit, which is in proportion to the interference."""
-    joint, pressure = state.joint, state.fit_pressure
+    """Stress at the bore of a pressed part, which is in proportion to the interference. Lame."""
+    joint, size, pressure = state.joint, state.size, state.fit_pressure
     if joint.interference <= 0:
         return None
     strength = known(getattr(joint, part).yield_stress)
     if math.isnan(strength + pressure):
         return Result(missing=_missing_for_fit(state, f"yield_stress of [{part}]; "))
-    stress, hoop = _STRESSES[part](state.size, pressure)
+
+    # the bore of the bushing is free, that of the housing carries the pressure
+    hoop, radial = -2 * pressure / (1 - (size.pin / size.fit) ** 2), 0.0
+    if part == "housing":
+        outer, inner = size.housing**2, size.fit**2
+        hoop, radial = pressure * (outer + inner) / (outer - inner), -pressure
+    stress = math.sqrt(hoop**2 - hoop * radial + radial**2)
     most = joint.interference * strength / stress if stress > 0 else math.inf
     return Result(
         stress / 1e6,
@@ -116,7 +106,7 @@ def _doubt_about_fit(state: JointState) -> str:
     """State why the loss of play by the press fit is uncertain; empty without a reason."""
     if math.isnan(state.displacement):
         return "; without what the press fit takes, which is not known"
-    stresses = (pressed(state, part) for part in _STRESSES)
+    stresses = (pressed(state, part) for part in ("bushing", "housing"))
     yields = any(stress is not None and stress.share < 0 for stress in stresses)
     return "; elastic, though the press fit yields" if yields else ""
 
@@ -139,16 +129,6 @@ def relative_play(state: JointState) -> Result:
     )
 
 
-# Properties of the parts by which warm parts grow.
-_GROWTH = (
-    ("pin", "conductivity"),
-    ("bushing", "conductivity"),
-    ("pin", "expansion"),
-    ("bushing", "expansion"),
-    ("housing", "expansion"),
-)
-
-
 def warm_play(state: JointState) -> Result:
     """Eq. 30."""
     joint, loss, play, size = state.joint, state.growth_loss, state.play, state.size
@@ -169,13 +149,14 @@ def warm_play(state: JointState) -> Result:
         valid=not doubts,
         variant="at_rest" if at_rest else "",
         missing=name_missing(
+            joint,
             {
-                **missing_motion(joint),
-                **{
-                    f"{key} of [{part}]": getattr(getattr(joint, part), key)
-                    for part, key in _GROWTH
-                },
-            }
+                "conductivity of [pin]": joint.pin.conductivity,
+                "conductivity of [bushing]": joint.bushing.conductivity,
+                "expansion of [pin]": joint.pin.expansion,
+                "expansion of [bushing]": joint.bushing.expansion,
+                "expansion of [housing]": joint.housing.expansion,
+            },
         ),
         values={"doubts": doubts, "least": (size.play - warm) * 1e6, "loss": loss * 1e6},
     )

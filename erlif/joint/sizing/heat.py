@@ -17,21 +17,18 @@ FRICTION = (0.1, 0.8)
 LARGEST_ROUGHNESS = 1e-6
 
 
-def missing_motion(joint: Joint) -> dict[str, float | None]:
-    """The motion of a joint by its place in joint.toml."""
-    moves = joint.half_swing is not None and joint.period is not None
-    return {"[motion] half_swing and period": joint.half_swing if moves else None}
-
-
-def name_missing(values: Mapping[str, float | None]) -> str:
-    """List what is not given, by its place in joint.toml.
+def name_missing(joint: Joint, values: Mapping[str, float | None]) -> str:
+    """List what is not given of the motion and of further values, by its place in joint.toml.
 
     Examples
     --------
-    >>> name_missing({"[life] time": 3.6e6, "wear of [bushing]": None})
+    >>> from erlif.joint.sizing.design import example_joint
+    >>> name_missing(example_joint(), {"[life] time": 3.6e6, "wear of [bushing]": None})
     'wear of [bushing]'
     """
-    return ", ".join(place for place, value in values.items() if value is None)
+    moves = joint.half_swing is not None and joint.period is not None
+    places = {"[motion] half_swing and period": joint.half_swing if moves else None, **values}
+    return ", ".join(place for place, value in places.items() if value is None)
 
 
 def speed(state: JointState) -> Result:
@@ -83,11 +80,11 @@ def temperature(state: JointState) -> Result:
         valid=not doubt,
         variant="hot_outside" if limit <= outside else "",
         missing=name_missing(
+            joint,
             {
-                **missing_motion(joint),
                 "conductivity of [pin]": joint.pin.conductivity,
                 "conductivity of [bushing]": joint.bushing.conductivity,
-            }
+            },
         ),
         values={
             "outside": outside,
@@ -126,11 +123,11 @@ def wear(state: JointState) -> Result:
         depth * 1e3,
         most=most * 1e3,
         missing=name_missing(
+            joint,
             {
-                **missing_motion(joint),
                 "[life] time": joint.life,
                 "wear of [bushing], from a test of the pair": joint.bushing.wear,
-            }
+            },
         ),
         values={
             "distance": distance / 1e3,

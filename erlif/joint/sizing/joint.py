@@ -15,7 +15,8 @@ from erlif.joint.models.wear import mean_sliding_speed
 from erlif.joint.sizing.materials import Material
 from erlif.models import arguments
 
-_PARTS = {"pin": "pin", "bushing": "bushing", "seat": "seats", "housing": "housing"}
+# Parts of a joint, and what they are called.
+PARTS = {"pin": "pin", "bushing": "bushing", "seat": "seats", "housing": "housing"}
 
 
 def known(value: float | None, otherwise: float = math.nan) -> float:
@@ -176,6 +177,11 @@ class Joint:
     lock: Lock | None = None
 
     @property
+    def parts(self) -> dict[str, Material]:
+        """The materials by their part."""
+        return {part: getattr(self, part) for part in PARTS}
+
+    @property
     def moving_force(self) -> float:
         """Load in motion. [N]"""
         return known(self.mean_force, self.force)
@@ -323,7 +329,7 @@ def numbers_of(joint: Joint) -> Iterator[Number]:
     places: list[tuple[tuple[str, ...], str, str]] = [((), "joint", "")]
     if joint.lock is not None:
         places += [(("lock",), "lock", ""), (("lock", "plate"), "plate", " of the plate")]
-    places += [((part,), "material", f" of the {title}") for part, title in _PARTS.items()]
+    places += [((part,), "material", f" of the {title}") for part, title in PARTS.items()]
     for place, group, owner in places:
         table = reduce(getattr, place, joint)
         for field, known in read_table("erlif.joint.sizing", "quantities.toml")[group].items():

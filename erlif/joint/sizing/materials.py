@@ -170,23 +170,20 @@ def _merge(known: dict[str, Material], path: Path) -> dict[str, Material]:
 
 
 def _read_row(cells: dict[str, str], known: dict[str, Material], where: str) -> Material:
-    name = cells.pop("name")
+    name, use = cells["name"], cells.get("use", "")
     if not name:
         raise ConfigError(
             f"Expected the name of a material in {where}; got an empty cell. Give it one."
         )
-    use = cells.pop("use", "")
     if use not in ("", *USES):
         raise ConfigError(
             f"Expected one of {', '.join(USES)} as use in {where}; got {use!r}. Write one of them."
         )
 
-    changed: dict[str, Any] = {"use": use} if use else {}
-    if source := cells.pop("source", ""):
-        changed["source"] = source
-    for title, cell in cells.items():
-        if cell:
-            changed[_columns()[title]["field"]] = _read_cell(cell, title, where)
+    changed: dict[str, Any] = {key: cells[key] for key in ("use", "source") if cells.get(key)}
+    for title, column in _columns().items():
+        if cell := cells.get(title):
+            changed[column["field"]] = _read_cell(cell, title, where)
     material = replace(known.get(name, Material(name)), **changed)
     low, high = material.hardness_low or 0.0, material.hardness_high or math.inf
     if low > high:

@@ -197,10 +197,10 @@ def round_up(length: float, series: Series) -> float:
     numbers = _R40[:: {"R10": 4, "R20": 2, "R40": 1}[series]]
     millimetres = length * 1e3
     decade = math.floor(math.log10(millimetres))
-    for power in (decade - 1, decade, decade + 1):
-        for number in numbers:
-            # the decimal number of the series, without the rounding of a product
-            candidate = float(f"{number:g}e{power}")
-            if candidate >= millimetres * (1 - _TOLERANCE):
-                return float(f"{number:g}e{power - 3}")
-    return length
+    # the decimal numbers of the series, without the rounding of a product
+    return next(
+        float(f"{number:g}e{power - 3}")
+        for power in (decade, decade + 1)
+        for number in numbers
+        if float(f"{number:g}e{power}") >= millimetres * (1 - _TOLERANCE)
+    )

@@ -58,11 +58,6 @@ class Substitute:
         return next((step for step in self.assessment.limits if step.key in _SURFACE), None)
 
     @property
-    def missing(self) -> tuple[Step, ...]:
-        """The limits of the sliding surface that could not be computed."""
-        return tuple(step for step in self.assessment.missing if step.key in _SURFACE)
-
-    @property
     def unknown(self) -> tuple[Step, ...]:
         """The limits of the sliding surface that the table does not have for this material."""
         return tuple(

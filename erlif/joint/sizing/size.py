@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 import warnings
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
@@ -22,10 +22,8 @@ from erlif.joint.models.bearing import (
     RECOMMENDED_HOUSING,
     RECOMMENDED_PLAY,
     RECOMMENDED_WIDTH,
-    least_eyebar_diameter,
-    least_seat_width,
 )
-from erlif.joint.sizing import pin, pressure
+from erlif.joint.sizing import fit, pin, pressure
 from erlif.joint.sizing.assessment import EQUATIONS
 from erlif.joint.sizing.joint import DIMENSIONS, Joint, known, warn_of_units
 from erlif.joint.sizing.lock import size_lock
@@ -96,15 +94,18 @@ def size_joint(joint: Joint, *, series: Series = "none") -> Joint:
     with warnings.catch_warnings():
         # unusual joints are reported by their margins
         warnings.simplefilter("ignore", UnitWarning)
-        return _size(joint, series)
+        sized = _size(joint, series)
+        if sized.lock is not None:
+            sized = replace(sized, lock=size_lock(sized, sized.lock, series=series))
+    return sized
 
 
 def _size(joint: Joint, series: Series) -> Joint:
-    """Choose all open dimensions of a joint and of its lock."""
+    """Choose all open dimensions of a joint but those of its lock."""
     # play that growth needs makes a narrower contact, which may need a wider bushing
     relative = RECOMMENDED_PLAY[0] * 1e-3
     for _ in range(_ROUNDS):
-        sized = _size_with_play(joint, relative, series)
+        sized = _Choice(joint, series, relative).sized()
         if joint.play is not None:
             break
         state = JointState(sized)
@@ -114,172 +115,10 @@ def _size(joint: Joint, series: Series) -> Joint:
         play = np.fmax(state.growth_loss, least)
         if not play > relative * d * (1 + 1e-9):
             play = max(state.least_play, least - state.gain)
-            sized = replace(sized, play=_round_play(play, series))
-            break
+            whole = play if series == "none" else math.ceil(play * 1e6 - 1e-6) / 1e6
+            return replace(sized, play=whole)
         relative = float(play / d)
-    if sized.lock is not None:
-        sized = replace(sized, lock=size_lock(sized, sized.lock, series=series))
     return sized
-
-
-def _round_play(play: float, series: Series) -> float:
-    return play if series == "none" else math.ceil(play * 1e6 - 1e-6) / 1e6
-
-
-def _size_with_play(joint: Joint, relative: float, series: Series) -> Joint:
-    """Choose the open dimensions but the lock; an open play is a share of the diameter."""
-    d, w = _pin_and_width(joint, relative, series)
-    wall = _wall(joint, d, series)
-    seat = joint.seat_width
-    if seat is None:
-        hardness, least = joint.seat.hardness, w / 2
-        if hardness is not None:
-            least = least_seat_width(
-                joint.force, diameter=d, hardness=hardness, safety=joint.safety
-            )
-        practical = SMALLEST_MADE if series == "none" else max(SMALLEST_MADE, NARROW_SEAT * d)
-        seat = round_up(max(least, practical), series)
-
-    housing, bore = joint.housing_diameter, d + 2 * wall
-    if housing is None:
-        low, high = RECOMMENDED_HOUSING
-        strength, least = joint.housing.yield_stress, low * bore
-        if strength is not None:
-            eye = least_eyebar_diameter(
-                joint.force, bore=bore, width=w, yield_stress=strength, safety=joint.safety
-            )
-            least = max(least, eye)
-        housing = round_up(least, series) if math.isfinite(least) else high * bore
-    play = relative * d if joint.play is None else joint.play
-    sizes: dict[str, Any] = dict(zip(DIMENSIONS, (d, w, wall, seat, housing, play), strict=True))
-    return replace(joint, **sizes)
-
-
-def _wall(joint: Joint, diameter: float, series: Series) -> float:
-    return round_up(WALL * diameter, series) if joint.wall is None else joint.wall
-
-
-def _pin_and_width(joint: Joint, relative: float, series: Series) -> tuple[float, float]:
-    """Diameter of the pin and width of the bushing."""
-    d, w = joint.pin_diameter, joint.bushing_width
-    if d is not None:
-        return d, w if w is not None else _round_width(joint, d, relative, series)
-
-    # the recommended proportion is kept where the limits leave it
-    for keep_ratio in (True, False):
-        least = _least_pin(joint, w, relative, series, keep_ratio)
-        if least is not None:
-            break
-    else:
-        return _fallback(joint, w, series)
-    if series == "none":
-        return least, w if w is not None else _round_width(joint, least, relative, series)
-
-    # a rounded width bends the pin more, so the next diameter may be needed
-    candidate = _round_pin(joint, least, series)
-    tried: list[tuple[float, float]] = []
-    while len(tried) < _CANDIDATES and candidate not in dict(tried):
-        width = w if w is not None else _round_width(joint, candidate, relative, series)
-        if _is_enough(joint, candidate, width, relative, series, keep_ratio=False):
-            return candidate, width
-        tried.append((candidate, width))
-        candidate = _round_pin(joint, candidate * 1.001, series)
-    return tried[0]
-
-
-def _round_pin(joint: Joint, diameter: float, series: Series) -> float:
-    """The next preferred diameter, up to the largest one."""
-    return min(round_up(diameter, series), known(joint.largest_diameter, math.inf))
-
-
-def _least_pin(
-    joint: Joint, width: float | None, relative: float, series: Series, keep_ratio: bool
-) -> float | None:
-    """Smallest pin diameter that satisfies all limits; None if there is none. [m]"""
-
-    def enough(log_diameter: float) -> bool:
-        return _is_enough(joint, math.exp(log_diameter), width, relative, series, keep_ratio)
-
-    low, high = math.log(_SMALLEST), math.log(known(joint.largest_diameter, _LARGEST))
-    if not enough(high):
-        # a given width takes up only so much heat, a given housing only so thick a pin
-        if width is None and joint.housing_diameter is None:
-            return None
-        step = (high - low) / _LADDER
-        rung = next((n for n in range(1, _LADDER) if enough(low + n * step)), None)
-        if rung is None:
-            return None
-        low, high = low + (rung - 1) * step, low + rung * step
-
-    for _ in range(_HALVINGS):
-        middle = (low + high) / 2
-        low, high = (low, middle) if enough(middle) else (middle, high)
-    return math.exp(high)
-
-
-def _round_width(joint: Joint, diameter: float, relative: float, series: Series) -> float:
-    """Minimum bushing width, rounded to the series; a usual one if no width is enough. [m]"""
-    wall = _wall(joint, diameter, series)
-    low, high = (ratio * diameter for ratio in RECOMMENDED_WIDTH)
-    least = max(_least_width(joint, diameter, wall, relative), low)
-    width = round_up(least if math.isfinite(least) else WIDTH * diameter, series)
-    # rounding does not leave the recommended proportion
-    return round(high, 9) if least <= high < width else width
-
-
-def _fallback(joint: Joint, width: float | None, series: Series) -> tuple[float, float]:
-    """Pin diameter by strength alone, and the usual width of the bushing. [m]"""
-    d = _SMALLEST
-    while not _is_strong(joint, d, width or WIDTH * d) and d < _LARGEST:
-        d *= 1.01
-    d = _round_pin(joint, d, series)
-    return d, width if width is not None else round_up(WIDTH * d, series)
-
-
-def _is_enough(
-    joint: Joint,
-    diameter: float,
-    width: float | None,
-    relative: float,
-    series: Series,
-    keep_ratio: bool,
-) -> bool:
-    """Whether all limits hold on a pin, with the given or the minimum width."""
-    wall = _wall(joint, diameter, series)
-    least = _least_width(joint, diameter, wall, relative)
-    if width is not None:
-        if least > width * (1 + 1e-12):
-            return False
-        w = width
-    else:
-        w = max(least, RECOMMENDED_WIDTH[0] * diameter)
-    if not math.isfinite(w) or (keep_ratio and w > RECOMMENDED_WIDTH[1] * diameter):
-        return False
-    return _is_strong(joint, diameter, w)
-
-
-def _is_strong(joint: Joint, diameter: float, width: float) -> bool:
-    """Whether a pin holds in shear and in bending. Eqs. 1, 2 and 4."""
-    if joint.hole_diameter > LARGEST_HOLE_RATIO * diameter:
-        return False
-    state = _trial(joint, diameter, width, wall=0.0, play=0.0)
-    return not any(limit(state).share < 0 for limit in (pin.shear, pin.bending))
-
-
-def _trial(joint: Joint, diameter: float, width: float, *, wall: float, play: float) -> JointState:
-    """A joint with a pin and a bushing that are tried, and their assembled play."""
-    return JointState(
-        replace(
-            joint,
-            pin_diameter=diameter,
-            bushing_width=width,
-            wall=wall,
-            seat_width=width,
-            housing_diameter=joint.housing_diameter or joint.eye_ratio * (diameter + 2 * wall),
-            play=play,
-            interference=0.0,
-        )
-    )
 
 
 # Limits whose present value is in proportion to 1 over the width of the bushing.
@@ -294,30 +133,155 @@ _BY_WIDTH = (
 )
 
 
-def _least_width(joint: Joint, diameter: float, wall: float, relative: float) -> float:
-    """Minimum width for the limits of the sliding surface; infinite if none is enough. [m]"""
-    play = relative * diameter if joint.play is None else joint.play
-    trial = partial(_trial, joint, diameter, wall=wall, play=play)
-    state, least = trial(diameter), 0.0
-    if state.size.housing <= state.size.fit:
-        return math.inf
-    for key in _BY_WIDTH:
-        if key == "temperature" and state.temperature_limit <= joint.outside_temperature:
-            continue  # no width helps
-        result = EQUATIONS[key](state)
-        if result is not None and not math.isnan(result.share):
-            # the margin is known at one width, and so is the width at which it is 0
-            least = max(least, diameter / (1 + result.share) if result.share > -1 else math.inf)
+@dataclass(frozen=True)
+class _Choice:
+    """Sizes of a joint for one series, an open play being a share `relative` of the diameter."""
 
-    def margin_of_peak(log_width: float) -> float:
-        return pressure.peak(trial(math.exp(log_width))).share
+    joint: Joint
+    series: Series
+    relative: float
 
-    if not 0 < least < math.inf or not margin_of_peak(math.log(least)) < 0:
-        return least
-    low, high = math.log(least), math.log(least) + _WIDEST
-    if margin_of_peak(high) < 0:
-        return math.inf
+    def sized(self) -> Joint:
+        """The joint with all dimensions."""
+        joint, (d, w) = self.joint, self.pin_and_width()
+        wall = self.wall(d)
+        state = self.trial(d, w, wall=wall)
 
-    from scipy.optimize import brentq  # rarely needed, and slow to load
+        # the least sizes of both are NaN where a strength is not known
+        seat, housing, bore = joint.seat_width, joint.housing_diameter, state.size.fit
+        if seat is None:
+            least = 1e-3 * float(pin.seat_edge(state).values["least"])
+            practical = 0.0 if self.series == "none" else NARROW_SEAT * d
+            enough = w / 2 if math.isnan(least) else least
+            seat = round_up(max(enough, SMALLEST_MADE, practical), self.series)
+        if housing is None:
+            low, high = RECOMMENDED_HOUSING
+            eye = 1e-3 * float(fit.eye(state).values["least"])
+            least = float(np.fmax(low * bore, eye))
+            housing = round_up(least, self.series) if math.isfinite(least) else high * bore
+        sizes = (d, w, wall, seat, housing, self.play(d))
+        changed: dict[str, Any] = dict(zip(DIMENSIONS, sizes, strict=True))
+        return replace(joint, **changed)
 
-    return math.exp(brentq(margin_of_peak, low, high, xtol=1e-14, rtol=1e-14))
+    def wall(self, diameter: float) -> float:
+        """Wall of the bushing. [m]"""
+        return known(self.joint.wall, round_up(WALL * diameter, self.series))
+
+    def play(self, diameter: float) -> float:
+        """Play before the bushing is pressed in. [m]"""
+        return known(self.joint.play, self.relative * diameter)
+
+    def width(self, diameter: float) -> float:
+        """Width of the bushing: given, or the least one, rounded; a usual one if none is enough."""
+        if self.joint.bushing_width is not None:
+            return self.joint.bushing_width
+        low, high = (ratio * diameter for ratio in RECOMMENDED_WIDTH)
+        least = max(self.least_width(diameter), low)
+        width = round_up(least if math.isfinite(least) else WIDTH * diameter, self.series)
+        # rounding does not leave the recommended proportion
+        return round(high, 9) if least <= high < width else width
+
+    def pin_and_width(self) -> tuple[float, float]:
+        """Diameter of the pin and width of the bushing. [m]"""
+        joint, series = self.joint, self.series
+        if joint.pin_diameter is not None:
+            return joint.pin_diameter, self.width(joint.pin_diameter)
+
+        # the recommended proportion is kept where the limits leave it
+        least = self.least_pin(keep_ratio=True) or self.least_pin(keep_ratio=False)
+        if least is None:
+            # the pin by strength alone
+            d = _SMALLEST
+            while not self.is_strong(d, joint.bushing_width or WIDTH * d) and d < _LARGEST:
+                d *= 1.01
+            d = self.round_pin(d)
+            return d, known(joint.bushing_width, round_up(WIDTH * d, series))
+        if series == "none":
+            return least, self.width(least)
+
+        # a rounded width bends the pin more, so the next diameter may be needed
+        candidate = self.round_pin(least)
+        tried: dict[float, float] = {}
+        while len(tried) < _CANDIDATES and candidate not in tried:
+            tried[candidate] = self.width(candidate)
+            if self.is_enough(candidate, tried[candidate]):
+                return candidate, tried[candidate]
+            candidate = self.round_pin(candidate * 1.001)
+        return next(iter(tried.items()))
+
+    def round_pin(self, diameter: float) -> float:
+        """The next preferred diameter, up to the largest one. [m]"""
+        largest = known(self.joint.largest_diameter, math.inf)
+        return min(round_up(diameter, self.series), largest)
+
+    def least_pin(self, *, keep_ratio: bool) -> float | None:
+        """Smallest pin diameter that satisfies all limits; None if there is none. [m]"""
+        joint, width = self.joint, self.joint.bushing_width
+
+        def enough(log_diameter: float) -> bool:
+            return self.is_enough(math.exp(log_diameter), width, keep_ratio=keep_ratio)
+
+        low, high = math.log(_SMALLEST), math.log(known(joint.largest_diameter, _LARGEST))
+        if not enough(high):
+            # a given width takes up only so much heat, a given housing only so thick a pin
+            if width is None and joint.housing_diameter is None:
+                return None
+            step = (high - low) / _LADDER
+            rung = next((n for n in range(1, _LADDER) if enough(low + n * step)), None)
+            if rung is None:
+                return None
+            low, high = low + (rung - 1) * step, low + rung * step
+
+        for _ in range(_HALVINGS):
+            middle = (low + high) / 2
+            low, high = (low, middle) if enough(middle) else (middle, high)
+        return math.exp(high)
+
+    def is_enough(self, diameter: float, width: float | None, *, keep_ratio: bool = False) -> bool:
+        """Whether all limits hold on a pin, with the given or the minimum width."""
+        least = self.least_width(diameter)
+        low, high = (ratio * diameter for ratio in RECOMMENDED_WIDTH)
+        w = max(least, low) if width is None else width
+        wide_enough = math.isfinite(w) and least <= w * (1 + 1e-12)
+        return wide_enough and not (keep_ratio and w > high) and self.is_strong(diameter, w)
+
+    def is_strong(self, diameter: float, width: float) -> bool:
+        """Whether a pin holds in shear and in bending. Eqs. 1, 2 and 4."""
+        if self.joint.hole_diameter > LARGEST_HOLE_RATIO * diameter:
+            return False
+        state = self.trial(diameter, width, wall=0.0)
+        return not any(limit(state).share < 0 for limit in (pin.shear, pin.bending))
+
+    def trial(self, diameter: float, width: float, *, wall: float) -> JointState:
+        """A joint with a pin and a bushing that are tried, and their assembled play."""
+        outer = self.joint.housing_diameter or self.joint.eye_ratio * (diameter + 2 * wall)
+        sizes = (diameter, width, wall, width, outer, self.play(diameter))
+        changed: dict[str, Any] = dict(zip(DIMENSIONS, sizes, strict=True))
+        return JointState(replace(self.joint, **changed, interference=0.0))
+
+    def least_width(self, diameter: float) -> float:
+        """Minimum width for the limits of the sliding surface; infinite if none is enough. [m]"""
+        trial = partial(self.trial, diameter, wall=self.wall(diameter))
+        state, least = trial(diameter), 0.0
+        if state.size.housing <= state.size.fit:
+            return math.inf
+        for key in _BY_WIDTH:
+            if key == "temperature" and state.temperature_limit <= self.joint.outside_temperature:
+                continue  # no width helps
+            result = EQUATIONS[key](state)
+            if result is not None and not math.isnan(result.share):
+                # the margin is known at one width, and so is the width at which it is 0
+                least = max(least, diameter / (1 + result.share) if result.share > -1 else math.inf)
+
+        def margin_of_peak(log_width: float) -> float:
+            return pressure.peak(trial(math.exp(log_width))).share
+
+        if not 0 < least < math.inf or not margin_of_peak(math.log(least)) < 0:
+            return least
+        low, high = math.log(least), math.log(least) + _WIDEST
+        if margin_of_peak(high) < 0:
+            return math.inf
+
+        from scipy.optimize import brentq  # rarely needed, and slow to load
+
+        return math.exp(brentq(margin_of_peak, low, high, xtol=1e-14, rtol=1e-14))

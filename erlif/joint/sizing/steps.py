@@ -54,31 +54,31 @@ class Step:
         Why the step is made.
     alternatives : tuple[str, ...]
         What raises the margin.
-    missing : str
-        What has to be given for this step; empty where it is computed.
     numbers : tuple[tuple[str, float, str], ...]
         Further results: name, value and unit.
     basis : str
         What the margin refers to where that is not the value beside it: ``"rise over the
         outside"``; empty where it is.
+    missing : str
+        What has to be given for this step; empty where it is computed.
     """
 
     key: str
     title: str
     equation: str
     kind: Kind
-    quantity: str
-    unit: str
-    present: float
-    allowed: tuple[float, float]
-    margin: float
-    valid: bool
-    validity: str
-    reason: str
+    quantity: str = ""
+    unit: str = ""
+    present: float = math.nan
+    allowed: tuple[float, float] = (-math.inf, math.inf)
+    margin: float = math.nan
+    valid: bool = True
+    validity: str = ""
+    reason: str = ""
     alternatives: tuple[str, ...] = ()
-    missing: str = ""
     numbers: tuple[tuple[str, float, str], ...] = ()
     basis: str = ""
+    missing: str = ""
 
     @property
     def holds(self) -> bool:
@@ -285,27 +285,24 @@ def make_step(key: str, result: Result) -> Step:
     """
     table = read_table("erlif.joint.sizing", "steps.toml")[key]
     text, values = table | table.get(result.variant, {}), result.values
-    missing = result.unknown and (result.missing or text["missing"])
-    title = text["title"].format(**values)
-    if missing:
-        known = (key, title, text["equation"], text["kind"], "", "")
-        nan = math.nan
-        return Step(*known, nan, (-math.inf, math.inf), nan, True, "", "", missing=missing)
+    title, kind = text["title"].format(**values), text.get("kind", "limit")
+    if result.unknown and (missing := result.missing or text["missing"]):
+        return Step(key, title, text["equation"], kind, missing=missing)
 
     return Step(
         key,
         title,
         text["equation"],
-        "result" if result.unlimited and text["kind"] == "limit" else text["kind"],
-        text["quantity"],
-        text["unit"],
-        result.present,
-        (result.least, result.most),
-        result.share,
-        result.valid,
-        text["validity"].format(**values),
-        text["reason"],
-        tuple(
+        "result" if result.unlimited and kind == "limit" else kind,
+        quantity=text["quantity"],
+        unit=text["unit"],
+        present=result.present,
+        allowed=(result.least, result.most),
+        margin=result.share,
+        valid=result.valid,
+        validity=text["validity"].format(**values),
+        reason=text["reason"],
+        alternatives=tuple(
             one.format(**values) for one in text.get("alternatives", ()) if _is_known(one, values)
         ),
         numbers=tuple(

@@ -11,8 +11,8 @@ from erlif.joint.plots import (
     designs_figure,
     endurance_figure,
     failure_figure,
-    friction_over_test,
     name_overviews,
+    quantity_over_test,
     write_endurance_figures,
 )
 from erlif.joint.plots.example import example_test
@@ -20,7 +20,7 @@ from erlif.joint.plots.example import example_test
 
 def test_onset_and_stages_are_marked():
     result = example_test()
-    line, mark = friction_over_test(result)
+    line, mark = quantity_over_test(result, "friction")
     assert mark.get_xdata()[0] == pytest.approx(result.onset.time / 60)
     drawn = np.isfinite(line.get_ydata())
     assert drawn.sum() == sum(stage.last - stage.first + 1 for stage in result.loaded)

@@ -39,5 +39,5 @@ def test_the_state_of_a_step(key, present, valid, state):
 def test_each_step_of_the_table_has_an_equation_and_words_for_it():
     table = read_table("erlif.joint.sizing", "steps.toml")
     assert set(table) == set(EQUATIONS)
-    words = {"title", "equation", "kind", "quantity", "unit", "validity", "reason"}
+    words = {"title", "equation", "quantity", "unit", "validity", "reason"}
     assert all(words <= set(texts) for texts in table.values())
