@@ -350,14 +350,10 @@ class HarmonicSolver:
             # on the axis nothing but the translation of the first and the stretch of none remains
             kept = {0: (1,), 1: (0, 2)}.get(harmonic, ())
             held |= line(r, 0.0) & ~np.isin(component, kept)
-        if not section.clamped:
-            held |= self._rigid(harmonic, r, z, component, line)
-        return held
+        if section.clamped:
+            return held
 
-    def _rigid(self, harmonic: int, r: Array, z: Array, component: Array, line: Any) -> Mask:
-        """Mask of the unknowns that fix a free body; their reactions vanish in equilibrium."""
-        section = self.section
-        held = np.zeros(r.size, dtype=bool)
+        # a free body is fixed; the reactions vanish in equilibrium
         inner = line(r, section.radii[0])
         first, last = line(z, section.places[0]), line(z, section.places[-1])
         supported = section.symmetric or section.held_ends
