@@ -256,21 +256,28 @@ def fit_viscosity(
     spread = 1.0 if relative_std is None else relative_std
     spread = for_each(T.size, "viscosity", relative_std=spread)
     warn_of_units(_QUANTITY[law], viscosities=viscosities)
+    law_at = _vogel if law == "vogel" else _walther
+
+    def residuals_at(constants: Values) -> Values:
+        return (law_at(T, *constants)[0] - np.log(viscosity)) / spread
+
+    def slopes_at(constants: Values) -> Values:
+        return np.stack(law_at(T, *constants)[1], axis=1) / spread[:, None]
+
     # Vogel's c lies below the coldest point
     start = _start_vogel(T, viscosity, spread) if law == "vogel" else _start_walther(T, viscosity)
     highest = [np.inf, np.inf, T.min()][: len(start)]
-    law_at = _vogel if law == "vogel" else _walther
     fit = least_squares(
-        lambda x: (law_at(T, *x)[0] - np.log(viscosity)) / spread,
+        residuals_at,
         start,
-        lambda x: np.stack(law_at(T, *x)[1], axis=1) / spread[:, None],
+        slopes_at,
         bounds=(-np.inf, highest),
         x_scale="jac",
         xtol=1e-14,
         ftol=1e-14,
         gtol=1e-14,
     )
-    values, slopes, residuals = fit.x, fit.jac, fit.fun
+    values, slopes, residuals = np.array(fit.x), np.asarray(fit.jac, float), fit.fun
 
     freedom = T.size - values.size
     scatter = np.sqrt(np.sum((residuals * spread) ** 2) / freedom) if freedom else np.nan
