@@ -16,9 +16,6 @@ from erlif.models.contact.roots import find_roots, like
 # Factors of the ellipse that Farzaneh (2002), appendix B, reads for the lobed bushing. [1]
 THESIS_F1, THESIS_F2 = 0.89, 0.88
 
-# Parameter m below which K - E loses more than a digit.
-_CANCELLING = 0.1
-
 
 class LineContact(NamedTuple):
     """Hertzian contact along a line.
@@ -241,7 +238,7 @@ def hertz_ellipse(
     radius_ratio = radius / radius_across
     p = like(radius_ratio, _axis_ratio(np.asarray(radius_ratio, float))) ** -2.0
     # the ratio of both integrals R_D is that of the radii
-    across = like(radius_ratio, _integral_across(np.asarray(p)))
+    across = like(radius_ratio, scipy.special.elliprd(0.0, np.asarray(p), 1.0))
     F1 = (4 * p**0.75 * np.sqrt(radius_ratio) * across / (3 * np.pi)) ** (1 / 3)
     F2 = 2 * p**0.25 * scipy.special.ellipkm1(p) / (np.pi * F1)
     return _ellipse(load, radius, radius_across, contact_modulus, axis_ratio=p**-0.5, F1=F1, F2=F2)
@@ -307,16 +304,6 @@ def _ellipse(
         pressure=3 * load / (2 * np.pi * mean_axis**2),
         approach=(9 * load**2 / (16 * equivalent * modulus**2)) ** (1 / 3) * F2,
     )
-
-
-def _integral_across(p: Values) -> Values:
-    """R_D(0, p, 1), which is 3 (K - E)/m with the parameter m = 1 - p."""
-    m = 1 - p
-    with np.errstate(invalid="ignore"):  # 0/0 in a circle, computed below
-        found = np.asarray(3 * (scipy.special.ellipkm1(p) - scipy.special.ellipe(m)) / m)
-    round_ones = m < _CANCELLING
-    found[round_ones] = scipy.special.elliprd(0.0, p[round_ones], 1.0)
-    return found
 
 
 def _axis_ratio(radius_ratio: Values) -> Values:
