@@ -17,7 +17,7 @@ import sys
 import warnings
 from collections.abc import Callable
 from dataclasses import dataclass, fields, is_dataclass, replace
-from functools import cache, wraps
+from functools import cache, partial, wraps
 from inspect import formatannotation, signature
 from itertools import pairwise
 from typing import Any, ParamSpec, TypeAlias, TypeVar, cast
@@ -52,7 +52,7 @@ def require_finite(**arguments: Values) -> None:
         try:
             infinite = np.isinf(value)
         except TypeError as error:
-            raise ModelError(_not_a_number(name, value)) from error
+            raise ModelError(f"{name} must be a number in SI units, got {value!r}.") from error
         if np.any(infinite):
             first = np.asarray(value)[np.asarray(infinite)].flat[0]
             raise ModelError(f"{name} must be finite, got {first:g}.")
@@ -93,8 +93,10 @@ def _refuse_below(
             raise ModelError(f"{name} must {wanted}, got {_smallest(value)}.")
 
 
-def require_between(lowest: float, highest: float, **arguments: Values) -> None:
-    """Refuse values outside a closed range.
+def require_between(
+    lowest: float, highest: float, ends: bool = True, /, **arguments: Values
+) -> None:
+    """Refuse values outside a range, with or without its ends.
 
     Examples
     --------
@@ -109,6 +111,10 @@ def require_between(lowest: float, highest: float, **arguments: Values) -> None:
         ):
             if np.any(outside):
                 raise ModelError(f"{name} must lie in {lowest:g} to {highest:g}, got {got(value)}.")
+        if not ends and np.any(np.isin(value, (lowest, highest))):
+            raise ModelError(
+                f"{name} must lie between {lowest:g} and {highest:g}, without the ends."
+            )
 
 
 def require_poisson(**arguments: Values) -> None:
@@ -212,31 +218,16 @@ def for_each(count: int, item: str, **argument: Values) -> Values:
 
 
 @dataclass(frozen=True)
-class _Scale:
-    """Orders of magnitude that a quantity takes in machines, and the units it is often given in."""
+class _Quantity:
+    """Values that an argument may have, and its sizes in machines."""
 
-    unit: str
-    lowest: float  # smallest plausible size; zero is always plausible
-    highest: float
-    others: str  # units that a value outside the range is probably in
-
-
-@dataclass(frozen=True)
-class _Within:
-    """Refuse values outside a range, with or without its ends."""
-
-    lowest: float
-    highest: float
-    ends: bool = True
-
-    def __call__(self, **arguments: Values) -> None:
-        require_between(self.lowest, self.highest, **arguments)
-        for name, value in arguments.items():
-            if not self.ends and np.any(np.isin(value, (self.lowest, self.highest))):
-                raise ModelError(
-                    f"{name} must lie between {self.lowest:g} and {self.highest:g}, without the "
-                    "ends."
-                )
+    refuse: str = ""  # name in `_REFUSE`, without a range
+    within: tuple[float, float] | None = None
+    ends: bool = True  # whether the ends of that range are inside
+    unit: str = ""
+    lowest: float = 0.0  # smallest plausible size; zero is always plausible
+    highest: float = sys.float_info.max
+    others: str = ""  # units that a value outside the sizes is probably in
 
 
 _REFUSE: dict[str, Callable[..., None]] = {
@@ -246,18 +237,10 @@ _REFUSE: dict[str, Callable[..., None]] = {
     "poisson": require_poisson,
 }
 
-
-def _read_quantity(
-    *, refuse: str = "", within: tuple[float, float] | None = None, ends: bool = True, **scale: Any
-) -> tuple[Callable[..., None], _Scale | None]:
-    require = _Within(within[0], within[1], ends) if within else _REFUSE[refuse]
-    return require, _Scale(**scale) if scale else None
-
-
 _TABLE = read_table("erlif.models", "arguments.toml")
 
-# Kinds of arguments: what refuses a value of each, and the sizes that it has in machines.
-QUANTITIES = {name: _read_quantity(**row) for name, row in _TABLE["quantities"].items()}
+# Kinds of arguments.
+QUANTITIES = {name: _Quantity(**row) for name, row in _TABLE["quantities"].items()}
 
 # Kinds of the arguments that mean the same in all models; the others are declared.
 ARGUMENTS = {name: kind for kind, names in _TABLE["names"].items() for name in names}
@@ -268,7 +251,7 @@ class _Kind:
     """Checks of a declared argument."""
 
     requires: tuple[Callable[..., None], ...]
-    scale: _Scale | None
+    quantity: str
     # Floats from here to `high` pass all checks: fits call a formula thousands of times.
     low: float
     high: float
@@ -279,8 +262,7 @@ class _Kind:
     def check(self, name: str, value: Values) -> None:
         for require in self.requires:
             require(**{name: value})
-        if self.scale is not None:
-            _warn_outside(self.scale, {name: value})
+        warn_of_units(self.quantity, **{name: value})
 
 
 def _require_whole(**arguments: float) -> None:
@@ -304,23 +286,24 @@ def _read_kind(text: str, annotation: str) -> _Kind:
 
     # the quantity has a usual sign, from which an equation may differ
     sign, *words = ("", *text.split()) if text.split()[0] in QUANTITIES else text.split()
-    require, scale = QUANTITIES[words[0]]
+    quantity = QUANTITIES[words[0]]
+    low, high = max(quantity.lowest, sys.float_info.min), quantity.highest
+    require: Callable[..., None]
     if sign == "signed":
         require = require_finite
     elif sign == "positive":
         require = require_positive
     elif words[1:] == ["or", "zero"]:
         require = require_not_negative
-
-    low = max(scale.lowest if scale else 0.0, sys.float_info.min)
-    high = scale.highest if scale else sys.float_info.max
-    if isinstance(require, _Within):
-        low, high = require.lowest + _INSIDE, require.highest - _INSIDE
-    elif require is require_poisson:
-        high = 0.5
+    elif quantity.within:
+        require = partial(require_between, *quantity.within, quantity.ends)
+        low, high = quantity.within[0] + _INSIDE, quantity.within[1] - _INSIDE
+    else:
+        require = _REFUSE[quantity.refuse]
+        high = 0.5 if require is require_poisson else high
     if whole:
         low = math.inf  # no float passes without a second look
-    return _Kind((*before, require, *after), scale, low, high)
+    return _Kind((*before, require, *after), words[0], low, high)
 
 
 def formula(
@@ -370,49 +353,35 @@ def formula(
     """
 
     def decorate(equation: Callable[_Parameters, _Result]) -> Callable[_Parameters, _Result]:
-        annotations = {
-            name: _text_of(parameter.annotation)
-            for name, parameter in signature(equation).parameters.items()
-        }
-        declared = {name: ARGUMENTS[name] for name in annotations if name in ARGUMENTS} | kinds
-        found = {
-            name: _read_kind(declared[name], text)
-            for name, text in annotations.items()
-            if name in declared
-        }
-        return _checked(equation, found, annotations)
+        parameters = signature(equation).parameters
+        names = tuple(parameters)
+        annotations = {name: _text_of(one.annotation) for name, one in parameters.items()}
+        declared = {name: ARGUMENTS[name] for name in names if name in ARGUMENTS} | kinds
+        checks = {name: _read_kind(text, annotations[name]) for name, text in declared.items()}
+        # no numbers that broadcast: integers, text, pairs of numbers
+        others = ("int", "str", "Literal", "typing.Literal", "tuple")
+        plain = {name for name, text in annotations.items() if text.startswith(others)}
+        optional = {name for name, one in parameters.items() if one.default is None}
+
+        def accept(name: str, value: Values) -> Values:
+            kind = checks.get(name)
+            if kind is not None and kind.passes(value):
+                return value
+            number = value if name in plain else _as_number(name, value)
+            if kind is not None and not (number is None and name in optional):
+                kind.check(name, number)
+            return number
+
+        @wraps(equation)
+        def evaluate(*args: _Parameters.args, **kwargs: _Parameters.kwargs) -> _Result:
+            numbers = [accept(name, value) for name, value in zip(names, args, strict=False)]
+            numbers += args[len(names) :]  # too many arguments: Python's own message is the best
+            named = {name: accept(name, value) for name, value in kwargs.items()}
+            return cast(_Result, _as_result(equation(*numbers, **named)))
+
+        return evaluate
 
     return decorate
-
-
-def _checked(
-    equation: Callable[_Parameters, _Result], kinds: dict[str, _Kind], annotations: dict[str, str]
-) -> Callable[_Parameters, _Result]:
-    """Equation behind the conversion and the checks of its arguments."""
-    parameters = signature(equation).parameters
-    names = tuple(parameters)
-    # no numbers that broadcast: integers, text, pairs of numbers
-    others = ("int", "str", "Literal", "typing.Literal", "tuple")
-    plain = {name for name, text in annotations.items() if text.startswith(others)}
-    optional = {name for name, parameter in parameters.items() if parameter.default is None}
-
-    def accept(name: str, value: Values) -> Values:
-        kind = kinds.get(name)
-        if kind is not None and kind.passes(value):
-            return value
-        number = value if name in plain else _as_number(name, value)
-        if kind is not None and not (number is None and name in optional):
-            kind.check(name, number)
-        return number
-
-    @wraps(equation)
-    def evaluate(*args: _Parameters.args, **kwargs: _Parameters.kwargs) -> _Result:
-        numbers = [accept(name, value) for name, value in zip(names, args, strict=False)]
-        numbers += args[len(names) :]  # too many arguments: Python's own message is the best
-        named = {name: accept(name, value) for name, value in kwargs.items()}
-        return cast(_Result, _as_result(equation(*numbers, **named)))
-
-    return evaluate
 
 
 def _text_of(annotation: Any) -> str:
@@ -484,9 +453,32 @@ def warn_of_units(quantity: str, /, **arguments: Values) -> None:
     >>> print(caught[0].message)
     youngs_1 = 200 Pa is implausible (300000 to 1e+13 Pa expected): in GPa or MPa?
     """
-    scale = QUANTITIES[quantity][1]
-    if scale is not None:
-        _warn_outside(scale, arguments)
+    usual = QUANTITIES[quantity]
+    if not usual.unit:
+        return  # of any size
+    found = []
+    for name, value in arguments.items():
+        if isinstance(value, float) and (not value or usual.lowest <= abs(value) <= usual.highest):
+            continue  # as in require_finite
+        values = np.asarray(value, float)
+        sizes = np.abs(values)  # speeds and expansions have either sign
+        odd = (sizes > 0) & np.isfinite(sizes) & ((sizes < usual.lowest) | (sizes > usual.highest))
+        if np.any(odd):
+            found.append(f"{name} = {values[odd].flat[0]:g} {usual.unit}")
+    if not found:
+        return
+
+    expected = (
+        f"{usual.lowest:g} to {usual.highest:g} {usual.unit}"
+        if usual.lowest > 0
+        else f"at most {usual.highest:g} {usual.unit}"
+    )
+    warnings.warn(
+        f"{', '.join(found)} {'is' if len(found) == 1 else 'are'} implausible "
+        f"({expected} expected): in {usual.others}?",
+        UnitWarning,
+        stacklevel=depth_of_caller(),
+    )
 
 
 def warn_of_range(equation: str, name: str, value: Values, lowest: float, highest: float) -> None:
@@ -526,33 +518,6 @@ def warn_of_range(equation: str, name: str, value: Values, lowest: float, highes
     )
 
 
-def _warn_outside(scale: _Scale, arguments: dict[str, Values]) -> None:
-    """Warn once of all arguments outside a range; zero, NaN and infinity are ignored."""
-    found = []
-    for name, value in arguments.items():
-        if isinstance(value, float) and (not value or scale.lowest <= abs(value) <= scale.highest):
-            continue  # as in require_finite
-        values = np.asarray(value, float)
-        sizes = np.abs(values)  # speeds and expansions have either sign
-        odd = (sizes > 0) & np.isfinite(sizes) & ((sizes < scale.lowest) | (sizes > scale.highest))
-        if np.any(odd):
-            found.append(f"{name} = {values[odd].flat[0]:g} {scale.unit}")
-    if not found:
-        return
-
-    expected = (
-        f"{scale.lowest:g} to {scale.highest:g} {scale.unit}"
-        if scale.lowest > 0
-        else f"at most {scale.highest:g} {scale.unit}"
-    )
-    warnings.warn(
-        f"{', '.join(found)} {'is' if len(found) == 1 else 'are'} implausible "
-        f"({expected} expected): in {scale.others}?",
-        UnitWarning,
-        stacklevel=depth_of_caller(),
-    )
-
-
 def depth_of_caller() -> int:
     """Stack level of the first frame outside of models and sizing: the line of the user.
 
@@ -581,7 +546,7 @@ def _as_number(name: str, value: Values) -> Values:
     if type(value) is float:
         return value
     if isinstance(value, str):
-        raise ModelError(_not_a_number(name, value))
+        raise ModelError(f"{name} must be a number in SI units, got {value!r}.")
 
     # flags are not numbers, and a DataArray keeps its coordinates
     if isinstance(value, bool | np.bool_) or hasattr(value, "dims"):
@@ -598,10 +563,6 @@ def _as_number(name: str, value: Values) -> Values:
             return value.item()
         return value.astype(float) if value.dtype.kind in "iu" else value
     return value
-
-
-def _not_a_number(name: str, value: Values) -> str:
-    return f"{name} must be a number in SI units, got {value!r}."
 
 
 def _as_result(result: Values) -> Values:

@@ -237,11 +237,6 @@ def walther_viscosity(
     w1, w2 = (np.log10(np.log10(nu * 1e6 + WALTHER_SHIFT)) for nu in (viscosity_1, viscosity_2))
     slope = (w2 - w1) / (np.log10(temperature_2) - np.log10(temperature_1))
     w = w1 + slope * (np.log10(temperature) - np.log10(temperature_1))
-    return _walther(w)
-
-
-def _walther(w: Values) -> Values:
-    """Kinematic viscosity from log10 log10(nu + 0.7). [m2/s]"""
     return (10 ** (10**w) - WALTHER_SHIFT) * 1e-6
 
 

@@ -17,7 +17,6 @@ from erlif.models.oil import (
     LOWEST_WALTHER_VISCOSITY,
     WALTHER_SHIFT,
     VogelConstants,
-    _walther,
     vogel_viscosity,
 )
 
@@ -29,9 +28,6 @@ _BRACKET = 400
 
 # Vogel's c lies at most this far below the coldest point [K]; oils have 80 to 200 K.
 _FARTHEST = 500.0
-
-# Temperature at which Walther's line is fitted, between the usual 40 and 100 degrees. [K]
-_CENTRE = 330.0
 
 
 class ViscosityInterval(NamedTuple):
@@ -130,17 +126,13 @@ class ViscosityFit:
         0.0715 ± 0.0005 Pa s
         """
         # to first order in the logarithm
+        first, *others = self.constants.values()
         if self.law == "vogel":
             value = vogel_viscosity(temperature, **self.constants)
-            _, b, c = self.constants.values()
-            above = temperature - c
-            slopes = [1.0 + 0 * above, 1 / above, b / above**2]
+            _, slopes = _vogel(temperature, np.log(first), *others)
         else:
-            A, B = self.constants.values()
-            logarithm = np.log10(temperature)
-            w = A - B * logarithm
-            value = _walther(w)
-            slopes = [_walther_slope(w), -logarithm * _walther_slope(w)]
+            logarithm, slopes = _walther(temperature, first, *others)
+            value = np.exp(logarithm)
         variance = 0.0
         for i, one in enumerate(slopes):
             for j, other in enumerate(slopes):
@@ -246,6 +238,8 @@ def fit_viscosity(
     >>> print(f"c = {fit.constants['c']:.0f} ± {fit.std['c']:.0f} K")
     c = 192 ± 4 K
     """
+    from scipy.optimize import least_squares  # at use, as all solvers of the theories
+
     if law not in _CONSTANTS:
         raise ModelError(f"Expected vogel or walther as law, got {law!r}. Choose one of them.")
     T, viscosity = np.asarray(temperatures, float), np.asarray(viscosities, float)
@@ -262,8 +256,28 @@ def fit_viscosity(
     spread = 1.0 if relative_std is None else relative_std
     spread = for_each(T.size, "viscosity", relative_std=spread)
     warn_of_units(_QUANTITY[law], viscosities=viscosities)
-    fit = _fit_vogel if law == "vogel" else _fit_walther
-    values, slopes, residuals = fit(T, viscosity, spread)
+    law_at = _vogel if law == "vogel" else _walther
+
+    def residuals_at(constants: Values) -> Values:
+        return (law_at(T, *constants)[0] - np.log(viscosity)) / spread
+
+    def slopes_at(constants: Values) -> Values:
+        return np.stack(law_at(T, *constants)[1], axis=1) / spread[:, None]
+
+    # Vogel's c lies below the coldest point
+    start = _start_vogel(T, viscosity, spread) if law == "vogel" else _start_walther(T, viscosity)
+    highest = [np.inf, np.inf, T.min()][: len(start)]
+    fit = least_squares(
+        residuals_at,
+        start,
+        slopes_at,
+        bounds=(-np.inf, highest),
+        x_scale="jac",
+        xtol=1e-14,
+        ftol=1e-14,
+        gtol=1e-14,
+    )
+    values, slopes, residuals = np.array(fit.x), np.asarray(fit.jac, float), fit.fun
 
     freedom = T.size - values.size
     scatter = np.sqrt(np.sum((residuals * spread) ** 2) / freedom) if freedom else np.nan
@@ -272,7 +286,6 @@ def fit_viscosity(
         covariance = covariance * scatter**2
     std = np.sqrt(np.diag(covariance))
     if law == "vogel":  # the first is the logarithm of a
-        values = values.copy()
         values[0] = np.exp(values[0])
         std[0] *= values[0]
     names = _CONSTANTS[law]
@@ -347,14 +360,26 @@ def iso_vg_viscosity(grade: int) -> tuple[float, float]:
     return 0.9 * midpoint, 1.1 * midpoint
 
 
-def _fit_vogel(T: Values, viscosity: Values, spread: Values) -> tuple[Values, Values, Values]:
-    """ln a, b and c, the derivatives of the weighted residuals, and these."""
-    from scipy.optimize import least_squares  # at use, as all solvers of the theories
+def _vogel(temperature: Values, log_a: float, b: float, c: float) -> tuple[Values, list[Values]]:
+    """Logarithm of the viscosity by Vogel's law, and its slopes by ln a, b and c."""
+    inverse = 1 / (temperature - c)
+    return log_a + b * inverse, [1.0 + 0 * inverse, inverse, b * inverse**2]
 
-    y = np.log(viscosity)
-    coldest = T.min()
 
-    # for a given c the law is a line in 1/(T - c); the best of many is the start of the search
+def _walther(temperature: Values, A: float, B: float) -> tuple[Values, list[Values]]:
+    """Logarithm of the kinematic viscosity by Walther's law, and its slopes by A and B."""
+    logarithm = np.log10(temperature)
+    w = A - B * logarithm
+    shifted = 10 ** (10**w)
+    slope = np.log(10) ** 2 * 10**w * shifted / (shifted - WALTHER_SHIFT)
+    return np.log((shifted - WALTHER_SHIFT) * 1e-6), [slope, -logarithm * slope]
+
+
+def _start_vogel(T: Values, viscosity: Values, spread: Values) -> list[float]:
+    """The best of many trial values of c."""
+    y, coldest = np.log(viscosity), T.min()
+
+    # for a given c the law is a line in 1/(T - c)
     distance = np.geomspace(1e-3 * (T.max() - coldest), _FARTHEST, _BRACKET)
     constant, slope, error = _line(1 / (T - coldest + distance[:, None]), y, spread)
     best = int(np.argmin(error))
@@ -365,24 +390,7 @@ def _fit_vogel(T: Values, viscosity: Values, spread: Values) -> tuple[Values, Va
             "take law='walther'."
         )
 
-    def residuals(x: Values) -> Values:
-        return (x[0] + x[1] / (T - x[2]) - y) / spread
-
-    def derivatives(x: Values) -> Values:
-        inverse = 1 / (T - x[2])
-        return np.stack([np.ones(T.shape), inverse, x[1] * inverse**2], axis=1) / spread[:, None]
-
-    fit = least_squares(
-        residuals,
-        [constant[best], slope[best], coldest - distance[best]],
-        derivatives,
-        bounds=([-np.inf, -np.inf, -np.inf], [np.inf, np.inf, coldest]),
-        x_scale="jac",
-        xtol=1e-14,
-        ftol=1e-14,
-        gtol=1e-14,
-    )
-    return fit.x, derivatives(fit.x), fit.fun
+    return [constant[best], slope[best], coldest - distance[best]]
 
 
 def _line(x: Values, y: Values, spread: Values) -> tuple[Values, Values, Values]:
@@ -395,44 +403,18 @@ def _line(x: Values, y: Values, spread: Values) -> tuple[Values, Values, Values]
     return y_mean - slope * x_mean, slope, left
 
 
-def _fit_walther(T: Values, viscosity: Values, spread: Values) -> tuple[Values, Values, Values]:
-    """A and B, the derivatives of the weighted residuals, and these."""
-    from scipy.optimize import least_squares  # at use, as all solvers of the theories
-
+def _start_walther(T: Values, viscosity: Values) -> list[float]:
+    """A line through the points in the scales of the law."""
     if np.any(viscosity < LOWEST_WALTHER_VISCOSITY):
         raise ModelError(f"viscosities must be at least 2e-6 m2/s, got {viscosity.min():g}.")
-    y, x = np.log(viscosity), np.log10(T / _CENTRE)
-    constant, slope, _ = _line(
-        -x, np.log10(np.log10(viscosity * 1e6 + WALTHER_SHIFT)), np.ones(T.shape)
-    )
-
-    def residuals(line: Values) -> Values:
-        return (np.log(_walther(line[0] - line[1] * x)) - y) / spread
-
-    def derivatives(line: Values) -> Values:
-        slope = _walther_slope(line[0] - line[1] * x)
-        return np.stack([slope, -x * slope], axis=1) / spread[:, None]
-
-    fit = least_squares(
-        residuals, [constant, slope], derivatives, xtol=1e-14, ftol=1e-14, gtol=1e-14
-    )
-    # from the centre, where both are independent, to 1 K
-    B = fit.x[1]
-    if not B > 0:
+    w = np.log10(np.log10(viscosity * 1e6 + WALTHER_SHIFT))
+    slope, constant = np.polyfit(np.log10(T), w, 1)
+    if not slope < 0:
         raise ModelError(
             "viscosities must fall with temperature for Walther's law, and these do not. Check "
             "which viscosity belongs to which temperature."
         )
-    values = np.array([fit.x[0] + B * np.log10(_CENTRE), B])
-    slopes = derivatives(fit.x)
-    slopes[:, 1] -= np.log10(_CENTRE) * slopes[:, 0]
-    return values, slopes, fit.fun
-
-
-def _walther_slope(w: Values) -> Values:
-    """Derivative of ln nu by w."""
-    shifted = 10 ** (10**w)
-    return np.log(10) ** 2 * 10**w * shifted / (shifted - WALTHER_SHIFT)
+    return [constant, -slope]
 
 
 def _of_grade(system: str, grade: int) -> Any:

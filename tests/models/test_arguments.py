@@ -99,7 +99,7 @@ def test_missing_values_pass():
 
 
 def test_values_beyond_the_sizes_of_machines_warn_with_name_value_and_unit():
-    scales = {name: scale for name, (_, scale) in QUANTITIES.items() if scale}
+    scales = {name: scale for name, scale in QUANTITIES.items() if scale.unit}
     assert len(scales) == 17
     for name, scale in scales.items():
         warn_of_units(name, quantity=[scale.lowest, scale.highest, 0.0, np.nan, np.inf])

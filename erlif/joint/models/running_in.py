@@ -13,8 +13,9 @@ from functools import cache
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
+from scipy.optimize import brentq
 
+from erlif.core.arrays import Array
 from erlif.core.described import describe_by
 from erlif.core.errors import ModelError
 from erlif.core.tables import read_table
@@ -24,8 +25,6 @@ from erlif.models.contact.roots import like
 if TYPE_CHECKING:
     import xarray as xr
     from scipy.interpolate import BSpline
-
-Array = NDArray[np.float64]
 
 # Share of a step in each of the two stages, with which the steps damp any stiffness.
 _SHARE = 1 - 1 / np.sqrt(2)
@@ -44,9 +43,6 @@ _NARROWEST, _KNOTS = 1e-2, 2000
 
 # Half angle below which the torque ratio is 1 + a^2/10 to 5e-11. [rad]
 _SERIES_BELOW = 1e-2
-
-# Of the eccentricity that carries the load; it takes 2 to 6.
-_NEWTON_STEPS = 60
 
 
 @dataclass(frozen=True)
@@ -72,31 +68,27 @@ class _Wall:
         near = self.shaft_radius - self.bushing_radius + across**2 / (self.bushing_radius + root)
         return near + eccentricity * np.cos(self.angle)
 
-    def balance(self, worn: Array, softened: float, start: float) -> tuple[float, Array]:
+    def balance(self, worn: Array, softened: float) -> tuple[float, Array]:
         """Find eccentricity and pressure that carry the load, with E'/t divided by `softened`.
 
-        Newton's method from above: the load that the wall carries rises with the eccentricity, and
-        faster than linearly.
+        The load that the wall carries rises with the eccentricity.
         """
-        stiffness = self.stiffness / softened
-        cosine = np.cos(self.angle)
         area = 2 * self.width * self.shaft_radius * self.cell
-        lowest, highest = 0.0, self.bushing_radius
-        place = start
-        for _ in range(_NEWTON_STEPS):
-            pressure = stiffness * np.maximum(self.indentation(place) - worn, 0)
-            excess = area * np.sum(pressure * cosine) - self.load
-            lowest, highest = (lowest, place) if excess > 0 else (place, highest)
-            across = place * np.sin(self.angle)
-            by_place = cosine + place * np.sin(self.angle) ** 2 / np.sqrt(
-                self.bushing_radius**2 - across**2
+
+        def pressure_at(place: float) -> Array:
+            overlap = self.indentation(place) - worn
+            return np.asarray(self.stiffness / softened * np.maximum(overlap, 0))
+
+        def excess(place: float) -> float:
+            return float(area * np.sum(pressure_at(place) * np.cos(self.angle)) - self.load)
+
+        if excess(self.bushing_radius) <= 0:
+            raise ModelError(
+                f"load of {self.load:g} N presses the shaft through the wall: its eccentricity "
+                "reaches the radius of the bushing. Check load, modulus and thickness."
             )
-            slope = area * stiffness * np.sum((pressure > 0) * by_place * cosine)
-            new = place - excess / slope if slope > 0 else (lowest + highest) / 2
-            if abs(new - place) <= 1e-15 * self.bushing_radius:
-                break
-            place = new if lowest < new < highest else (lowest + highest) / 2
-        return place, stiffness * np.maximum(self.indentation(place) - worn, 0)
+        place = float(brentq(excess, 0.0, self.bushing_radius, xtol=1e-15 * self.bushing_radius))
+        return place, pressure_at(place)
 
     def ratio(self, pressure: Array) -> float:
         """Torque ratio of a pressure."""
@@ -198,16 +190,20 @@ def run_in_bushing(
 def _wear(wall: _Wall, distances: Array, specific_wear: float) -> list[tuple[float, Array, Array]]:
     """Eccentricity, pressure and depth at each distance."""
     depth = np.zeros(wall.angle.size)
-    start = abs(wall.bushing_radius - wall.shaft_radius) + 1e-6 * wall.bushing_radius
-    place, pressure = wall.balance(depth, 1.0, start)
-    _require_resolved(wall, place, pressure)
+    place, pressure = wall.balance(depth, 1.0)
+    carried = int(np.count_nonzero(pressure))
+    if carried < _FEWEST_CELLS:
+        raise ModelError(
+            f"cells must resolve the contact at the start: {carried} of {wall.angle.size} cells "
+            f"carry load, {_FEWEST_CELLS} are needed. Choose more cells."
+        )
 
     at, stages = 0.0, []
     step = _SHORTEST * distances[-1]
     for wanted in distances:
         while at < wanted:
             trial = min(step, wanted - at)
-            new_place, new_pressure, new_depth = _step(wall, place, depth, trial * specific_wear)
+            new_place, new_pressure, new_depth = _step(wall, depth, trial * specific_wear)
             change = abs(wall.ratio(new_pressure) - wall.ratio(pressure))
             allowed = _LONGEST_STEP * (wall.ratio(pressure) - 1)
             if change > allowed:
@@ -225,7 +221,7 @@ def _wear(wall: _Wall, distances: Array, specific_wear: float) -> list[tuple[flo
     return stages
 
 
-def _step(wall: _Wall, place: float, depth: Array, reach: float) -> tuple[float, Array, Array]:
+def _step(wall: _Wall, depth: Array, reach: float) -> tuple[float, Array, Array]:
     """One step of the diagonally implicit method of second order (Alexander 1977).
 
     `reach` is the wear rate times the distance. A stage that ends at depth w + a p has the pressure
@@ -233,28 +229,14 @@ def _step(wall: _Wall, place: float, depth: Array, reach: float) -> tuple[float,
     """
     inside = _SHARE * reach
     softened = 1 + inside * wall.stiffness
-    place, pressure = wall.balance(depth, softened, place)
+    _, pressure = wall.balance(depth, softened)
     base = depth + (1 - _SHARE) * reach * pressure
-    place, pressure = wall.balance(base, softened, place)
+    _, pressure = wall.balance(base, softened)
     depth = base + inside * pressure
 
     # the pressure of the step's end is that of its depth, not that of its last stage
-    place, pressure = wall.balance(depth, 1.0, place)
+    place, pressure = wall.balance(depth, 1.0)
     return place, pressure, depth
-
-
-def _require_resolved(wall: _Wall, place: float, pressure: Array) -> None:
-    carried = int(np.count_nonzero(pressure))
-    if place >= wall.bushing_radius * (1 - 1e-9):
-        raise ModelError(
-            f"load of {wall.load:g} N presses the shaft through the wall: its eccentricity reaches "
-            "the radius of the bushing. Check load, modulus and thickness."
-        )
-    if carried < _FEWEST_CELLS:
-        raise ModelError(
-            f"cells must resolve the contact at the start: {carried} of {wall.angle.size} cells "
-            f"carry load, {_FEWEST_CELLS} are needed. Choose more cells."
-        )
 
 
 def _describe(

@@ -4,8 +4,6 @@ The arc of a contact along a line counts as flat, which holds up to about 20 deg
 """
 
 from dataclasses import dataclass
-from functools import cache
-from math import factorial
 from typing import NamedTuple
 
 import numpy as np
@@ -17,12 +15,6 @@ from erlif.models.contact.roots import find_roots, like
 
 # Factors of the ellipse that Farzaneh (2002), appendix B, reads for the lobed bushing. [1]
 THESIS_F1, THESIS_F2 = 0.89, 0.88
-
-# Range and number of the tabulated ratios of axes: radii in a ratio of up to 1e16.
-_LARGEST_LOG_AXES, _AXES_KNOTS = 20.0, 8192
-
-# Parameter m below which K - E loses more than a digit.
-_CANCELLING = 0.1
 
 
 class LineContact(NamedTuple):
@@ -246,7 +238,7 @@ def hertz_ellipse(
     radius_ratio = radius / radius_across
     p = like(radius_ratio, _axis_ratio(np.asarray(radius_ratio, float))) ** -2.0
     # the ratio of both integrals R_D is that of the radii
-    across = like(radius_ratio, _integral_across(np.asarray(p)))
+    across = like(radius_ratio, scipy.special.elliprd(0.0, np.asarray(p), 1.0))
     F1 = (4 * p**0.75 * np.sqrt(radius_ratio) * across / (3 * np.pi)) ** (1 / 3)
     F2 = 2 * p**0.25 * scipy.special.ellipkm1(p) / (np.pi * F1)
     return _ellipse(load, radius, radius_across, contact_modulus, axis_ratio=p**-0.5, F1=F1, F2=F2)
@@ -314,35 +306,15 @@ def _ellipse(
     )
 
 
-def _integral_across(p: Values) -> Values:
-    """R_D(0, p, 1), which is 3 (K - E)/m with the parameter m = 1 - p."""
-    m = 1 - p
-    with np.errstate(invalid="ignore"):  # 0/0 in a circle, computed below
-        found = np.asarray(3 * (scipy.special.ellipkm1(p) - scipy.special.ellipe(m)) / m)
-    round_ones = m < _CANCELLING
-    found[round_ones] = scipy.special.elliprd(0.0, p[round_ones], 1.0)
-    return found
-
-
 def _axis_ratio(radius_ratio: Values) -> Values:
-    """Find a/b >= 1 from R'/R'' >= 1; close to the power 2/3."""
+    """Find a/b >= 1 from R'/R'' >= 1; between the powers 1/2 and 2/3."""
     log_radii = np.log(radius_ratio)
-    step, coefficients = _log_axes_by_log_radii()
-    with np.errstate(invalid="ignore"):  # NaN has no interval, and stays NaN below
-        interval = np.clip((log_radii / step).astype(int), 0, coefficients.shape[1] - 1)
-    within = log_radii - interval * step
-    log_axes = coefficients[-1][interval]
-    for each in coefficients[-2::-1]:
-        log_axes = np.asarray(log_axes * within + each[interval])
-
-    beyond = log_radii > step * coefficients.shape[1]
-    if np.any(beyond):
-        log_axes[beyond] = find_roots(
-            lambda trial, wanted: _log_radius_ratio(trial) - wanted,
-            _LARGEST_LOG_AXES - 1,
-            log_radii[beyond],
-            log_radii[beyond],
-        )
+    log_axes = find_roots(
+        lambda trial, wanted: _log_radius_ratio(trial) - wanted,
+        log_radii / 2 - 1e-9,
+        log_radii * 2 / 3 + 1e-9,
+        log_radii,
+    )
     return np.exp(np.maximum(log_axes, 0.0))
 
 
@@ -350,30 +322,3 @@ def _log_radius_ratio(log_axes: Values) -> Values:
     """ln R'/R'' of the contact with ln a/b."""
     p = np.exp(-2 * log_axes)
     return np.log(scipy.special.elliprd(0.0, 1.0, p) / scipy.special.elliprd(0.0, p, 1.0))
-
-
-@cache
-def _log_axes_by_log_radii() -> tuple[float, Values]:
-    """The inverse of `_log_radius_ratio` as polynomials of fifth order, exact to rounding.
-
-    Returns
-    -------
-    step, coefficients : float, array (power, interval)
-        All intervals are of one length, so that a value finds its own by a division.
-    """
-    from scipy.interpolate import make_interp_spline  # at use, as all solvers of the theories
-
-    # the function is odd: sites on both sides of the circle keep the order there
-    log_axes = np.linspace(0.0, _LARGEST_LOG_AXES, _AXES_KNOTS)
-    log_radii = _log_radius_ratio(log_axes)
-    mirrored = slice(8, 0, -1)
-    inverse = make_interp_spline(
-        np.concatenate([-log_radii[mirrored], log_radii]),
-        np.concatenate([-log_axes[mirrored], log_axes]),
-        k=5,
-    )
-    step = log_radii[-1] / _AXES_KNOTS
-    sites = step * np.arange(-8, _AXES_KNOTS + 1)
-    even = make_interp_spline(sites, np.sign(sites) * inverse(np.abs(sites)), k=5)
-    powers = [even(sites[8:-8], nu=n) / factorial(n) for n in range(6)]
-    return float(step), np.array(powers)

@@ -14,14 +14,11 @@ def find_roots(
     function: Callable[..., Values], low: Values, high: Values, *arguments: Values
 ) -> Values:
     """Find the root of function(x, *arguments) between low and high, element by element."""
-    shape = arguments[0].shape
-    # copies, because broadcast views are read-only
-    bracket: Values = (np.broadcast_to(low, shape).copy(), np.broadcast_to(high, shape).copy())
     from scipy.optimize import elementwise  # half a second, for theories that need a root
 
     return elementwise.find_root(
         function,
-        bracket,
+        (low, high),
         args=arguments,
         tolerances={"xatol": _ROOT_TOLERANCE, "xrtol": _ROOT_TOLERANCE},
     ).x

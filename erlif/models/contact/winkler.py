@@ -20,7 +20,7 @@ from scipy import special
 
 from erlif.core.errors import ModelError
 from erlif.models.arguments import Values, formula, require_increasing
-from erlif.models.contact.roots import like
+from erlif.models.contact.roots import find_roots, like
 
 
 @dataclass(frozen=True)
@@ -194,16 +194,22 @@ def winkler_contact(
     )
     ratio = np.asarray(0 * grid + shaft_radius / bushing_radius, float)
     group = np.asarray(grid, float) / ratio
-    # one bushing and many loads is the usual case
-    fits = ratio.flat[:1] if ratio.size and np.ptp(ratio) == 0 else ratio
-    largest = supported_by_arc(np.full(fits.shape, np.pi / 2), fit=fits)
+    largest = supported_by_arc(np.full(ratio.shape, np.pi / 2), fit=ratio)
     if np.any(group > largest):
         raise ModelError(
             "load_per_length must not exceed the load that wraps the contact to 90 degrees; got "
             f"{float(np.nanmax(group / largest)):.3g} times that."
         )
 
-    half_angle, torque_ratio = arc_of_load(group, fit=ratio)
+    # the logarithm of the load is almost linear in that of the angle while the arc is narrow
+    log_angle = find_roots(
+        lambda trial, wanted, fit: np.log(supported_by_arc(np.exp(trial), fit=fit) / wanted),
+        np.log(_SMALLEST_ANGLE),
+        np.log(np.pi / 2) + 1e-9,
+        group,
+        ratio,
+    )
+    half_angle = np.minimum(np.exp(log_angle), np.pi / 2)
     eccentricity = eccentricity_of_arc(half_angle, fit=ratio)
     return WinklerContact(
         half_angle=like(grid, half_angle),
@@ -212,7 +218,7 @@ def winkler_contact(
         / thickness
         * bushing_radius
         * like(grid, indentation_of_arc(half_angle, fit=ratio)),
-        torque_ratio=like(grid, torque_ratio),
+        torque_ratio=like(grid, rubbed_by_arc(half_angle, fit=ratio) / group),
     )
 
 
@@ -227,15 +233,6 @@ _SERIES_TERMS = 9
 
 # Gauss's rule for the unweighed integral at w below 0.3, where it is exact to rounding.
 _FEW_NODES, _FEW_BELOW = 10, 0.3
-
-# Of Newton's method; it takes 5 to 7 from a narrow arc.
-_ITERATIONS = 60
-
-# Relative change of the angle after which the next one is below rounding.
-_TOLERANCE = 1e-8
-
-# Angles that are searched at once; their arrays stay in the cache.
-_BLOCK = 1 << 14
 
 
 def eccentricity_of_arc(half_angle: Values, *, fit: Values) -> Values:
@@ -254,7 +251,9 @@ def indentation_of_arc(half_angle: Values, *, fit: Values) -> Values:
 def supported_by_arc(half_angle: Values, *, fit: Values) -> Values:
     """Integral of indentation times cosine over the arc, times the fit: load over E' Rb^2 / t."""
     e = eccentricity_of_arc(half_angle, fit=fit)
-    wide, narrow = _segments(half_angle, e * np.sin(half_angle))
+    # twice the areas of circular segments
+    wide = _without_sine(2 * half_angle)
+    narrow = _without_sine(2 * np.arcsin(e * np.sin(half_angle)))
     return fit * (e * wide - narrow / e) / 2
 
 
@@ -285,52 +284,6 @@ def rubbed_by_arc(half_angle: Values, *, fit: Values) -> Values:
         total += weight * (2 * e * (half - part) + here / (1 + np.sqrt(1 - here)) - edge)
     share[~wide] = A * total
     return 2 * fit * share
-
-
-def arc_of_load(supported: Values, *, fit: Values) -> tuple[Values, Values]:
-    """Half angle of a load, at most that of 90 degrees, and friction over it.
-
-    The load is in units of E' Rb^2 / t; the ratio is `rubbed_by_arc` over `supported_by_arc`.
-    """
-    angle, ratio = np.empty(np.shape(supported)), np.empty(np.shape(supported))
-    wanted, fits = supported.reshape(-1), fit.reshape(-1)
-    for start in range(0, wanted.size, _BLOCK):
-        block = slice(start, start + _BLOCK)
-        solution = _search(wanted[block], fits[block])
-        angle.reshape(-1)[block] = solution
-        ratio.reshape(-1)[block] = rubbed_by_arc(solution, fit=fits[block]) / wanted[block]
-    return angle, ratio
-
-
-def _search(supported: Values, fit: Values) -> Values:
-    """Newton's method on the cube root, which is almost linear while the arc is narrow."""
-    wanted, left = np.cbrt(supported), np.arange(supported.size)
-    found = np.clip(np.cbrt(1.5 * supported / (fit * (1 - fit))), _SMALLEST_ANGLE, 1.3)
-
-    for _ in range(_ITERATIONS):
-        before, fits = found[left], fit[left]
-        sine, cosine = np.sin(before), np.cos(before)
-        reach = np.sqrt(1 - (fits * sine) ** 2)
-        e = (1 - fits) * (1 + fits) / (reach + fits * cosine)
-        wide, narrow = _segments(before, e * sine)
-        value = fits * (e * wide - narrow / e) / 2
-
-        # the indentation is 0 at the ends, so the integral changes with the eccentricity alone
-        by_eccentricity = fits * (before + sine * cosine + narrow / (2 * e**2))
-        slope = by_eccentricity * fits * sine * e / reach
-        root = np.cbrt(value)
-        change = (wanted[left] - root) * 3 * root**2 / slope
-        new = np.clip(before + change, before / 2, np.pi / 2)
-        found[left] = new
-        left = left[np.abs(new - before) > _TOLERANCE * before]
-        if not left.size:
-            break
-    return found
-
-
-def _segments(angle: Values, w: Values) -> tuple[Values, Values]:
-    """x - sin x at twice the angle and at twice arcsin w: areas of circular segments, doubled."""
-    return _without_sine(2 * angle), _without_sine(2 * np.arcsin(w))
 
 
 def _without_sine(x: Values) -> Values:

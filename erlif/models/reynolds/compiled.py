@@ -398,12 +398,8 @@ def _unbalanced(joint, drive, film, work, storage, k):  # type: ignore[no-untype
 @_part
 def _known_column(work):  # type: ignore[no-untyped-def]
     """A column whose cells are all known, where the ring is cut; -1 where there is none."""
-    n, nz = work.film.shape
-    for i in range(n):
-        known = True
-        for j in range(nz):
-            known = known and (work.supplied[i] or not work.full[i, j])
-        if known:
+    for i in range(work.supplied.size):
+        if work.supplied[i] or not work.full[i].any():
             return i
     return -1
 

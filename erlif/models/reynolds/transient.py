@@ -130,7 +130,7 @@ def solve_journal(
     compiled = compiled and film.turning and journal.foundation is None
 
     # from map to map, so that only their films are kept
-    pictures = [(0, *film.first_picture)] if 0 in wanted else []
+    pictures = [(0, *film.picture())] if 0 in wanted else []
     done = 0
     for stop in sorted({*wanted, steps - 1} - {0}):
         while done < stop:
@@ -290,7 +290,7 @@ class TransientFilm:
         # the film of the start
         self.instant = self.moment(0, 1.0)
         step = self.step(self.instant, None)
-        self.state = start_state(bearing.medium, step, self.free(self.held))
+        self.state = start_state(bearing.medium, step, self.held[: len(step.directions)])
         self.earlier: tuple[float, Array] | None = None
         self.halfway = self.turned(self.instant)  # angle of the cells in the middle of the step
         self.supply = 0.0
@@ -302,7 +302,6 @@ class TransientFilm:
             )
         self.table = {name: np.full(motion.time.size, np.nan) for name in SERIES}
         self.record(0)
-        self.first_picture = self.picture()
 
     def moment(self, k: int, part: float) -> "_Moment":
         """The motion at a part of the way to a step."""
@@ -313,10 +312,6 @@ class TransientFilm:
     def turned(self, now: "_Moment") -> float:
         """Angle by which the cells have turned. [rad]"""
         return now.angle / 2 if self.turning else 0.0
-
-    def free(self, held: Array) -> Array:
-        """The displacements that are unknown."""
-        return held[:1] if self.mount.guided else held
 
     def step(self, now: "_Moment", before: "_Moment | None") -> StepDrive:
         """Input of the solver for the step between two moments; `before` is None at the start."""
@@ -364,7 +359,9 @@ class TransientFilm:
                 halvings += 1
                 share /= 2
                 if halvings > MOST_HALVINGS:
-                    self.refuse_thin_film(now, k, self.resolved)
+                    # a film that the cells resolve doubles within two of them from its minimum
+                    cell = 2 * np.pi / self.bearing.medium.grid.along
+                    self.refuse_thin_film(now, k, self.bearing.journal.clearance * 2 * cell**2)
                     raise ModelError(
                         f"No film was found at {motion.time[k]:.6g} s (step {k}): {error}"
                     ) from error
@@ -380,12 +377,6 @@ class TransientFilm:
             self.refuse_thin_film(now, k, THINNEST_FILM)
         self.iterations = iterations
         self.supply = supply / (motion.time[k] - motion.time[k - 1])
-
-    @property
-    def resolved(self) -> float:
-        """Smallest film resolved by the cells: it doubles within two cells of its minimum. [m]"""
-        step = 2 * np.pi / self.bearing.medium.grid.along
-        return float(self.bearing.journal.clearance * 2 * step**2)
 
     def refuse_thin_film(self, now: "_Moment", k: int, limit: float) -> None:
         """Refuse a film that is thinner than a limit."""

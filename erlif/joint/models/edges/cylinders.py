@@ -239,11 +239,6 @@ class HarmonicSolver:
         basis = skfem.Basis(mesh, element, intorder=4)
         return cls(section, basis, _stiffness(basis, _elasticity(section)))
 
-    @property
-    def size(self) -> int:
-        """Number of unknowns."""
-        return int(self.basis.N)
-
     def solve(self, harmonic: int, loads: Array) -> Array:
         """Displacements under loads of one harmonic, per radian of the integral round the axis."""
         from scipy.sparse.linalg import splu
@@ -256,7 +251,7 @@ class HarmonicSolver:
             diag_pivot_thresh=0.0,
             options={"SymmetricMode": True},
         )
-        moved = np.zeros((self.size, loads.shape[1]))
+        moved = np.zeros((self.basis.N, loads.shape[1]))
         moved[kept] = factor.solve(np.ascontiguousarray(loads[kept]))
         return moved
 
@@ -294,20 +289,15 @@ class HarmonicSolver:
 
     def pressure_vectors(self, cells: Array) -> Array:
         """Loads of unit pressure on each cell of the surface, into the body. (unknown, cell)"""
+        inward = 1.0 if self.section.surface == self.section.radii[0] else -1.0
         return np.stack(
-            [self._surface_vector((low, high), self._inward, 0.0) for low, high in pairwise(cells)],
-            axis=1,
+            [self._surface_vector(span, inward, 0.0) for span in pairwise(cells)], axis=1
         )
 
     def transverse_vector(self, span: tuple[float, float]) -> Array:
         """Load of the first harmonic, even over a part of the surface; 2 pi of it are a newton."""
         density = 1 / ((span[1] - span[0]) * self.section.surface)
         return self._surface_vector(span, density, -density)
-
-    @property
-    def _inward(self) -> float:
-        """Direction of a pressure: outward for a bore, inward for a pin."""
-        return 1.0 if self.section.surface == self.section.radii[0] else -1.0
 
     def _surface_vector(self, span: tuple[float, float], radial: float, around: float) -> Array:
         """Load of tractions on a part of the surface: Simpson's rule, exact for these elements."""
@@ -318,7 +308,7 @@ class HarmonicSolver:
                 f"The cell from {span[0]:g} to {span[1]:g} m does not end at lines of the mesh."
             )
         component, (r, z) = self._components, self.basis.doflocs
-        loads = np.zeros(self.size)
+        loads = np.zeros(self.basis.N)
         for number, traction in ((0, radial), (2, around)):
             nodes = np.flatnonzero(
                 (np.abs(r - section.surface) < tolerance) & (component == number)
@@ -333,7 +323,7 @@ class HarmonicSolver:
     @cached_property
     def _components(self) -> Array:
         """Number of the component, radial, axial or round, of each unknown."""
-        component = np.empty(self.size)
+        component = np.empty(self.basis.N)
         for number, name in enumerate(("u^1", "u^2", "u^3")):
             component[self.basis.get_dofs(elements=True).all([name])] = number
         return component
@@ -360,14 +350,10 @@ class HarmonicSolver:
             # on the axis nothing but the translation of the first and the stretch of none remains
             kept = {0: (1,), 1: (0, 2)}.get(harmonic, ())
             held |= line(r, 0.0) & ~np.isin(component, kept)
-        if not section.clamped:
-            held |= self._rigid(harmonic, r, z, component, line)
-        return held
+        if section.clamped:
+            return held
 
-    def _rigid(self, harmonic: int, r: Array, z: Array, component: Array, line: Any) -> Mask:
-        """Mask of the unknowns that fix a free body; their reactions vanish in equilibrium."""
-        section = self.section
-        held = np.zeros(r.size, dtype=bool)
+        # a free body is fixed; the reactions vanish in equilibrium
         inner = line(r, section.radii[0])
         first, last = line(z, section.places[0]), line(z, section.places[-1])
         supported = section.symmetric or section.held_ends

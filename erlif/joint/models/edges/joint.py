@@ -94,19 +94,16 @@ class EdgeJoint:
                 f"pin_length, {self.pin_length:g} m, is below the length of the bushing, "
                 f"{self.length:g} m; the pin ends outside."
             )
-        if self.undercut is not None:
-            _check_undercut(self.undercut, self)
-
-
-def _check_undercut(cut: Undercut, joint: EdgeJoint) -> None:
-    """A groove lies within the wall and the half length of the bushing."""
-    require_positive(depth=cut.depth, width=cut.width, lip=cut.lip)
-    if not _fits(cut, joint):
-        wall = joint.outer_radius - joint.bushing_radius
-        raise ModelError(
-            f"The undercut (depth {cut.depth:g}, width {cut.width:g}, lip {cut.lip:g} m) does not "
-            f"fit into a wall of {wall:g} m and half a length of {joint.length / 2:g} m."
-        )
+        cut = self.undercut
+        if cut is None:
+            return
+        require_positive(depth=cut.depth, width=cut.width, lip=cut.lip)
+        if not _fits(cut, self):
+            wall = self.outer_radius - self.bushing_radius
+            raise ModelError(
+                f"The undercut (depth {cut.depth:g}, width {cut.width:g}, lip {cut.lip:g} m) does "
+                f"not fit into a wall of {wall:g} m and half a length of {self.length / 2:g} m."
+            )
 
 
 @dataclass(frozen=True)
@@ -415,13 +412,11 @@ def section_stress(
     pressure = contact["pressure"].to_numpy()
     around = len(pressure)
     angle = contact["angle"].to_numpy()
-    total: Array | None = None
+    total = np.zeros((4, solver.basis.mesh.nelements))
     for n in range(min(harmonics, around // 2)):
         # amplitude of cos(n angle); the pressure is even
         amplitude = (2 - (n == 0)) / around * (np.cos(n * angle) @ pressure)
-        found = solver.stress(n, solver.solve(n, loads @ amplitude[:, None])[:, 0])
-        total = found if total is None else total + found
-    assert total is not None
+        total += solver.stress(n, solver.solve(n, loads @ amplitude[:, None])[:, 0])
     rr, tt, zz, rz = total
     mises = equivalent_stress(xx=rr, yy=tt, zz=zz, xz=rz)
     (r, z), (width_r, width_z) = solver.points, solver.sizes

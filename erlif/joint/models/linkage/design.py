@@ -1,6 +1,6 @@
 """Properties of one crank-rocker for its designer, with the tolerances of its links."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
 import numpy as np
@@ -131,23 +131,21 @@ def measure_linkage(
     slower: Stroke = "rising" if excess > 0 else "falling"
     smallest, largest = measures.transmission_limits(links)
     along, across = measures.space(links, link_width)
-    design = LinkageDesign(
+    speed_ratio = float(max(measures.speed_ratio(links, rising=up) for up in (True, False)))
+    if crank_speed is None:
+        crank_speed = np.nan if rocker_speed is None else rocker_speed / speed_ratio
+    return LinkageDesign(
         linkage=linkage,
         swing=float(measures.swing(links)),
-        speed_ratio=float(max(measures.speed_ratio(links, rising=up) for up in (True, False))),
+        speed_ratio=speed_ratio,
         time_ratio=linkage.time_ratio(),
         slower_stroke=slower if abs(excess) > EQUAL_STROKES else "neither",
         transmission=(float(smallest), float(largest)),
         space=(float(along), float(across)),
         kind=measures.grashof_class(**links._asdict()),
+        crank_speed=float(crank_speed),
         link_width=float(link_width),
     )
-
-    if crank_speed is not None:
-        return replace(design, crank_speed=float(crank_speed))
-    if rocker_speed is not None:
-        return replace(design, crank_speed=float(rocker_speed) / design.speed_ratio)
-    return design
 
 
 @dataclass(frozen=True)

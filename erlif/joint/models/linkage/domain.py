@@ -41,18 +41,14 @@ class Domain:
         """Lengths at a place of the unit interval or square, one coordinate for each unknown."""
         lengths: dict[str, Values] = dict(self.given)
         if len(self.unknown) == 2:
-            lengths[self.unknown[0]] = self._outer(place[0])
+            low, high = _outer_range(self.given, self.unknown, self.longest)
+            from_crank = low > 0 and "crank" in self.given  # from it to the longest link
+            outer = low * (high / low) ** place[0] if from_crank else low + (high - low) * place[0]
+            lengths[self.unknown[0]] = outer
         for name in self.unknown[-1:]:
             low, high = _range_of(name, lengths, self.longest)
             lengths[name] = low + (high - low) * place[-1]
         return Links(*np.broadcast_arrays(*(lengths[name] for name in Links._fields)))
-
-    def _outer(self, place: Values) -> Values:
-        """Length of the first of two unknown links."""
-        low, high = _outer_range(self.given, self.unknown, self.longest)
-        if low > 0 and "crank" in self.given:
-            return low * (high / low) ** place  # from the crank to the longest link
-        return low + (high - low) * place
 
 
 def find_domain(given: dict[str, float], longest: float | None) -> Domain:

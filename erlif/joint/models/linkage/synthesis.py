@@ -226,14 +226,19 @@ def synthesise_crank_rocker(
 
     designs: list[LinkageDesign] = []
     for place in places:
-        linkage = _linkage_at(domain, place)
-        if linkage is None:
-            continue
+        lengths_there = np.array([float(length) for length in domain.links(place)])
+        try:
+            linkage = CrankRocker(*lengths_there.tolist())
+        except ModelError:  # rounding makes it fold flat
+            if domain.unknown:
+                continue
+            raise
         found = measure_linkage(
             linkage, crank_speed=crank_speed, rocker_speed=rocker_speed, link_width=link_width
         )
         found = replace(found, departures=_departures(found, targets, limits))
-        if not any(_is_same(found, other) for other in designs):
+        others = [np.array(design.linkage.links) for design in designs]
+        if not any(np.all(np.abs(lengths_there - one) <= SAME * one) for one in others):
             designs.append(found)
     return _conclude(designs, targets, domain)
 
@@ -489,22 +494,6 @@ def _neighbours(points: list[_Point], following: list[_Point]) -> list[tuple[_Po
         ]
         return list(zip(*in_order, strict=True))
     return list(product(points, following))
-
-
-def _linkage_at(domain: Domain, place: Array) -> CrankRocker | None:
-    """The linkage at a place of the search; None where rounding makes it fold flat."""
-    try:
-        return CrankRocker(*(float(length) for length in domain.links(place)))
-    except ModelError:
-        if domain.unknown:
-            return None
-        raise
-
-
-def _is_same(one: LinkageDesign, other: LinkageDesign) -> bool:
-    """Whether two designs have the same lengths but for rounding."""
-    first, second = (np.array(list(vars(design.linkage).values())) for design in (one, other))
-    return bool(np.all(np.abs(first - second) <= SAME * second))
 
 
 def _departures(
