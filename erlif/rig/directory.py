@@ -223,7 +223,9 @@ def write_fixture(
         progress("fixture frame", k + 1, rig.fixture_frames)
 
     write_profile(directory / "profile.csv", wedge, rng)
-    (directory / "fixture.toml").write_text(fixture_toml(rig), encoding="utf-8")
+    bands = BANDS if rig.dyes is None else rig.dyes.bands
+    settings = fill_template("erlif.rig", "fixture.toml", rig=rig, bands=bands, background=False)
+    (directory / "fixture.toml").write_text(settings, encoding="utf-8")
     return drift
 
 
@@ -416,15 +418,6 @@ def write_encoder_log(
         "laser_mJ": (meter, "%.2f"),
     }
     write_table(path, columns)
-
-
-# settings files
-
-
-def fixture_toml(rig: RigSettings) -> str:
-    """Return fixture.toml of the virtual wedge."""
-    bands = BANDS if rig.dyes is None else rig.dyes.bands
-    return fill_template("erlif.rig", "fixture.toml", rig=rig, bands=bands, background=False)
 
 
 def run_toml(rig: RigSettings, triggers: Triggers) -> str:

@@ -184,15 +184,12 @@ class Follower:
             return
         with self._changed:
             if self._shape == (0, 0):
-                self._open(fresh[0])
+                # the first pair shows the shape of the frames
+                first = fresh[0].pages[0]
+                rows, columns = read_headers([first.path], first.selection).kinds[0].shape[:2]
+                self._shape = (rows, columns)
             self._arrived += fresh
             self._notify()
-
-    def _open(self, first: Arrival) -> None:
-        """Learn the shape of the frames from the first pair."""
-        kind = read_headers([first.pages[0].path], first.pages[0].selection).kinds[0]
-        rows, columns = kind.shape[:2]
-        self._shape = (rows, columns)
 
     def _pairs_of(self, arrivals: Sequence[Arrival]) -> FramePairs:
         """Frame pairs of some of the arrivals."""
