@@ -10,7 +10,7 @@ import math
 import re
 import shutil
 import tempfile
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from functools import lru_cache, partial
 from os import PathLike
 from pathlib import Path
@@ -21,7 +21,7 @@ import tifffile
 
 from erlif.core.arrays import Array, Counts
 from erlif.core.errors import ModelError, OutputError
-from erlif.core.progress import ShowProgress, choose_progress
+from erlif.core.progress import Progress, ShowProgress, choose_progress
 from erlif.core.tables import fill_template
 from erlif.rig.camera import FULL_SCALE, alter_camera, expose, vibrate
 from erlif.rig.dyes import BANDS, DyedOil, signals_of
@@ -130,12 +130,7 @@ def simulate(
     try:
         out.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryDirectory(prefix=".simulate-", dir=out) as scratch:
-            write_rig(
-                Path(scratch),
-                seed=seed,
-                rig=rig or RigSettings(),
-                progress=report,
-            )
+            write_rig(Path(scratch), seed=seed, rig=rig or RigSettings(), progress=report)
             for name in existing:
                 shutil.rmtree(out / name) if (out / name).is_dir() else (out / name).unlink()
             for path in Path(scratch).iterdir():
@@ -165,9 +160,6 @@ def _refuse_foreign(out: Path, existing: list[str]) -> None:
             "not remove. Move it away, or choose another directory."
         )
 
-
-# Called after each frame with the kind of frame, its number from 1, and their total.
-Progress = Callable[[str, int, int], None]
 
 # Mean energy of a pulse, as the meter in encoder.csv reports it. [mJ]
 LASER_ENERGY = 50.0
@@ -231,7 +223,9 @@ def write_fixture(
         progress("fixture frame", k + 1, rig.fixture_frames)
 
     write_profile(directory / "profile.csv", wedge, rng)
-    (directory / "fixture.toml").write_text(fixture_toml(rig), encoding="utf-8")
+    bands = BANDS if rig.dyes is None else rig.dyes.bands
+    settings = fill_template("erlif.rig", "fixture.toml", rig=rig, bands=bands, background=False)
+    (directory / "fixture.toml").write_text(settings, encoding="utf-8")
     return drift
 
 
@@ -424,15 +418,6 @@ def write_encoder_log(
         "laser_mJ": (meter, "%.2f"),
     }
     write_table(path, columns)
-
-
-# settings files
-
-
-def fixture_toml(rig: RigSettings) -> str:
-    """Return fixture.toml of the virtual wedge."""
-    bands = BANDS if rig.dyes is None else rig.dyes.bands
-    return fill_template("erlif.rig", "fixture.toml", rig=rig, bands=bands, background=False)
 
 
 def run_toml(rig: RigSettings, triggers: Triggers) -> str:

@@ -61,6 +61,9 @@ class DyedOil:
     reflectance: float = 0.0
 
 
+_AS_FILLED = DyedOil()
+
+
 def _sum(
     dyes: DyeSpectra, of: tuple[tuple[float, ...], tuple[float, ...]], wavelength: Array, left: Left
 ) -> Array:
@@ -95,15 +98,13 @@ def transmission(wavelength: Array, band: float, width: float = BANDWIDTH) -> Ar
     return np.asarray((np.tanh(rise) - np.tanh(fall)) / 2)
 
 
-def band_signal(
+def filtered_light(
     thickness: Array,
     band: float,
     *,
     derivative: bool = False,
-    left: Left = _FRESH,
     dyes: DyeSpectra | None = None,
-    glow: Left = _FRESH,
-    reflectance: float = 0.0,
+    oil: DyedOil = _AS_FILLED,
 ) -> Array:
     """Light of a film of `thickness` [um] behind the filter at `band` [nm], or its slope.
 
@@ -113,20 +114,20 @@ def band_signal(
     converges fast because the filter vanishes at both ends. A wall adds the laser that it returns,
     the emission that it returns, and the emission of returned laser that it returns.
     """
-    laser, width = (LASER, BANDWIDTH)
+    laser, width, left = LASER, BANDWIDTH, oil.left
     if dyes is not None:
         laser, width = dyes.laser, dyes.bandwidth[dyes.bands.index(band)]
     reach = _REACH + (width - BANDWIDTH) / 2
     wavelength = np.arange(band - reach, band + reach + _STEP / 10, _STEP)
-    shining = left[0] * glow[0], left[1] * glow[1]
+    shining = left[0] * oil.glow[0], left[1] * oil.glow[1]
     weight = _STEP * transmission(wavelength, band, width) * emission(wavelength, shining, dyes)
     into, out = absorption(np.asarray(laser), left, dyes), absorption(wavelength, left, dyes)
     both_ways = into + out
     t = np.asarray(thickness, dtype=np.float64)
     depth = np.multiply.outer(t, both_ways)
     per_wavelength = np.exp(-depth) if derivative else -np.expm1(-depth) / both_ways
-    if reflectance:
-        per_wavelength += _returned(t, into, out, reflectance, derivative=derivative)
+    if oil.reflectance:
+        per_wavelength += _returned(t, into, out, oil.reflectance, derivative=derivative)
     return np.asarray(per_wavelength @ weight)
 
 
@@ -155,21 +156,20 @@ def thickest(dyes: DyeSpectra | None) -> float:
 
 
 def tabulate_signal(
-    band: float, left: Left = _FRESH, dyes: DyeSpectra | None = None, oil: DyedOil | None = None
+    band: float, dyes: DyeSpectra | None = None, oil: DyedOil = _AS_FILLED
 ) -> Callable[[Array], Array]:
     """Return a function of thickness [um]: light behind the filter over that of a thick fresh film.
 
     It is a cubic Hermite table with exact slopes, 0.02 um apart for the invented dyes: the error is
     below 1e-10.
     """
-    oil = DyedOil(left) if oil is None else oil
     end = thickest(dyes)
     thickness = np.linspace(0, end, _TABLE)
     signal, slope = (
-        band_signal(thickness, band, derivative=order, dyes=dyes, **vars(oil))
+        filtered_light(thickness, band, derivative=order, dyes=dyes, oil=oil)
         for order in (False, True)
     )
-    fresh = signal[-1] if oil == DyedOil() else band_signal(thickness[-1:], band, dyes=dyes)[0]
+    fresh = signal[-1] if oil == _AS_FILLED else filtered_light(thickness[-1:], band, dyes=dyes)[0]
     table = CubicHermiteSpline(thickness, signal / fresh, slope / fresh)
     return lambda film: np.asarray(table(np.minimum(film, end)))
 
@@ -179,5 +179,5 @@ def signals_of(
 ) -> tuple[Callable[[Array], Array], Callable[[Array], Array]]:
     """`tabulate_signal` behind the filters of cameras 1 and 2."""
     bands = BANDS if dyes is None else dyes.bands
-    one, two = (tabulate_signal(band, dyes=dyes, oil=oil) for band in bands)
+    one, two = (tabulate_signal(band, dyes, oil) for band in bands)
     return one, two

@@ -7,13 +7,14 @@ import shutil
 import tempfile
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal, get_args
 
 import numpy as np
 import tifffile
 
+from erlif.core.arrays import Array
 from erlif.core.errors import ModelError
 from erlif.core.progress import Progress, silent
 
@@ -117,7 +118,7 @@ def write_live(
 
         names = sorted(path.name for path in (kept / _CAMERAS[0]).iterdir())
         dark = [_dark_level(run / f"{camera}_dark.tif") for camera in _CAMERAS]
-        fading = _Fading(gain, read_noise)
+        rng = np.random.default_rng(0)
         begun = time.monotonic() + delay
         for frame, name in enumerate(names):
             time.sleep(max(0.0, begun + frame / rate - time.monotonic()))
@@ -125,8 +126,15 @@ def write_live(
             for n, camera in enumerate(_CAMERAS):
                 if n:
                     time.sleep(min(_LATER, 0.1 / rate))
-                if not any(fault.silences(camera, frame) for fault in faults):
-                    fading.write(kept / camera / name, run / camera / name, energy, dark[n])
+                if any(fault.silences(camera, frame) for fault in faults):
+                    continue
+                source, target = kept / camera / name, run / camera / name
+                if energy == 1.0:
+                    target.write_bytes(source.read_bytes())
+                else:
+                    light = tifffile.imread(source) - dark[n]
+                    dimmed = dark[n] + dim_light(light, energy, gain, read_noise, rng)
+                    tifffile.imwrite(target, np.rint(np.clip(dimmed, 0, None)).astype(np.uint16))
             if frame < len(rows):
                 with log.open("a", encoding="utf-8") as file:
                     file.write(_with_energy(head, rows[frame], energy) + "\n")
@@ -136,7 +144,7 @@ def write_live(
 def _energy(faults: Sequence[Fault], frame: int) -> float:
     """Light of a pulse over that without faults. [1]"""
     passed = [frame - one.frame for one in faults if one.kind == "laser-fades"]
-    return float(_FADING ** max(passed, default=0)) if max(passed, default=0) > 0 else 1.0
+    return float(_FADING ** max([0, *passed]))
 
 
 def _with_energy(head: str, row: str, energy: float) -> str:
@@ -154,30 +162,11 @@ def _dark_level(path: Path) -> float:
     return float(tifffile.imread(path).mean()) if path.exists() else 0.0
 
 
-@dataclass
-class _Fading:
-    """Frames with the light of a pulse of another energy.
-
-    Attributes
-    ----------
-    gain : float
-        [electron/DN]
-    read_noise : float
-        [electron]
-    """
-
-    gain: float
-    read_noise: float
-    _rng: np.random.Generator = field(default_factory=lambda: np.random.default_rng(0))
-
-    def write(self, source: Path, target: Path, energy: float, dark: float) -> None:
-        """Write a frame with a share of its light, and the noise of as many electrons."""
-        if energy == 1.0:
-            target.write_bytes(source.read_bytes())
-            return
-        light = tifffile.imread(source).astype(float) - dark
-        # counts that are multiplied have energy**2 of their variance
-        shot = (energy - energy**2) * np.clip(light, 0, None) / self.gain
-        read = (1 - energy**2) * (self.read_noise / self.gain) ** 2
-        counts = dark + energy * light + np.sqrt(shot + read) * self._rng.normal(size=light.shape)
-        tifffile.imwrite(target, np.rint(np.clip(counts, 0, None)).astype(np.uint16))
+def dim_light(
+    light: Array, energy: float, gain: float, read_noise: float, rng: np.random.Generator
+) -> Array:
+    """Light [DN] of a weaker pulse, a share `energy` of it, with the noise of as many electrons."""
+    # counts that are multiplied have energy**2 of their variance
+    shot = (energy - energy**2) * np.clip(light, 0, None) / gain
+    read = (1 - energy**2) * (read_noise / gain) ** 2
+    return np.asarray(energy * light + np.sqrt(shot + read) * rng.normal(size=light.shape))

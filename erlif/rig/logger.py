@@ -66,9 +66,7 @@ def _link_angle(crank: Array, rig: RigSettings) -> Array:
     return np.degrees(crank)
 
 
-def write_log_in_time(
-    path: Path, triggers: Triggers, rig: RigSettings, temperature: float
-) -> Reading:
+def write_log_in_time(path: Path, triggers: Triggers, rig: RigSettings, temperature: float) -> None:
     """Write a log in time, as a logger of a European laboratory does.
 
     Columns are separated by semicolons, commas are decimal, and a voltage rises at each frame.
@@ -98,7 +96,6 @@ def write_log_in_time(
     write_table(path, columns, delimiter=";")
     text = path.read_text(encoding="utf-8").replace(".", ",")
     path.write_text(f"# virtual logger, 5 channels\n{text}", encoding="utf-8")
-    return reading
 
 
 def write_table(

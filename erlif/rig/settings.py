@@ -3,27 +3,34 @@
 import math
 import tomllib
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from erlif.core.errors import ModelError
-from erlif.core.tables import read_table
 from erlif.core.terms import keys_in
 
-_TABLE = read_table("erlif.rig", "settings.toml")
-
-# Settings that are one of several words.
-CHOICES: Mapping[str, Sequence[str]] = _TABLE["choices"]
-# Smallest and largest value of the settings, of each number of a pair, in their units.
-LIMITS: Mapping[str, Sequence[float]] = _TABLE["limits"]
 # How a pin without a spring is held at right angles to the load.
 SIDEWAYS = ("free", "guided")
+# Angle through which the rocker of the thesis turns; the default one differs little. [degree]
+SWING = 24.0
 # Settings of any number of values.
 _LISTS = ("film_table", "flat_levels")
 
-# Angle through which the rocker of the thesis turns; the default one differs little. [degree]
-SWING = 24.0
+_Value = TypeVar("_Value")
+
+
+def _limited(default: _Value, low: float, high: float) -> _Value:
+    """Smallest and largest value of a setting, of each number of a pair.
+
+    Beyond them random numbers, memory or the search for object points fail.
+    """
+    return field(default=default, metadata={"limits": (low, high)})
+
+
+def _one_of(*words: str) -> str:
+    """A setting that is one of several words; the first one is the default."""
+    return field(default=words[0], metadata={"words": words})
 
 
 @dataclass(frozen=True)
@@ -270,124 +277,124 @@ class RigSettings:
     """
 
     # picture
-    width: int = 320
-    height: int = 256
-    field_width: float = 19.2
+    width: int = _limited(320, 32, 16384)
+    height: int = _limited(256, 32, 16384)
+    field_width: float = _limited(19.2, 0.01, 1000)
 
     # motion without a linkage
-    mechanism: str = "crank-rocker"
-    pictures: int = 24
-    track_radius: float = 20.0
-    disc_speed: float = 60.0
-    stroke: float = 10.0
-    frequency: float = 5.0
+    mechanism: str = _one_of("crank-rocker", "rotation", "sinusoidal", "static")
+    pictures: int = _limited(24, 1, 1_000_000)  # a week of simulation at 320 x 256
+    track_radius: float = _limited(20.0, 1e-3, 1e6)
+    disc_speed: float = _limited(60.0, 1e-6, 1e6)
+    stroke: float = _limited(10.0, 1e-6, 1e6)
+    frequency: float = _limited(5.0, 1e-9, 1e6)
 
     # linkage and encoder
     crank: float = 5.5
     coupler: float = 44.0
     rocker: float = 26.0
     ground: float = 51.0
-    crank_speed: float = 114.0
-    spacing: float = 0.96
-    cycles: int = 1
+    crank_speed: float = _limited(114.0, 0.001, 1e5)
+    spacing: float = _limited(0.96, 1e-9, 10)
+    cycles: int = _limited(1, 1, math.inf)
     write_zero: bool = True
-    encoder: str = "rocker"
-    reading: str = "degrees"
+    encoder: str = _one_of("rocker", "coupler", "crank")
+    reading: str = _one_of("degrees", "wrapped", "ticks")
     pulses_per_cycle: float = 0.0
-    log: str = "frames"
+    log: str = _one_of("frames", "continuous")
 
     # joint
     pin_radius: float = 33.36
     bushing_radius: float = 33.59
-    length: float = 237.0
-    load: float = 222.411
-    load_swing: float = 0.01
-    viscosity: float = 0.12
-    stated_viscosity: float = 0.0
+    length: float = _limited(237.0, 1e-3, 1e6)
+    load: float = _limited(222.411, 1e-6, 1e9)
+    load_swing: float = _limited(0.01, 0, 0.99)
+    viscosity: float = _limited(0.12, 1e-6, 1e6)
+    stated_viscosity: float = _limited(0.0, 0, 1e6)
 
     # film
-    film: str = "law"
-    elapsed: float = 24.0
+    film: str = _one_of("law", "reynolds")
+    elapsed: float = _limited(24.0, 0, 1e4)
     sideways: str | float = "free"
-    cavitation_pressure: float = -100.0
+    cavitation_pressure: float = _limited(-100.0, -101.325, 0)
     write_mount: bool = True
-    contact: str = "pin"
-    ball_radius: float = 100.0
-    film_reference: float = 6.0
-    exponent: float = 0.62
-    film_floor: float = 0.3
+    contact: str = _one_of("pin", "ball", "plane")
+    ball_radius: float = _limited(100.0, 1e-3, 1e9)
+    film_reference: float = _limited(6.0, 1e-3, 1000)
+    exponent: float = _limited(0.62, -10, 10)
+    film_floor: float = _limited(0.3, 1e-3, 1000)
     film_table: tuple[float, ...] | None = None
     thin_line: float = 0.8
-    tilt: float = 0.2
-    marks: float = 0.07
-    bubbles: int = 6
+    tilt: float = _limited(0.2, -1000, 1000)
+    marks: float = _limited(0.07, 0, 10)
+    bubbles: int = _limited(6, 0, 10_000)
 
     # light
-    light: float = 1.0
+    light: float = _limited(1.0, 1e-6, 1000)
     dyes: DyeSpectra | None = None
     beam_corner: float = 0.5
-    iris: float = 0.0
-    glare: float = 0.0
-    pulse_jitter: float = 0.03
-    speckle_fixed: float = 0.08
-    speckle_new: float = 0.08
-    speckle_size: float = 0.72
+    iris: float = _limited(0.0, 0, 10)
+    glare: float = _limited(0.0, 0, 1)
+    pulse_jitter: float = _limited(0.03, 0, 0.3)
+    speckle_fixed: float = _limited(0.08, 0, 1)
+    speckle_new: float = _limited(0.08, 0, 1)
+    speckle_size: float = _limited(0.72, 0.1, 100)
 
     # cameras, first and second
     blur: tuple[float, float] = (0.50, 0.55)
     thick_film_signal: tuple[float, float] = (11000.0, 11500.0)
     vignetting: tuple[float, float] = (0.84, 0.87)
-    gain: float = 4.4
-    read_noise: float = 9.0
-    full_well: float | None = None
-    offset: float = 64.0
-    column_pattern: float = 2.0
-    response_spread: float = 0.01
-    hot_fraction: float = 5e-4
-    dead_pixels: int = 3
-    dust: int = 4
+    gain: float = _limited(4.4, 1e-3, 1e6)
+    read_noise: float = _limited(9.0, 0, 1e6)
+    full_well: float | None = _limited(None, 10, 1e9)
+    offset: float = _limited(64.0, 0, 4095)
+    column_pattern: float = _limited(2.0, 0, 1000)
+    response_spread: float = _limited(0.01, 0, 0.3)
+    hot_fraction: float = _limited(5e-4, 0, 1)
+    dead_pixels: int = _limited(3, 0, 1_000_000)
+    dust: int = _limited(4, 0, 10_000)
 
     # light that is not film, in the run alone
-    background: float = 0.0
-    background_beam: float = 0.0
-    background_second: float = 1.0
-    background_pages: int = 0
-    background_energy: float = 1.0
-    bleaching: tuple[float, float] = (0.0, 0.0)
-    reference: float = 0.0
+    background: float = _limited(0.0, 0, 10)
+    background_beam: float = _limited(0.0, 0, 10)
+    background_second: float = _limited(1.0, 0, 1000)
+    background_pages: int = _limited(0, 0, 10_000)
+    background_energy: float = _limited(1.0, 0, 100)
+    bleaching: tuple[float, float] = _limited((0.0, 0.0), 0, 0.999999999)
+    reference: float = _limited(0.0, 0, 1000)
 
     # what differs between fixture and run, or changes during it
-    wall: tuple[float, float] = (0.0, 0.0)
-    warming: float = 0.0
-    glow_per_kelvin: tuple[float, float] = (-0.002, -0.001)
-    brightness: tuple[float, float] = (1.0, 1.0)
-    gain_step: tuple[float, float] = (0.0, 1.0)
-    blur_step: tuple[float, float] = (0.0, 0.0)
-    bump: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    lag: tuple[float, float] = (0.0, 0.0)
-    compression: tuple[float, float] = (0.0, 0.0)
-    dark_drift: tuple[float, float] = (0.0, 0.0)
-    dark_step: tuple[float, float] = (0.0, 0.0)
+    wall: tuple[float, float] = _limited((0.0, 0.0), 0, 1)
+    warming: float = _limited(0.0, -100, 100)
+    glow_per_kelvin: tuple[float, float] = _limited((-0.002, -0.001), -0.05, 0.05)
+    brightness: tuple[float, float] = _limited((1.0, 1.0), 0.01, 100)
+    gain_step: tuple[float, float] = _limited((0.0, 1.0), 0, 1_000_000)
+    blur_step: tuple[float, float] = _limited((0.0, 0.0), 0, 1_000_000)
+    bump: tuple[float, float, float] = _limited((0.0, 0.0, 0.0), -1_000_000, 1_000_000)
+    lag: tuple[float, float] = _limited((0.0, 0.0), 0, 0.9)
+    compression: tuple[float, float] = _limited((0.0, 0.0), -0.9, 0.9)
+    dark_drift: tuple[float, float] = _limited((0.0, 0.0), -1000, 1000)
+    dark_step: tuple[float, float] = _limited((0.0, 0.0), -1_000, 1_000_000)
     write_systematics: bool = True
 
     # from camera 1 to camera 2
     shift: tuple[float, float] = (4.0, -3.0)
-    scale: tuple[float, float] = (1.004, 0.997)
-    rotation: float = 0.4
-    distortion: float = 0.5
-    vibration: float = 0.3
+    scale: tuple[float, float] = _limited((1.004, 0.997), 0.8, 1.2)
+    rotation: float = _limited(0.4, -10, 10)
+    distortion: float = _limited(0.5, -10, 10)
+    vibration: float = _limited(0.3, 0, 20)
 
     # calibration fixture
-    fixture_frames: int = 12
+    fixture_frames: int = _limited(12, 1, 100_000)
     fixture_after: bool = False
     wedge: tuple[float, float] = (0.1, 18.0)
-    wedge_form: float = 0.1
-    cmm_noise: float = 0.15
+    wedge_form: float = _limited(0.1, 0, 100)
+    cmm_noise: float = _limited(0.15, 0, 100)
     fixture_offset: tuple[float, float] = (0.6, -0.4)
 
     # reference pages
-    dark_pages: int = 8
-    flat_pages: int = 4
+    dark_pages: int = _limited(8, 1, 10_000)
+    flat_pages: int = _limited(4, 1, 10_000)
     flat_levels: tuple[float, ...] = (0.25, 0.5, 0.8)
 
     def excluded(self, file: str) -> dict[str, str]:
@@ -536,6 +543,16 @@ class RigSettings:
         return math.hypot(*self.centre)
 
 
+# Smallest and largest value of the settings that are limited, in their units.
+LIMITS: Mapping[str, tuple[float, float]] = {
+    one.name: one.metadata["limits"] for one in fields(RigSettings) if "limits" in one.metadata
+}
+# Settings that are one of several words.
+CHOICES: Mapping[str, Sequence[str]] = {
+    one.name: one.metadata["words"] for one in fields(RigSettings) if "words" in one.metadata
+}
+
+
 def read_rig_settings(path: Path) -> dict[str, Any]:
     """Read settings of the rig from a TOML file.
 
@@ -561,7 +578,7 @@ def read_rig_settings(path: Path) -> dict[str, Any]:
             f"Expected settings of the virtual rig as TOML in {path}; {error}. Correct the file."
         ) from error
 
-    known = {field.name: getattr(RigSettings, field.name) for field in fields(RigSettings)}
+    known = {one.name: one.default for one in fields(RigSettings)}
     settings: dict[str, Any] = {}
     for name, value in table.items():
         default = known.get(name)

@@ -1,15 +1,14 @@
 """truth.nc: the true film and all other inputs of a simulated run."""
 
 from dataclasses import asdict
+from functools import partial
 from importlib.metadata import version
 from typing import Any, NamedTuple
 
 import h5netcdf
 import numpy as np
-from numpy.typing import NDArray
 
 from erlif.core.arrays import Array
-from erlif.core.tables import read_table
 from erlif.rig.camera import displacement, vignetting
 from erlif.rig.film import Gap, Triggers, Wedge, cycle_time, lay_patch
 from erlif.rig.journal import JournalGap, load_at
@@ -21,21 +20,12 @@ _FILM_STEPS = 4096  # per um: the film is rounded to 0.12 nm
 _SIGNAL_STEPS = 2048  # of the mantissa: the signal is rounded to 0.05 %
 
 
-# Values of variables by name.
-_Values = dict[str, NDArray[Any]]
-
-_TABLE = read_table("erlif.rig", "truth.toml")
-
-# Dimension along which the film changes.
-_FILM_DIM = {"law": "trigger", "reynolds": "frame"}
-
-# Variables of the place of the pin, and their names in `JournalGap`.
-_PIN = {
-    "pin_displacement_load": "along",
-    "pin_displacement_side": "side",
-    "eccentricity": "eccentricity",
-    "attitude": "attitude",
-}
+# Long names of the images, which are filled frame by frame.
+_FILM = "film with its marks, without bubbles, at pixel centres of camera 1"
+_ELECTRONS = (
+    "mean signal above dark of the object point under each camera-1 pixel: lens and beam included, "
+    "speckle, bubbles, pulse energy, pixel response and dust not"
+)
 
 # Settings of the film by the law alone.
 _LAW = ("film_reference", "exponent", "film_floor", "film_table", "tilt")
@@ -83,36 +73,24 @@ def describe_truth(
         "y": rig.height,
         "x": rig.width,
     }
-    groups: dict[str, _Values] = {
-        "axes": {
-            "x": np.arange(rig.width) * rig.pitch,
-            "y": np.arange(rig.height) * rig.pitch,
-            "camera": np.array([1, 2]),
-        },
-        "triggers": _list_triggers(triggers, rig.mechanism),
-        "gaps": _list_gaps(gaps),
-        "loading": _list_loading(triggers, rig) if rig.film == "reynolds" else {},
-        "frames": _list_frames(triggers, session),
-        "geometry": _list_geometry(setup),
-    }
-    film = _FILM_DIM[rig.film]
-    for group, variables in groups.items():
-        for name, values in variables.items():
-            entry = _TABLE[group][name]
-            _describe(file.create_variable(name, _dims(entry, film), data=values), entry)
+    _describe_triggers(file, triggers, rig)
+    # dimension along which the film changes
+    film = "frame" if rig.film == "reynolds" else "trigger"
+    _describe_gaps(file, film, gaps)
+    if rig.film == "reynolds":
+        _describe_loading(file, triggers, rig)
+    _describe_frames(file, triggers, session)
+    _describe_geometry(file, setup)
 
-    for name, entry in _TABLE["images"].items():
-        dims = _dims(entry, film)
-        variable = file.create_variable(
-            name,
-            dims,
-            entry["type"],
-            compression="gzip",
-            compression_opts=4,
-            shuffle=True,
-            chunks=(1,) * (len(dims) - 2) + (rig.height, rig.width),
-        )
-        _describe(variable, entry)
+    options: dict[str, Any] = {"compression": "gzip", "compression_opts": 4, "shuffle": True}
+    for name, dims, kind, units, long_name in (
+        ("film", (film,), "f4", "um", _FILM),
+        ("expected_electrons", ("camera", film), "f4", "electron", _ELECTRONS),
+        ("bubble", ("frame",), "u1", "1", "1 where a bubble or its meniscus takes oil away"),
+    ):
+        chunks = (1,) * len(dims) + (rig.height, rig.width)
+        image = file.create_variable(name, (*dims, "y", "x"), kind, chunks=chunks, **options)
+        image.attrs["units"], image.attrs["long_name"] = units, long_name
 
     file.attrs["title"] = "truth of a virtual ERLIF run"
     origin = "invented" if rig.dyes is None else "those of a plan"
@@ -128,70 +106,86 @@ def describe_truth(
     file.attrs["rig_pixel_pitch"] = np.float64(rig.pitch)
 
 
-def _dims(entry: dict[str, str], film: str) -> tuple[str, ...]:
-    """Dims of an entry of the table, with the dimension along which the film changes."""
-    return tuple(film if dim == "film" else dim for dim in entry["dims"].split())
+def _put(
+    file: h5netcdf.File, name: str, dims: str, values: Any, units: str, long_name: str
+) -> None:
+    """Write a variable on dims that are separated by spaces."""
+    variable = file.create_variable(name, tuple(dims.split()), data=np.asarray(values))
+    variable.attrs["units"], variable.attrs["long_name"] = units, long_name
 
 
-def _describe(variable: h5netcdf.Variable, entry: dict[str, str]) -> None:
-    variable.attrs["units"] = entry["units"]
-    variable.attrs["long_name"] = entry["long_name"]
+def _describe_triggers(file: h5netcdf.File, triggers: Triggers, rig: RigSettings) -> None:
+    """Axes, and motion of each trigger."""
+    put = partial(_put, file)
+    put("x", "x", np.arange(rig.width) * rig.pitch, "mm", "object position along sliding")
+    put("y", "y", np.arange(rig.height) * rig.pitch, "mm", "object position across sliding")
+    put("camera", "camera", [1, 2], "1", "camera number")
+    put("encoder_angle", "trigger", triggers.reading, "degree", "encoder reading")
+    put("joint_load", "trigger", triggers.load, "N", "load on the joint")
+    if rig.mechanism != "crank-rocker":
+        put("sliding_speed", "trigger", triggers.speed, "m s-1", "signed, of the surface")
+        put("time", "trigger", triggers.time, "s", "time in the first cycle")
+        return
+    rocker, crank = triggers.zero + triggers.reading, triggers.crank_angle
+    put("rocker_angle", "trigger", rocker, "degree", "from the ground link")
+    put("crank_angle", "trigger", crank, "degree", "from the ground link, rocker side positive")
+    put("rocker_speed", "trigger", triggers.speed, "rad s-1", "positive with rising angle")
 
 
-def _list_triggers(triggers: Triggers, mechanism: str) -> _Values:
-    """Film and motion of each trigger."""
-    values = {"encoder_angle": triggers.reading, "joint_load": triggers.load}
-    if mechanism != "crank-rocker":
-        return values | {"sliding_speed": triggers.speed, "time": triggers.time}
-    return values | {
-        "rocker_angle": triggers.zero + triggers.reading,
-        "crank_angle": triggers.crank_angle,
-        "rocker_speed": triggers.speed,
-    }
-
-
-def _list_gaps(gaps: list[Gap]) -> _Values:
+def _describe_gaps(file: h5netcdf.File, film: str, gaps: list[Gap]) -> None:
     """Minimum of every film, and the place of the pin where there is one."""
-    values = {"film_min": np.array([gap.film_min for gap in gaps])}
-    if all(isinstance(gap, JournalGap) for gap in gaps):
-        for name, field in _PIN.items():
-            values[name] = np.array([getattr(gap, field) for gap in gaps])
-    return values
+    put = partial(_put, file)
+    of_gap = "minimum film thickness of the smooth gap in the region of interest"
+    put("film_min", film, [gap.film_min for gap in gaps], "um", of_gap)
+    pins = [gap for gap in gaps if isinstance(gap, JournalGap)]
+    if pins:
+        along, side = [pin.along for pin in pins], [pin.side for pin in pins]
+        put(
+            "pin_displacement_load",
+            film,
+            along,
+            "um",
+            "of the pin from the bushing, along the load",
+        )
+        put("pin_displacement_side", film, side, "um", "of the pin from the bushing, along +x")
+        far, turned = [pin.eccentricity for pin in pins], [pin.attitude for pin in pins]
+        put("eccentricity", film, far, "1", "distance of the axes over the radial clearance")
+        put("attitude", film, turned, "rad", "from the load line to the thinnest film, along +x")
 
 
-def _list_loading(triggers: Triggers, rig: RigSettings) -> _Values:
+def _describe_loading(file: h5netcdf.File, triggers: Triggers, rig: RigSettings) -> None:
     """Quantities of each frame from which the film of theory follows."""
-    time = frame_times(triggers, rig)
-    return {
-        "time": time,
-        "time_since_loading": time + rig.elapsed * cycle_time(rig),
-        "frame_load": load_at(time, rig),
-        "viscosity": np.full(time.size, rig.viscosity),
-        "load_line": np.array(rig.centre[0] * rig.pitch + rig.thin_line),
-    }
+    put, time = partial(_put, file), frame_times(triggers, rig)
+    loaded, line = time + rig.elapsed * cycle_time(rig), rig.centre[0] * rig.pitch + rig.thin_line
+    put("time", "frame", time, "s", "as in the encoder log")
+    put("time_since_loading", "frame", loaded, "s", "the pin is centred at time 0")
+    put("frame_load", "frame", load_at(time, rig), "N", "load on the joint")
+    put("viscosity", "frame", np.full(time.size, rig.viscosity), "Pa s", "of the oil in the gap")
+    put("load_line", "", line, "mm", "position of the load line along x")
 
 
-def _list_frames(triggers: Triggers, session: Session) -> _Values:
+def _describe_frames(file: h5netcdf.File, triggers: Triggers, session: Session) -> None:
     """Trigger, pulse energy and shift of each frame."""
-    return {
-        "frame_trigger": np.arange(session.energy.size) % triggers.reading.size,
-        "pulse_energy": session.energy,
-        "drift_x": session.drift[:, 0],
-        "drift_y": session.drift[:, 1],
-        "fixture_drift_x": session.fixture_drift[:, 0],
-        "fixture_drift_y": session.fixture_drift[:, 1],
-    }
+    put, energy = partial(_put, file), session.energy
+    number = np.arange(energy.size) % triggers.reading.size
+    put("frame_trigger", "frame", number, "1", "trigger at which a frame was taken")
+    put("pulse_energy", "frame", energy, "1", "laser pulse energy over its mean")
+    for axis, shift in zip("xy", session.drift.T, strict=True):
+        put(f"drift_{axis}", "frame", shift, "pixel", f"extra shift of camera 2 along {axis}")
+    for axis, shift in zip("xy", session.fixture_drift.T, strict=True):
+        name, text = f"fixture_drift_{axis}", "the same in the fixture's session"
+        put(name, "fixture_frame", shift, "pixel", text)
 
 
-def _list_geometry(setup: Setup) -> _Values:
-    """Displacement of camera 2, and the film of the fixture."""
-    dx, dy = displacement(setup.x, setup.y, setup.rig)
-    return {
-        "background_typical": np.array(setup.typical),
-        "displacement_x": dx,
-        "displacement_y": dy,
-        "wedge": Wedge(setup.rig)(setup.x, setup.y)[0],
-    }
+def _describe_geometry(file: h5netcdf.File, setup: Setup) -> None:
+    """Light of the run, displacement of camera 2, and the film of the fixture."""
+    put, x, y = partial(_put, file), setup.x, setup.y
+    shares = "median light of the run, of which rig_background and rig_background_beam are shares"
+    put("background_typical", "camera", setup.typical, "electron", shares)
+    for axis, image in zip("xy", displacement(x, y, setup.rig), strict=True):
+        text = "camera-2 pixel minus camera-1 pixel, at zero drift"
+        put(f"displacement_{axis}", "y x", image, "pixel", text)
+    put("wedge", "x", Wedge(setup.rig)(x, y)[0], "um", "film of the calibration fixture")
 
 
 def write_true_film(file: h5netcdf.File, setup: Setup, gaps: list[Gap]) -> None:

@@ -10,20 +10,21 @@ from erlif.rig.dyes import (
     BANDS,
     LASER,
     THICKEST,
+    DyedOil,
     absorption,
-    band_signal,
     emission,
+    filtered_light,
     tabulate_signal,
     transmission,
 )
 from erlif.rig.settings import DyeSpectra
 
-# the band signal and its limits
+# the light behind a filter and its limits
 
 
 @pytest.mark.parametrize("band", [580.0, 610.0])
 @pytest.mark.parametrize("thickness", [0.2, 5.0])
-def test_band_signal_is_the_double_integral(band, thickness):
+def test_filtered_light_is_the_double_integral(band, thickness):
     def light(depth, wavelength):
         lost = (absorption(np.asarray(LASER)) + absorption(np.asarray(wavelength))) * depth
         return float(
@@ -33,7 +34,7 @@ def test_band_signal_is_the_double_integral(band, thickness):
         )
 
     whole = dblquad(light, band - 12, band + 12, 0, thickness, epsrel=1e-9)[0]
-    npt.assert_allclose(band_signal(np.asarray(thickness), band), whole, rtol=1e-7)
+    npt.assert_allclose(filtered_light(np.asarray(thickness), band), whole, rtol=1e-7)
 
 
 def test_a_wall_returns_laser_and_emission():
@@ -46,7 +47,9 @@ def test_a_wall_returns_laser_and_emission():
         return ways[0] * ways[1]
 
     def signal(thickness, reflectance):
-        return float(band_signal(np.asarray(thickness), 580.0, reflectance=reflectance))
+        return float(
+            filtered_light(np.asarray(thickness), 580.0, oil=DyedOil(reflectance=reflectance))
+        )
 
     # over the width of the filter the attenuation changes by a few per cent, to both sides
     for thickness in (0.5, 4.0, 12.0):
@@ -55,7 +58,9 @@ def test_a_wall_returns_laser_and_emission():
         found = signal(thickness, 0.4) / signal(thickness, 0.0)
         npt.assert_allclose(found, expected, rtol=3e-3)
     step = 1e-5
-    slope = float(band_signal(np.asarray(4.0), 580.0, derivative=True, reflectance=0.4))
+    slope = float(
+        filtered_light(np.asarray(4.0), 580.0, derivative=True, oil=DyedOil(reflectance=0.4))
+    )
     numerical = (signal(4.0 + step, 0.4) - signal(4.0 - step, 0.4)) / (2 * step)
     npt.assert_allclose(slope, numerical, rtol=1e-7)
 
@@ -71,13 +76,13 @@ def test_thin_and_thick_limits(band):
         )
 
     thin, thick = (quad(what, band - 12, band + 12, epsrel=1e-10)[0] for what in (made, left))
-    npt.assert_allclose(band_signal(np.asarray(1e-6), band) / 1e-6, thin, rtol=1e-6)
-    npt.assert_allclose(band_signal(np.asarray(200.0), band), thick, rtol=1e-9)
+    npt.assert_allclose(filtered_light(np.asarray(1e-6), band) / 1e-6, thin, rtol=1e-6)
+    npt.assert_allclose(filtered_light(np.asarray(200.0), band), thick, rtol=1e-9)
 
 
 def test_table_of_the_signal_is_exact_and_saturated_beyond_its_end():
     thickness = np.random.default_rng(0).uniform(0, 60, 500)
-    direct = band_signal(thickness, 580.0) / band_signal(np.asarray(200.0), 580.0)
+    direct = filtered_light(thickness, 580.0) / filtered_light(np.asarray(200.0), 580.0)
     signal = tabulate_signal(580.0)
     npt.assert_allclose(signal(thickness), direct, rtol=1e-9)
     npt.assert_array_equal(signal(np.array([THICKEST, 2 * THICKEST])), 1)
@@ -106,8 +111,8 @@ def test_three_parameters_describe_the_ratio_of_the_bands():
 @pytest.mark.parametrize("band", BANDS)
 def test_slope_of_the_signal_is_its_derivative(band):
     film, step = np.linspace(0.1, 20, 30), 1e-4
-    numerical = (band_signal(film + step, band) - band_signal(film - step, band)) / (2 * step)
-    npt.assert_allclose(band_signal(film, band, derivative=True), numerical, rtol=1e-6)
+    numerical = (filtered_light(film + step, band) - filtered_light(film - step, band)) / (2 * step)
+    npt.assert_allclose(filtered_light(film, band, derivative=True), numerical, rtol=1e-6)
 
 
 def test_reabsorption_is_stronger_in_the_band_of_camera_1():
@@ -130,16 +135,19 @@ def test_a_bleached_dye_1_dims_both_bands_and_a_bleached_dye_2_clears_camera_1()
         ]
         for left in ((0.7, 1.0), (1.0, 0.7), (0.6, 0.8)):
             expected = (left[0] * by_dye[0] + left[1] * by_dye[1]) / sum(by_dye)
-            light = band_signal(thin, band, left=left) / band_signal(thin, band)
+            light = filtered_light(thin, band, oil=DyedOil(left)) / filtered_light(thin, band)
             npt.assert_allclose(light, expected, rtol=1e-5)
             npt.assert_allclose(
-                tabulate_signal(band, left)(thin) / tabulate_signal(band)(thin), expected, rtol=1e-5
+                tabulate_signal(band, oil=DyedOil(left))(thin) / tabulate_signal(band)(thin),
+                expected,
+                rtol=1e-5,
             )
 
     # reabsorption by dye 2 lies in the band of camera 1, so that the ratio of a thick film falls
     thick = np.asarray(20.0)
     fresh, faded = (
-        band_signal(thick, 610.0, left=left) / band_signal(thick, 580.0, left=left)
+        filtered_light(thick, 610.0, oil=DyedOil(left))
+        / filtered_light(thick, 580.0, oil=DyedOil(left))
         for left in ((1.0, 1.0), (1.0, 0.8))
     )
     assert faded < fresh

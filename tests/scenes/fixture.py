@@ -46,8 +46,8 @@ def through_filters(reflectance):
     Every wavelength of both filters is integrated by itself, so the model with one attenuation for
     each band is not what is fitted.
     """
-    film = np.linspace(0.05, 19, 2000)
-    one, two = (dyes.band_signal(film, band, reflectance=reflectance) for band in dyes.BANDS)
+    film, oil = np.linspace(0.05, 19, 2000), dyes.DyedOil(reflectance=reflectance)
+    one, two = (dyes.filtered_light(film, band, oil=oil) for band in dyes.BANDS)
     return CubicSpline(film, np.log(two / one))
 
 

@@ -48,12 +48,8 @@ def note_columns(evidence: Evidence) -> Iterator[Note]:
     Note
     """
     log, oil = evidence.run.log, evidence.run.settings.oil
-    for name, least in _SEARCHED.items():
-        if name not in log or log[name].size < _FEWEST:
-            continue
-        values = np.asarray(log[name].values, float)
+    for name, values, odd in _search_columns(log):
         unit = str(log[name].attrs.get("units", "")).replace("degree_Celsius", "degC")
-        odd = find_single(values, least=least)
         if odd.size:
             counted = name == "joint_load" or (oil is not None and oil.vogel is not None)
             yield _note_single(name.removeprefix("joint_"), values, odd, unit, counted=counted)
@@ -82,12 +78,18 @@ def without_single(log: EncoderLog) -> EncoderLog:
     -------
     EncoderLog
     """
-    odd = [np.array([], int)]
+    kept = np.arange(log.sizes["frame"])
+    for _, _, odd in _search_columns(log):
+        kept = np.setdiff1d(kept, odd)
+    return EncoderLog(log.isel(frame=kept))
+
+
+def _search_columns(log: EncoderLog) -> Iterator[tuple[str, Array, AnyArray]]:
+    """Name, values and single values of each column that is searched."""
     for name, least in _SEARCHED.items():
         if name in log and log[name].size >= _FEWEST:
-            odd.append(find_single(np.asarray(log[name].values, float), least=least))
-    rows = np.setdiff1d(np.arange(log.sizes["frame"]), np.concatenate(odd))
-    return EncoderLog(log.isel(frame=rows))
+            values = np.asarray(log[name].values, float)
+            yield name, values, find_single(values, least=least)
 
 
 def _note_single(name: str, values: Array, odd: AnyArray, unit: str, *, counted: bool) -> Note:

@@ -67,15 +67,14 @@ def note_crank(evidence: Evidence) -> Iterator[Note]:
 
     time = np.asarray(run.log["time"].values, float)[:_MOST]
     block = max(_BLOCK, 2 * int(located.trigger.max() + 1))
-    starts = range(0, max(reading.size - _FEWEST, 1), block)
-    fits = []
-    for start in starts:
+    odd, slips, most = [], [], 0.0
+    first: _Turn | None = None
+    for start in range(0, max(reading.size - _FEWEST, 1), block):
         rows = slice(start, start + block)
         fit = _fit_turn(run, evidence, time[rows], reading[rows])
-        if fit is not None and fit.trusted:
-            fits.append((start, fit))
-    odd, slips, most = [], [], 0.0
-    for start, fit in fits:
+        if fit is None:
+            continue
+        first = first or fit
         single = find_odd(fit.rest, fit.swing)
         even = np.delete(np.arange(fit.rest.size), single)
         rest = np.interp(np.arange(fit.rest.size), even, fit.rest[even])
@@ -96,8 +95,8 @@ def note_crank(evidence: Evidence) -> Iterator[Note]:
             "the readings leave the turn of an even crank. Fasten it, and correct the readings or "
             "process the parts as two runs",
         )
-    if fits and not odd and not slips:
-        yield from _note_swing(run, fits[0][1])
+    if first is not None and not odd and not slips:
+        yield from _note_swing(run, first)
 
 
 class _Turn(NamedTuple):
@@ -107,10 +106,10 @@ class _Turn(NamedTuple):
     swing: float  # of the link: a turn of a crank [degree]
     size: float  # swing of the readings over that of the link; NaN on a crank [1]
     size_std: float
-    trusted: bool  # whether the crank turns evenly enough for a comparison
 
 
 def _fit_turn(run: Run, evidence: Evidence, time: Array, reading: Array) -> _Turn | None:
+    """Compare readings with an even crank; None where it turns too unevenly for that."""
     links, encoder = run.settings.linkage, run.settings.encoder
     assert links is not None
     since = time - time[0]
@@ -131,7 +130,7 @@ def _fit_turn(run: Run, evidence: Evidence, time: Array, reading: Array) -> _Tur
     return _fit_swing(since, reading, crank, swing, high - low)
 
 
-def _fit_crank(since: Array, reading: Array) -> _Turn:
+def _fit_crank(since: Array, reading: Array) -> _Turn | None:
     """Fit a line and harmonics of once and twice a turn to the readings on a crank."""
     turned = np.degrees(np.unwrap(np.radians(reading)))
     phase = np.radians(turned)
@@ -139,7 +138,7 @@ def _fit_crank(since: Array, reading: Array) -> _Turn:
     columns = np.stack([np.ones_like(since), since, *waves], axis=1)
     rest = _fit_robustly(columns, turned)
     trusted = robust_std(rest) < _LARGEST_REST * 360 and float(np.ptp(turned)) > 90
-    return _Turn(rest, 360.0, math.nan, math.nan, bool(trusted))
+    return _Turn(rest, 360.0, math.nan, math.nan) if trusted else None
 
 
 def _fit_robustly(columns: Array, values: Array) -> Array:
@@ -156,7 +155,7 @@ def _fit_robustly(columns: Array, values: Array) -> Array:
 
 def _fit_swing(
     since: Array, reading: Array, crank: Array, swing: Callable[[Array], Array], width: float
-) -> _Turn:
+) -> _Turn | None:
     """Start, speed, zero and size of the swing, so that they fit most readings."""
     from scipy.optimize import least_squares  # slow to load
 
@@ -182,12 +181,14 @@ def _fit_swing(
     assert found is not None
     rest = rest_of(found.x)
     noise = robust_std(rest)
+    if noise >= _LARGEST_REST * width:
+        return None
     turned = abs(found.x[1]) * float(since[-1])
     whole = turned > _WHOLE * 2 * math.pi
     slopes = np.asarray(found.jac)
     normal = np.linalg.pinv(slopes.T @ slopes)
     std = max(noise, 1e-4) * math.sqrt(float(normal[3, 3])) if whole else math.inf
-    return _Turn(rest, width, float(found.x[3]), std, bool(noise < _LARGEST_REST * width))
+    return _Turn(rest, width, float(found.x[3]), std)
 
 
 def find_odd(rest: Array, swing: float) -> AnyArray:
@@ -285,16 +286,14 @@ def _note_swing(run: Run, fit: _Turn) -> Iterator[Note]:
     if not abs(off) > max(_SWING, _SIGNIFICANT * fit.size_std) or links is None:
         return
     mounted = "rocker" if run.settings.encoder is None else run.settings.encoder.mounted_on
-    low, high = choose_link(build_linkage(links), mounted).limits
-    span = math.degrees(high - low)
     fitting = ""
     if mounted == "rocker" and isinstance(links, CrankRockerSettings):
         others = {"coupler": links.coupler, "rocker": links.rocker, "ground": links.ground}
         with suppress(ModelError):  # no crank gives that swing with these links
-            crank = 100 * crank_for_swing(fit.size * (high - low), **others)
+            crank = 100 * crank_for_swing(fit.size * math.radians(fit.swing), **others)
             fitting = f", as with a crank of {crank:.3g} cm in place of {100 * links.crank:.3g} cm"
     yield warn(
         "encoder",
-        f"its reading swings by {fit.size * span:.2f} deg, the linkage of [mechanism] by "
-        f"{span:.2f} deg{fitting}. Correct the lengths of the links, or ticks_per_turn",
+        f"its reading swings by {fit.size * fit.swing:.2f} deg, the linkage of [mechanism] by "
+        f"{fit.swing:.2f} deg{fitting}. Correct the lengths of the links, or ticks_per_turn",
     )

@@ -114,9 +114,7 @@ def note_mounting(log: EncoderLog, settings: RunSettings) -> Iterator[Note]:
 def note_motion(log: EncoderLog, located: xr.Dataset, settings: RunSettings) -> Iterator[Note]:
     """Steps of angle and time against each other and against the mechanism."""
     yield from note_angles(log)
-    time = Steps.of(log).time
-    if time is not None and time.size >= _FEWEST:
-        yield from _note_times(time)
+    yield from _note_times(Steps.of(log).time)
     yield from note_speed(log, located, settings)
 
 
@@ -162,7 +160,10 @@ def note_angles(log: EncoderLog) -> Iterator[Note]:
         )
 
 
-def _note_times(time: Array) -> Iterator[Note]:
+def _note_times(time: Array | None) -> Iterator[Note]:
+    """Note range and steps of the time; warn of pauses."""
+    if time is None or time.size < _FEWEST:
+        return
     step = np.diff(time)
     usual = float(np.median(step))
     low, high = step.min(), step.max()

@@ -40,15 +40,12 @@ class Order(NamedTuple):
         Whether the pairs stand in reverse order.
     left : float
         Share of the variance that this order leaves.
-    gain : float
-        Gain in the logarithm of the likelihood over the order as it is.
     """
 
     lag: int
     since: int
     reverse: bool
     left: float
-    gain: float
 
 
 def shifted(values: Array, lag: int) -> Array:
@@ -89,28 +86,22 @@ def note_order(evidence: Evidence) -> Iterator[Note]:
     ------
     Note
     """
-    size = slice(0, _MOST)
-    numbers, energies, light = evidence.numbers[size], evidence.energies, evidence.light[size]
+    numbers, energies = evidence.numbers[:_MOST], evidence.energies
+    judged = None
     if energies is not None:
-        energies = energies[size]
-        judged = compare_energies(energies, light)
-        if judged is not None:
-            found, odd = judged
-            if found is not None:
-                yield _note_other_order(
-                    found, numbers, "the light of the pulses follows the energies"
-                )
-            elif odd.size:
-                yield warn(
-                    "log",
-                    f"{_subject(numbers[odd])} of another place or of another recording: the light "
-                    "is not that of the energy in the rows, or the energies are wrong. Compare "
-                    "numbers of frames and rows",
-                )
-            else:
-                yield from _note_by_film(evidence, numbers, known=True)
-            return
-    yield from _note_by_film(evidence, numbers, known=False)
+        judged = compare_energies(energies[:_MOST], evidence.light[:_MOST])
+    found, odd = judged or (None, np.array([], int))
+    if found is not None:
+        yield _note_other_order(found, numbers, "the light of the pulses follows the energies")
+    elif odd.size:
+        yield warn(
+            "log",
+            f"{_subject(numbers[odd])} of another place or of another recording: the light is not "
+            "that of the energy in the rows, or the energies are wrong. Compare numbers of frames "
+            "and rows",
+        )
+    else:
+        yield from _note_by_film(evidence, numbers, known=judged is not None)
 
 
 def _note_by_film(evidence: Evidence, numbers: AnyArray, *, known: bool) -> Iterator[Note]:
@@ -149,21 +140,18 @@ def _note_other_order(found: Order, numbers: AnyArray, fact: str) -> Note:
             f"the frames of both cameras are in reverse order: {fact} in the other one "
             f"({1 - found.left:.0%} of the variance). Number them in the order of the pulses",
         )
-    rows = count_of(abs(found.lag), "row")
-    where = "later" if found.lag > 0 else "earlier"
+    start, cure = "", "Remove the rows or frames that have no partner at the start"
     if found.since:
-        return warn(
-            "log",
-            f"from pair {numbers[found.since]} on the rows of the pairs stand {rows} {where} in "
-            f"the log: {fact} there ({1 - found.left:.0%} of the variance). Pulses, frames or "
-            "rows are missing: find them by the numbers of frames and rows, and leave out their "
-            "partners",
+        start = f"from pair {numbers[found.since]} on "
+        cure = (
+            "Pulses, frames or rows are missing: find them by the numbers of frames and rows, and "
+            "leave out their partners"
         )
     return warn(
         "log",
-        f"the rows of the pairs stand {rows} {where} in the log: {fact} there "
-        f"({1 - found.left:.0%} of the variance). Remove the rows or frames that have no partner "
-        "at the start",
+        f"{start}the rows of the pairs stand {count_of(abs(found.lag), 'row')} "
+        f"{'later' if found.lag > 0 else 'earlier'} in the log: {fact} there "
+        f"({1 - found.left:.0%} of the variance). {cure}",
     )
 
 
@@ -225,20 +213,19 @@ def compare_energies(energies: Array, light: Array) -> tuple[Order | None, AnyAr
     back = seen - logged[::-1]
     noise = max(min(_quartile_noise(rest) for rest in (*moved.values(), back)), _SCATTER / 2)
     cost = {lag: _cost(rest, noise, spread) for lag, rest in moved.items()}
-    best, least = Order(0, 0, True, 0.0, 0.0), float(_cost(back, noise, spread).sum())
+    best, least = Order(0, 0, True, 0.0), float(_cost(back, noise, spread).sum())
     for lag in filter(None, cost):
         partners = np.cumsum(np.isfinite(moved[lag])[::-1])[::-1]
         since, total = _split_orders(cost[0], cost[lag], int((partners >= _PARTNERS).sum()))
         if total < least:
-            best, least = Order(lag, since, False, 0.0, 0.0), total
-    gain = float(cost[0].sum()) - least
-    if gain > _GAIN:
+            best, least = Order(lag, since, False, 0.0), total
+    if float(cost[0].sum()) - least > _GAIN:
         rest = back if best.reverse else np.where(
             np.arange(seen.size) < best.since, moved[0], moved[best.lag]
         )  # fmt: skip
         left = 2 * _known_scatter(rest) ** 2 / (spread[0] ** 2 + spread[1] ** 2)
         if left < _LEFT:
-            return best._replace(left=left, gain=gain), np.array([], int)
+            return best._replace(left=left), np.array([], int)
     if _known_scatter(moved[0]) > spread[0]:
         return None  # the energies have nothing to do with the light
 
@@ -347,15 +334,13 @@ def compare_film(drive: Array, levels: Array) -> Order | None:
     drive = drive / drive.max()
     plain = _rest_share(_speed_terms(drive), levels)
     limit = min(FARTHEST, levels.size // 4)
-    orders = [Order(0, 0, True, _rest_share(_speed_terms(drive[::-1]), levels), 0.0)]
+    orders = [Order(0, 0, True, _rest_share(_speed_terms(drive[::-1]), levels))]
     places = np.unique(np.linspace(0, levels.size - SIDE, _PLACES).astype(int))
     for lag in (*range(-limit, 0), *range(1, limit + 1)):
         moved = shifted(drive, lag)
         for since in places[(places == 0) | (places >= SIDE)]:
             joined = np.where(np.arange(drive.size) >= since, moved, drive)
-            orders.append(
-                Order(lag, int(since), False, _rest_share(_speed_terms(joined), levels), 0.0)
-            )
+            orders.append(Order(lag, int(since), False, _rest_share(_speed_terms(joined), levels)))
     best = min(orders, key=lambda one: one.left)
     if best.left < plain:
         # the size of a speed repeats twice a turn: what squeeze delays is late, early or reversed
@@ -364,7 +349,7 @@ def compare_film(drive: Array, levels: Array) -> Order | None:
     least, better = (_GAIN_REVERSE, _BETTER_REVERSE) if best.reverse else (_GAIN_BY_FILM, _BETTER)
     most = _LEFT_BY_SQUEEZE if best.lag < 0 else _LEFT_BY_FILM
     if gain > least and plain > better * best.left and best.left < most:
-        return best._replace(gain=float(gain))
+        return best
     return None
 
 

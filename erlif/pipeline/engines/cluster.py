@@ -40,11 +40,6 @@ Collect: TypeAlias = Callable[[int, _Result], None]
 
 _logger = logging.getLogger(__name__)
 
-_FORMS = (
-    "Expected --scheduler local:N for N workers on this machine, the address of a scheduler such "
-    "as tcp://HOST:8786, or the scheduler file that dask wrote, such as scheduler.json"
-)
-
 # Size of a scheduler file that is read; dask writes a few kilobytes. [byte]
 _LARGEST_FILE = 2**20
 
@@ -104,7 +99,6 @@ class Cluster:
         """The scheduler as the user named it."""
         self._open = ExitStack()
         self._client: Any = None
-        self._own: Any = None
         _check_form(scheduler)
         if importlib.util.find_spec("distributed") is None:
             raise ClusterError(
@@ -118,7 +112,7 @@ class Cluster:
     def close(self) -> None:
         """Close the connection to the scheduler; workers that were started here end."""
         self._open.close()
-        self._client = self._own = None
+        self._client = None
 
     def compute(self, work: Work[_Result], items: Sequence[int], collect: Collect[_Result]) -> None:
         """As `erlif.pipeline.engines.engine.Engine.compute`; `work` must be picklable.
@@ -209,7 +203,7 @@ class Cluster:
         local = _LOCAL.fullmatch(self.scheduler)
         if local:
             folder = self._open.enter_context(tempfile.TemporaryDirectory(prefix="erlif-workers-"))
-            self._own = self._open.enter_context(
+            own = self._open.enter_context(
                 LocalCluster(
                     n_workers=int(local[1]),
                     threads_per_worker=1,
@@ -220,7 +214,7 @@ class Cluster:
                     silence_logs=logging.CRITICAL,
                 )
             )
-            self._client = self._open.enter_context(Client(self._own, **_OPTIONS))
+            self._client = self._open.enter_context(Client(own, **_OPTIONS))
             return
 
         address = self.scheduler
@@ -261,10 +255,12 @@ class Cluster:
 def _check_form(scheduler: str) -> None:
     """Refuse text that names no scheduler."""
     is_address = _ADDRESS.fullmatch(scheduler) and not scheduler.startswith("local:")
-    if _LOCAL.fullmatch(scheduler) or is_address:
-        return
-    if not scheduler.endswith(".json"):
-        raise ClusterError(f"{_FORMS}; got {scheduler!r}. Give one of these.")
+    if not (_LOCAL.fullmatch(scheduler) or is_address or scheduler.endswith(".json")):
+        raise ClusterError(
+            "Expected --scheduler local:N for N workers on this machine, the address of a "
+            "scheduler such as tcp://HOST:8786, or the scheduler file that dask wrote, such as "
+            f"scheduler.json; got {scheduler!r}. Give one of these."
+        )
 
 
 def _read_address(path: Path) -> str:

@@ -121,16 +121,17 @@ def open_engine(*, workers: int | None = None, scheduler: str | None = None) -> 
     ClusterError
         If both are given, or the scheduler cannot be used.
     """
-    if scheduler is None:
-        # threads of OpenBLAS spin for 25 ms after each call; the matrices of a pair are small, and
-        # its processor time was twice as long (docs/performance.md)
-        with threadpool_limits(1, user_api="blas"):
-            yield Threads(workers)
-        return
-    if workers is not None:
+    if scheduler is not None and workers is not None:
         raise ClusterError(
             "Expected workers for threads of this process, or scheduler for workers of dask; got "
             f"both. With local:{workers} the scheduler starts as many workers."
         )
-    with closing(Cluster(scheduler)) as cluster:
-        yield cluster
+    # threads of OpenBLAS spin for 25 ms after each call; the matrices of a pair are small, and its
+    # processor time was twice as long (docs/performance.md). Their number also decides the last
+    # digit of a sum, which is the same with every engine
+    with threadpool_limits(1, user_api="blas"):
+        if scheduler is None:
+            yield Threads(workers)
+            return
+        with closing(Cluster(scheduler)) as cluster:
+            yield cluster

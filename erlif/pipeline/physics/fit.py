@@ -95,7 +95,8 @@ def fit_film(path: str | Path, *, progress: ShowProgress = None) -> ModelCompari
     line, seen = found.get("load_line"), source.film.get("pin_displacement", xr.DataArray())
     if line is not None and "load_line" in seen.attrs:
         about = 1e-3 * float(seen.attrs["load_line"])
-        beside["load_line"] = _load_line_place(line, about)
+        low, high = line.low + about, line.high + about
+        beside["load_line"] = replace(line, value=line.value + about, low=low, high=high)
         if abs(line.value) > _FAR * line.std and comparison.fit.sideways == "free":
             middle = f"{_MILLI * (about + line.value):.2f}"
             text = (
@@ -106,12 +107,6 @@ def fit_film(path: str | Path, *, progress: ShowProgress = None) -> ModelCompari
             notes = (*notes, warn("load line", text))
     fit = replace(comparison.fit, estimates={**found, **beside}, notes=notes)
     return replace(comparison, fit=fit)
-
-
-def _load_line_place(line: Estimate, about: float) -> Estimate:
-    """The place of a load line in the image, from its deviation from another place. [m]"""
-    low, high = line.low + about, line.high + about
-    return replace(line, value=line.value + about, low=low, high=high)
 
 
 def _beside_sheet(

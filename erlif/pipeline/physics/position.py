@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 
 from erlif.calibration import RunCurve
-from erlif.core.arrays import Array
 from erlif.core.notes import Note, remark, warn
 from erlif.core.terms import SOURCES
 from erlif.core.units import Quantity
@@ -60,6 +59,9 @@ def describe_positions(
         return {}
     shared = calibration.full_covariance
     value = np.array([one.value for one in known])
+    form = np.array([one.form.value for one in known])
+    form_std = np.sqrt([np.diag(one.form.covariance(shared)) for one in known])
+    expected = value[:, 0] / view.radius**2
     place = {
         "clearance": view.clearance,
         "load_line": view.load_line,
@@ -73,26 +75,17 @@ def describe_positions(
         "pin_position_cov": np.array([one.covariance(shared) for one in known]),
         "pin_position_cov_random": np.array([one.random_cov for one in known]),
         "pin_position_gradient": np.array([one.gradient for one in known]),
-        **_describe_form(known, shared, view),
+        # curvatures that a second fit leaves free
+        "film_curvature": expected + form[:, 0],
+        "film_curvature_expected": expected,
+        "film_curvature_std": form_std[:, 0],
+        "film_curvature_axial": form[:, 1],
+        "film_curvature_axial_std": form_std[:, 1],
     }
     placed = ("pin_displacement", "pin_tilt")
     return {
         name: FILM[name].fill(values, **(place if name in placed else {}))
         for name, values in columns.items()
-    }
-
-
-def _describe_form(known: Sequence[PinPosition], shared: Array, view: PinView) -> dict[str, Array]:
-    """Curvatures of the gap that a second fit leaves free."""
-    form = np.array([one.form.value for one in known])
-    std = np.sqrt([np.diag(one.form.covariance(shared)) for one in known])
-    expected = np.array([one.value[0] for one in known]) / view.radius**2
-    return {
-        "film_curvature": expected + form[:, 0],
-        "film_curvature_expected": expected,
-        "film_curvature_std": std[:, 0],
-        "film_curvature_axial": form[:, 1],
-        "film_curvature_axial_std": std[:, 1],
     }
 
 

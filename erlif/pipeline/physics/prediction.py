@@ -24,7 +24,6 @@ from erlif.prediction import (
     predict_triggers,
     speed_correlation,
 )
-from erlif.prediction.triggers import CELLS
 from erlif.trend import LubricatedJoint, compare_with_roughness, predict_film, viscosity_at
 
 # Regime whose surfaces keep their shape, as the transient prediction takes them.
@@ -211,13 +210,7 @@ def film_along_sliding(settings: RunSettings, predicted: xr.Dataset, position: A
     return 1e6 * gap
 
 
-def predict_run(
-    plane: ObjectPlane,
-    film: xr.Dataset,
-    frames: xr.Dataset,
-    *,
-    cells: tuple[int, int] = CELLS,
-) -> Prediction:
+def predict_run(plane: ObjectPlane, film: xr.Dataset, frames: xr.Dataset) -> Prediction:
     """Predict the film of a run.
 
     Parameters
@@ -229,8 +222,6 @@ def predict_run(
         settings give it; attribute load_line of pin_displacement, unless the settings give it.
     frames : xarray.Dataset
         As `frames_of_run` returns them.
-    cells : (int, int)
-        As for `erlif.prediction.predict_frames`.
 
     Returns
     -------
@@ -253,7 +244,6 @@ def predict_run(
         view=ImageLine(1e-3 * (plane.along - line), plane.within),
         sideways=options.sideways if isinstance(options.sideways, str) else float(options.sideways),
         start_film=None if options.start_film == "fit" else float(options.start_film),
-        cells=cells,
     )
     names = ["film_predicted_min", "film_predicted_mean", "eccentricity", "attitude"]
     by_frame = predicted[[f"{name}_frame" for name in names]]
@@ -416,29 +406,26 @@ def note_difference(film: xr.Dataset, options: PredictionOptions) -> list[Note]:
         return []
     off = (measured - predicted)[known]
     marked = _SHARE * float(np.mean(measured[known]))
-    errors = (float(np.sqrt(np.mean(std[known] ** 2))) for std in (own, whole))
+    error, error_of_level = (float(np.sqrt(np.mean(std[known] ** 2))) for std in (own, whole))
     pin = describe_sideways(options)
 
-    fitted = bool(film["film_predicted_min"].attrs.get("start_film_fitted", 0))
-    course, level = float(off.std()), 0.0 if fitted else float(off.mean())
-    error, error_of_level = errors
-    notes = []
+    fitted = film["film_predicted_min"].attrs.get("start_film_fitted", 0)
+    course, level = float(off.std()), float(off.mean())
+    texts = []
     if course >= max(_ERRORS * error, marked):
-        text = (
+        texts.append(
             f"the course of the minimum film is not that of a {pin}: it is {course:.3g} um (rms) "
             f"off, differences are known to {error:.2g} um. Run erlif predict RUN_DIR --fit: it "
             "fits the viscosity of a free and of a guided pin, and states which of them describes "
             "the film, or that neither does; check the load and its unit"
         )
-        notes.append(warn("theory", text))
-    if abs(level) >= max(_ERRORS * error_of_level, marked):
-        text = (
+    if not fitted and abs(level) >= max(_ERRORS * error_of_level, marked):
+        texts.append(
             f"the minimum film is not that of a {pin}: it is {level:+.3g} um off in the mean, and "
             f"known to {error_of_level:.2g} um. Check viscosity, load, start_film and how the pin "
             "is held ([prediction])"
         )
-        notes.append(warn("theory", text))
-    return notes
+    return [warn("theory", text) for text in texts]
 
 
 def describe_sideways(options: PredictionOptions) -> str:

@@ -101,10 +101,17 @@ def _find_pressure(film: xr.Dataset, progress: Progress) -> xr.Dataset:
     view = _view(film, settings)
     known = _known(film)
     positions = _follow_pin(film, settings, known)
-    motion, order = _lay_path(positions), positions.order
+    motion = find_pin_motion(
+        positions.time,
+        positions.angle,
+        positions.turning,
+        positions.value,
+        period=positions.period,
+        **positions.errors,
+    )
     joint = swinging_joint(settings).joint
     conditions = film[[name for name in ("crank_angle", "temperature") if name in film]].load()
-    viscosity = viscosity_at(conditions, joint.viscosity)[order]
+    viscosity = viscosity_at(conditions, joint.viscosity)[positions.order]
     x, y = _image_grid(film)
     line = settings.prediction.load_line_std
     if line is None:
@@ -121,7 +128,7 @@ def _find_pressure(film: xr.Dataset, progress: Progress) -> xr.Dataset:
         fill=partial(_fill_motion, film, settings, positions),
         progress=progress,
     )
-    return _pressure_by_trigger(film, settings, view, pressures, motion, order, (x, y))
+    return _pressure_by_trigger(film, settings, view, pressures, motion, positions.order, (x, y))
 
 
 def _settings_std(settings: RunSettings, viscosity: Array) -> tuple[float, float]:
@@ -172,7 +179,7 @@ class _Positions(NamedTuple):
         As for `find_pin_motion`, (position,).
     value : Array
         (position, number)
-    errors : dict of str to Array
+    errors : dict
         random_cov, surface_cov, gradient and calibration_cov, as for `find_pin_motion`.
     period : float
         Of a turn. [s]
@@ -183,7 +190,7 @@ class _Positions(NamedTuple):
     angle: Array
     turning: Array
     value: Array
-    errors: dict[str, Array]
+    errors: dict[str, Any]
     period: float
 
 
@@ -226,32 +233,28 @@ def _turning(settings: RunSettings, time: Array, crank: Array) -> Array:
     return turning if settings.prediction.direction == "along" else -turning
 
 
-def _lay_path(at: _Positions) -> PinMotion:
-    """The motion of the pin by its positions alone."""
-    errors: dict[str, Any] = dict(at.errors)
-    return find_pin_motion(at.time, at.angle, at.turning, at.value, period=at.period, **errors)
+def _loads(film: xr.Dataset, settings: RunSettings) -> Array:
+    """Load at each trigger, logged or stated; NaN where it is neither. [N]"""
+    if "joint_load" in film:
+        return np.asarray(film["joint_load"].values, float)
+    return np.full(film.sizes["trigger"], settings.load or np.nan)
 
 
 def _fill_motion(film: xr.Dataset, settings: RunSettings, at: _Positions) -> PinMotion | None:
     """The motion of a guided pin through the gaps of its triggers; None without a known load."""
-    load = (
-        film["joint_load"].values
-        if "joint_load" in film
-        else np.full(film.sizes["trigger"], settings.load)
-    )
-    if not np.isfinite(load[at.order].astype(float)).all():
+    load = _loads(film, settings)
+    if not np.isfinite(load[at.order]).all():
         return None
 
     # one turn, closed by its first trigger
     once = np.append(at.order, at.order[0])
     time = np.append(at.time, at.time[0] + at.period)
     columns = {name: film[name].values for name in ("crank_angle", "temperature") if name in film}
-    columns |= {"cycle": np.zeros(load.size, np.int64), "joint_load": load.astype(float)}
+    columns |= {"cycle": np.zeros(load.size, np.int64), "joint_load": load}
     frames = xr.Dataset({name: ("frame", values[once]) for name, values in columns.items()})
     moved = build_motion(settings, frames.assign(time=("frame", time)))
     options = settings.prediction
     line = float(options.load_line_std or 0.1 * LOAD_LINE_STD)
-    errors: dict[str, Any] = dict(at.errors)
     return find_motion_in_gaps(
         build_journal(settings, moved.viscosity),
         moved,
@@ -259,7 +262,7 @@ def _fill_motion(film: xr.Dataset, settings: RunSettings, at: _Positions) -> Pin
         turning=at.turning,
         position=at.value,
         load_line_std=None if options.load_line is None else line,
-        **errors,
+        **at.errors,
     )
 
 
@@ -320,11 +323,7 @@ def _pressure_by_trigger(
     rate = -motion.rate[:, 0] * _MICRO
     rate_std = np.sqrt((motion.random_cov + motion.shared_cov)[:, 4, 4]) * _MICRO
     columns["film_rate"], columns["film_rate_std"] = spread(rate), spread(rate_std)
-    load = (
-        film["joint_load"].values
-        if "joint_load" in film
-        else np.full(total, settings.load or np.nan)
-    )
+    load = _loads(film, settings)
     radius = float(conformal_radius(view.pin_radius, bushing_radius=view.bushing_radius))
     thinnest = spread(view.clearance - np.hypot(*motion.position[:, :2].T) * _MICRO) / _MICRO
     reach = np.sqrt(2 * radius * np.maximum(thinnest, 0.0))
@@ -340,9 +339,9 @@ def _pressure_by_trigger(
     ).assign_coords(trigger=film["trigger"].values)
     of_motion = {name: film[name].variable for name in ("encoder_angle", "crank_angle", "stroke")}
     result = set_coordinates(result.assign(of_motion))
-    for name in ("settings", "settings_stated"):  # name the mount
-        if name in film.attrs:
-            result.attrs[name] = film.attrs[name]
+    # name the mount
+    kept = ("settings", "settings_stated")
+    result.attrs.update({name: film.attrs[name] for name in kept if name in film.attrs})
     return result.assign_attrs(
         title=f"pressure from the film, {settings.name}",
         history=f"erlif {__version__}: pressure {settings.name}",
@@ -357,30 +356,26 @@ def _pressure_by_trigger(
 def state_given(pressure: xr.Dataset) -> str:
     """State which errors of viscosity and clearance the pressure includes; as `state_limits`."""
     joint, oil = joint_and_oil(settings_of(pressure))
-    std = {
-        "viscosity": float(oil.viscosity_std or 0.0),
-        "clearance": _MICRO * float(joint.clearance_std or 0.0),
-    }
-    of = {"viscosity": "Pa s ([oil])", "clearance": "um ([joint])"}
-    tables = {"viscosity": "oil", "clearance": "joint"}
-    stated = [name for name in std if std[name]]
-    absent = [name for name in std if not std[name]]
+    given = (
+        ("viscosity", float(oil.viscosity_std or 0.0), "Pa s", "oil"),
+        ("clearance", _MICRO * float(joint.clearance_std or 0.0), "um", "joint"),
+    )
+    stated = [f"{name} ± {std:.2g} {unit} ([{table}])" for name, std, unit, table in given if std]
+    absent = {name: f"{name}_std in [{table}]" for name, std, _, table in given if not std}
     lines = []
     if stated:
-        known = " and ".join(f"{name} ± {std[name]:.2g} {of[name]}" for name in stated)
-        lines.append(f"The errors hold those of {known}.")
+        lines.append(f"The errors hold those of {' and '.join(stated)}.")
     if absent:
-        given, it = " and ".join(absent), "it" if len(absent) == 1 else "them"
-        keys = " and ".join(f"{name}_std in [{tables[name]}]" for name in absent)
+        it = "it" if len(absent) == 1 else "them"
         lines.append(
-            f"The pressure is that of the given {given}, without an error of {it}; {keys} would be "
-            "part of it."
+            f"The pressure is that of the given {' and '.join(absent)}, without an error of {it}; "
+            f"{' and '.join(absent.values())} would be part of it."
         )
 
     # the peak moves with both, whether or not an error is stated
-    changes = {name: pressure[f"peak_by_{name}"].values for name in std}
-    if all(np.isfinite(change).any() for change in changes.values()):
-        viscosity, clearance = (float(np.nanmedian(change)) for change in changes.values())
+    changes = pressure.peak_by_viscosity.values, pressure.peak_by_clearance.values
+    if all(np.isfinite(change).any() for change in changes):
+        viscosity, clearance = (float(np.nanmedian(change)) for change in changes)
         lines.append(
             f"One per cent more viscosity changes the peak by {viscosity:+.2g} %, one per cent "
             f"more clearance by {clearance:+.2g} % (medians)."
@@ -413,11 +408,10 @@ def state_limits(pressure: xr.Dataset) -> str:
     quick = pressure.cavity_change.values > CHANGING
     closing = ~measured & (quick | np.roll(quick, 1) | np.roll(quick, -1))
     if closing.any():
-        number, listed = _list_triggers(closing)
         lines.append(
-            f"Cavities close or open at {number} triggers or beside them ({listed}), where the "
-            "film changes more quickly than a smooth path can follow: no pressure there. More "
-            "triggers in a cycle would help."
+            f"Cavities close or open at {closing.sum()} triggers or beside them "
+            f"({_list_triggers(closing)}), where the film changes more quickly than a smooth path "
+            "can follow: no pressure there. More triggers in a cycle would help."
         )
     history = pressure.cavity_history.values
     if np.isinf(history).any():
@@ -431,49 +425,47 @@ def state_limits(pressure: xr.Dataset) -> str:
         )
     old = ~measured & ~closing & (history > CLEAR)
     if old.any():
-        number, listed = _list_triggers(old)
         lines.append(
-            f"Cavities at {number} triggers ({listed}) are older than the recording, and the pin "
-            "sinks in it: no pressure there. Record a later turn, or the turn before as well."
+            f"Cavities at {old.sum()} triggers ({_list_triggers(old)}) are older than the "
+            "recording, and the pin sinks in it: no pressure there. Record a later turn, or the "
+            "turn before as well."
         )
     unsolved = pressure.pressure_solved.values == 0
     if unsolved.any():
-        number, listed = _list_triggers(unsolved)
         lines.append(
-            f"At {number} triggers ({listed}) no oil can follow the measured film: it opens, "
-            "closes or jumps in a way for which the Reynolds equation has no solution. No pressure "
-            "there. erlif predict FILM --fit states whether any theory describes this film; check "
-            "load, clearance and the times of the frames."
+            f"At {unsolved.sum()} triggers ({_list_triggers(unsolved)}) no oil can follow the "
+            "measured film: it opens, closes or jumps in a way for which the Reynolds equation has "
+            "no solution. No pressure there. erlif predict FILM --fit states whether any theory "
+            "describes this film; check load, clearance and the times of the frames."
         )
     refused = ~measured & ~closing & ~old & ~unsolved
     if refused.any():
-        reason, (number, listed) = _state_refusal(pressure, refused), _list_triggers(refused)
-        lines.append(f"No pressure is known at {number} triggers ({listed}): {reason}")
+        lines.append(
+            f"No pressure is known at {refused.sum()} triggers ({_list_triggers(refused)}): "
+            f"{_state_refusal(pressure.isel(trigger=refused))}"
+        )
     return " ".join(lines)
 
 
-def _list_triggers(which: Mask) -> tuple[int, str]:
-    """Number of the triggers of a kind, and the first eight of them."""
+def _list_triggers(which: Mask) -> str:
+    """The first eight triggers of a kind."""
     names = [str(k) for k in np.flatnonzero(which)]
-    return len(names), ", ".join(names[:8] + ["..."] * (len(names) > 8))
+    return ", ".join(names[:8] + ["..."] * (len(names) > 8))
 
 
-def _state_refusal(pressure: xr.Dataset, refused: Mask) -> str:
-    """State why the pressure is unknown at some triggers, and the remedy."""
-    random, shared = (
-        pressure.peak_std_random.values[refused],
-        pressure.peak_std_shared.values[refused],
+def _state_refusal(refused: xr.Dataset) -> str:
+    """State why the pressure is unknown at these triggers, and the remedy."""
+    random, shared, settings = (
+        refused[f"peak_std_{name}"].values for name in ("random", "shared", "settings")
     )
     if not np.isfinite(random).any():
         return (
             "the gap that continues the image closes within the error of its tilt, or no position "
             "was measured. A wider image along the axis or more light would help."
         )
-    rate, rate_std = (pressure[name].values[refused] for name in ("film_rate", "film_rate_std"))
 
     # the peak that the load makes is what has to be resolved
-    settings = pressure.peak_std_settings.values[refused]
-    goal = (CLEAR * pressure.peak_of_load.values[refused]) ** 2 - shared**2 - settings**2
+    goal = (CLEAR * refused.peak_of_load.values) ** 2 - shared**2 - settings**2
     if (goal > 0).any():
         factor = float(np.nanmedian((random**2 / goal)[goal > 0]))
         cure = (
@@ -487,17 +479,16 @@ def _state_refusal(pressure: xr.Dataset, refused: Mask) -> str:
         )
     else:
         by_settings = np.nanmedian(settings) > np.nanmedian(shared)
-        helps = "viscosity and clearance that are known better do"
-        if not by_settings:
-            helps = "a better calibration does"
+        given = "viscosity and clearance that are known better do"
+        helps = given if by_settings else "a better calibration does"
         cure = (
             "Errors that all triggers share, those of calibration, surfaces, viscosity and "
             f"clearance, are too large by themselves: more light or cycles do not help, {helps}."
         )
     return (
-        f"the film changes by {np.nanmedian(np.abs(rate)):.2g} um/s there, known to ± "
-        f"{np.nanmedian(rate_std):.2g} um/s, and the standard deviation of the peak is above "
-        f"{100 * CLEAR:.0f} % of it. {cure}"
+        f"the film changes by {np.nanmedian(np.abs(refused.film_rate)):.2g} um/s there, known to ± "
+        f"{np.nanmedian(refused.film_rate_std):.2g} um/s, and the standard deviation of the peak "
+        f"is above {100 * CLEAR:.0f} % of it. {cure}"
     )
 
 
@@ -524,10 +515,9 @@ def state_balance(pressure: xr.Dataset) -> str:
     off = np.zeros(measured.size, bool)
     off[measured] = tests.off
     if tests.off.any():
-        count, listed = _list_triggers(off)
         text += (
             f"; it differs from the load by more than {tests.limit:.1f} standard deviations at "
-            f"{count} of {measured.sum()} triggers ({listed})"
+            f"{off.sum()} of {measured.sum()} triggers ({_list_triggers(off)})"
         )
     elif tests.differs and not tests.shifted:
         text += (
@@ -591,9 +581,8 @@ def weigh_loads(ratio: Array, cov: Array) -> _Balance:
 def _name_causes(pressure: xr.Dataset, ratio: float, *, shifted: bool) -> list[str]:
     """List possible causes of a load that differs by this ratio, or at single triggers."""
     pin = describe_sideways(settings_of(pressure).prediction)
-    stated = "prediction.sideways" in str(pressure.attrs.get("settings_stated", "")).split(", ")
     mount = f"{pin} in [prediction]"
-    if not stated:
+    if "prediction.sideways" not in str(pressure.attrs.get("settings_stated", "")).split(", "):
         mount = "free sideways is assumed, as [prediction] states no mount"
     causes = [
         f"the mount: {mount} (free and guided pins have different load lines and cavities)",

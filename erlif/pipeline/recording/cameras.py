@@ -37,25 +37,6 @@ from erlif.pipeline.audit.bits import note_bits
 _FRAMES_SEARCHED = 8
 
 
-def measure_cameras(recording: Run | Fixture) -> tuple[CameraMeasurement, CameraMeasurement]:
-    """Read darks and flats of both cameras, and a few frames for the count at which they saturate.
-
-    Parameters
-    ----------
-    recording : Run or Fixture
-
-    Returns
-    -------
-    (CameraMeasurement, CameraMeasurement)
-
-    Raises
-    ------
-    FrameError
-        If darks or flats are missing, unreadable, or do not fit the frames.
-    """
-    return _measure_both(recording, look_at_frames(recording.pairs))
-
-
 class Characterised(NamedTuple):
     """Both cameras of a recording.
 
@@ -83,7 +64,9 @@ class Characterised(NamedTuple):
 
 
 def characterise_cameras(recording: Run | Fixture) -> Characterised:
-    """References of both cameras from settings, darks and flats.
+    """References of both cameras from settings, darks and flats, which are read once.
+
+    A few frames show the count at which they saturate.
 
     Parameters
     ----------
@@ -96,10 +79,10 @@ def characterise_cameras(recording: Run | Fixture) -> Characterised:
     Raises
     ------
     FrameError
-        As `measure_cameras`.
+        If darks or flats are missing, unreadable, or do not fit the frames.
     """
     looks = look_at_frames(recording.pairs)
-    measured = _measure_both(recording, looks)
+    measured = tuple(_measure_camera(recording, n, look) for n, look in enumerate(looks, 1))
     declared = tuple(DeclaredNoise(one.gain, one.read_noise) for one in recording.cameras)
     cameras = make_references(measured, declared=declared)
     faults = tuple(find_reference_faults(measured, cameras.references))
@@ -125,7 +108,7 @@ class FrameLook(NamedTuple):
     highest: Counts
 
 
-def look_at_frames(pairs: FramePairs) -> tuple[FrameLook, FrameLook]:
+def look_at_frames(pairs: FramePairs) -> list[FrameLook]:
     """Read a few frames of each camera, evenly spread over the recording."""
     counted = [np.zeros(full_scale + 1, np.int64) for full_scale in pairs.full_scales]
     totals = [ViewSum(pairs.shape) for _ in counted]
@@ -136,15 +119,7 @@ def look_at_frames(pairs: FramePairs) -> tuple[FrameLook, FrameLook]:
             totals[camera].add(counts)
             np.maximum(highest[camera], counts, out=highest[camera])
     views = (total.mean() for total in totals)
-    one, two = (FrameLook(*all_of) for all_of in zip(counted, views, highest, strict=True))
-    return one, two
-
-
-def _measure_both(
-    recording: Run | Fixture, looks: tuple[FrameLook, FrameLook]
-) -> tuple[CameraMeasurement, CameraMeasurement]:
-    one, two = looks
-    return _measure_camera(recording, 1, one), _measure_camera(recording, 2, two)
+    return [FrameLook(*all_of) for all_of in zip(counted, views, highest, strict=True)]
 
 
 def _measure_camera(recording: Run | Fixture, number: int, look: FrameLook) -> CameraMeasurement:

@@ -28,15 +28,12 @@ def note_omissions(settings: RunSettings, triggers: xr.Dataset) -> list[Note]:
     list of Note
         One for each missing table; empty for a run with all of them.
     """
-    lacking = [
-        (table, [name for name in names if name not in triggers], cure)
-        for table, names, cure in _lacking(settings, triggers)
-    ]
-    return [
-        remark(table, f"{_absent(table, settings)}; left out: {', '.join(names)}. {cure}")
-        for table, names, cure in lacking
-        if names
-    ]
+    notes = []
+    for table, names, cure in _lacking(settings, triggers):
+        absent = ", ".join(name for name in names if name not in triggers)
+        if absent:
+            notes.append(remark(table, f"{_absent(table, settings)}; left out: {absent}. {cure}"))
+    return notes
 
 
 def _absent(table: str, settings: RunSettings) -> str:
@@ -64,7 +61,9 @@ def _lacking(
         yield "column angle_deg", ("encoder_angle", "crank_angle"), cure
 
     if "joint_load" not in triggers and moving:
-        tables = "[mechanism]" if _carries_load(settings) else "[joint]"
+        # these hold a load of their own
+        driven = isinstance(settings.mechanism, RotationSettings | SinusoidalSettings)
+        tables = "[mechanism]" if driven else "[joint]"
         cure = f'Add the column to the log, or load = "20 N" to {tables}.'
         yield "column load_N", ("joint_load", *_EXPONENTS), cure
 
@@ -75,8 +74,3 @@ def _lacking(
         yield "[joint]", (*speed, *theory, "film_parameter", *_POSITION), cure
     elif settings.oil is None and moving:
         yield "[oil]", _THEORY, "Add [oil] for the theory."
-
-
-def _carries_load(settings: RunSettings) -> bool:
-    """Whether [mechanism] can hold the load."""
-    return isinstance(settings.mechanism, RotationSettings | SinusoidalSettings)

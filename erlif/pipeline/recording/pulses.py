@@ -26,9 +26,6 @@ ENERGY_COLUMNS = ("pulse_energy", "laser_energy", "pulse_energy_mJ", "laser_ener
 # Pairs at the end of a recording by which a disorder of the first ones is confirmed.
 _LAST = 12
 
-# Frames that a message names; the others are counted.
-_LISTED = 10
-
 
 class PulseError(FrameError):
     """A recording whose cameras show different laser pulses."""
@@ -226,9 +223,8 @@ def _describe_unknown(fault: PulseFault, numbers: list[int]) -> Note:
     of_pulse = "no frame of camera 1 shows that pulse"
     if shown:
         of_pulse = f"the pulses of pairs {list_some(shown)} are among those shown twice"
-    subject = f"frame pairs {list_some([numbers[k] for k in fault.frames])}"
     return warn(
-        subject,
+        f"frame pairs {list_some(numbers[k] for k in fault.frames)}",
         f"camera 2 shows another laser pulse than camera 1, and {of_pulse}: the film of these "
         "pairs is wrong by the speckle of the laser. Check the triggering of the cameras, and "
         "leave these pairs out",
@@ -238,24 +234,20 @@ def _describe_unknown(fault: PulseFault, numbers: list[int]) -> Note:
 def _check_stuck(ordered: Sequence[FrameResult], pairs: FramePairs) -> list[Note]:
     """Refuse a camera all of whose files are the same, and note files that are copies."""
     notes = []
-    digests = [[one.digests[camera] for one in ordered] for camera in range(2)]
-    for camera, files in enumerate(digests):
-        known = [digest for digest in files if digest]
-        copies = len(known) - len(set(known))
-
-        # pairs that are repeated in both cameras have a note of their own
-        both = [pair for pair in zip(*digests, strict=True) if all(pair)]
-        copies -= len(both) - len(set(both))
+    # pairs that are repeated in both cameras have a note of their own
+    both = [one.digests for one in ordered if all(one.digests)]
+    for camera in range(2):
+        known = [one.digests[camera] for one in ordered if one.digests[camera]]
+        copies = len(known) - len(set(known)) - (len(both) - len(set(both)))
         if copies < 1:
             continue
         if len(set(known)) == 1 and len(known) == len(ordered):
             raise PulseError(_missing_in_camera(camera + 1, len(known), pairs))
-        subject, count = f"camera{camera + 1}", len(known)
         text = (
-            f"{copies} of {count} files are copies of others: the camera was stuck, or its export; "
-            "their maps combine two pulses"
+            f"{copies} of {len(known)} files are copies of others: the camera was stuck, or its "
+            "export; their maps combine two pulses"
         )
-        notes.append(warn(subject, text))
+        notes.append(warn(f"camera{camera + 1}", text))
     return notes
 
 
@@ -312,9 +304,8 @@ def _describe_order(fault: PulseFault, numbers: list[int], pairs: FramePairs) ->
             f"{two[numbers[k]].name} shows the pulse of {one[numbers[n]].name}"
             for k, n in zip(fault.frames, fault.partners, strict=True)
         ]
-        more = [f"and {len(pairing) - _LISTED} more"] if len(pairing) > _LISTED else []
-        listed = ", ".join([*pairing[:_LISTED], *more])
         described = (
-            f"images of camera 2 are exchanged: {listed}. Give them the numbers of their pulses."
+            f"images of camera 2 are exchanged: {list_some(pairing)}. Give them the numbers of "
+            "their pulses."
         )
     return f"Expected both cameras to show the same laser pulse in every frame pair; {described}"

@@ -31,11 +31,6 @@ _SHARE = 0.1
 # Time for which reports of changes are gathered. [ms]
 _GATHER = 10
 
-_STOPPED = "camera {camera} has stopped: the other one has written {frames} since"
-
-
-_AWAY = "{directory} is away: no frame can be seen until it is back"
-
 
 class Follower:
     """A run directory and the pairs that have arrived in it; threads do the rest.
@@ -189,15 +184,12 @@ class Follower:
             return
         with self._changed:
             if self._shape == (0, 0):
-                self._open(fresh[0])
+                # the first pair shows the shape of the frames
+                first = fresh[0].pages[0]
+                rows, columns = read_headers([first.path], first.selection).kinds[0].shape[:2]
+                self._shape = (rows, columns)
             self._arrived += fresh
             self._notify()
-
-    def _open(self, first: Arrival) -> None:
-        """Learn the shape of the frames from the first pair."""
-        kind = read_headers([first.pages[0].path], first.pages[0].selection).kinds[0]
-        rows, columns = kind.shape[:2]
-        self._shape = (rows, columns)
 
     def _pairs_of(self, arrivals: Sequence[Arrival]) -> FramePairs:
         """Frame pairs of some of the arrivals."""
@@ -211,10 +203,12 @@ class Follower:
         behind = self._arrivals.stopped()
         found = {"files": broken, "stopped": "", "directory": ""}
         if behind is not None:
-            frames = count_of(behind[1], "frame")
-            found["stopped"] = _STOPPED.format(camera=behind[0], frames=frames)
+            camera, frames = behind[0], count_of(behind[1], "frame")
+            found["stopped"] = (
+                f"camera {camera} has stopped: the other one has written {frames} since"
+            )
         if not self.is_there():
-            found["directory"] = _AWAY.format(directory=self.directory)
+            found["directory"] = f"{self.directory} is away: no frame can be seen until it is back"
         with self._changed:
             known = {name: self._faults.get(name, "") for name in found}
             if (missing, found) != (self._missing, known):

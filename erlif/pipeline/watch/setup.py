@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -32,14 +32,6 @@ from erlif.registration import CameraMap
 _REST = 1.0
 
 
-@dataclass(frozen=True)
-class _References:
-    """Darks and flats of both cameras, or why they cannot be used."""
-
-    correct: FrameCorrection | None
-    fault: str
-
-
 class SetupWatch(Follower):
     """A run directory in which the cameras write trial frames; the newest pair is looked at.
 
@@ -53,7 +45,7 @@ class SetupWatch(Follower):
         self._saturated: tuple[FlagImage, ...] = ()
         self._best = [math.nan, math.nan]
         self._map: MapCheck | None = None
-        self._known: _References | None = None
+        self._correct: FrameCorrection | None = None
         self._looked = -1
         self._registered = -1
 
@@ -114,9 +106,9 @@ class SetupWatch(Follower):
                 self._notify()
             return
         checks = [check_counts(*each) for each in zip(counts, pairs.full_scales, strict=True)]
-        known = self._reference(pairs)
-        if known.correct is not None:
-            checks = _with_references(checks, counts, known.correct)
+        fault = self._find_references(pairs)
+        if self._correct is not None:
+            checks = _with_references(checks, counts, self._correct)
         with self._changed:
             self._looked, self._cameras = frame, tuple(checks)
             self._images = tuple(image.astype(np.float32) for image in counts)
@@ -129,42 +121,38 @@ class SetupWatch(Follower):
                 for one, best in zip(checks, self._best, strict=True)
             ]
             self._note("frames", "")
-            self._note("references", known.fault)
+            self._note("references", fault)
             self._notify()
 
-    def _reference(self, pairs: FramePairs) -> _References:
-        """Darks and flats, read once they can be."""
-        if self._known is not None and self._known.correct is not None:
-            return self._known
-        run = run_of(self.directory, self.settings, pairs)
-        try:
-            self._known = _References(correct_recording(run, characterise_cameras(run)), "")
-        except ErlifError as error:
-            self._known = _References(None, str(error))
-        return self._known
+    def _find_references(self, pairs: FramePairs) -> str:
+        """Read darks and flats once they can be; why they cannot be used, else an empty text."""
+        if self._correct is None:
+            run = run_of(self.directory, self.settings, pairs)
+            try:
+                self._correct = correct_recording(run, characterise_cameras(run))
+            except ErlifError as error:
+                return str(error)
+        return ""
 
     def _register(self) -> None:
         """Register the newest pair."""
         self._ended.wait(_REST)
         frame = self._looked
-        if frame == self._registered or self._known is None or self._known.correct is None:
+        if frame == self._registered or self._correct is None:
             return
         pairs = self._pairs_of([self._arrived[frame]])
+        correct = replace(self._correct, pairs=pairs, energies=None)
+        found: MapCheck | None = None
+        fault = ""
         try:
-            found, fault = (
-                register_cameras(
-                    replace(self._known.correct, pairs=pairs, energies=None),
-                    self.settings.registration,
-                    stored=None,
-                    progress=silent,
-                ),
-                "",
+            registered = register_cameras(
+                correct, self.settings.registration, stored=None, progress=silent
             )
+            found = MapCheck.of(registered)
         except ErlifError as error:
-            found, fault = None, str(error)
+            fault = str(error)
         with self._changed:
-            self._registered = frame
-            self._map = None if found is None else MapCheck.of(found)
+            self._registered, self._map = frame, found
             self._note("registration", fault)
             self._notify()
 
@@ -211,12 +199,12 @@ class CameraCheck(NamedTuple):
         [DN]
     mean : float
         [DN]
-    dark : float
-        Mean of the darks; NaN where they are not there yet. [DN]
     highest : float
         Count that one pixel in a thousand exceeds, over full scale. [1]
     saturated : float
         Share of pixels at full scale. [1]
+    dark : float
+        Mean of the darks; NaN where they are not there yet. [DN]
     sharpness : float
         As `measure_sharpness`; NaN without darks or texture. [1]
     measurable : float
@@ -226,11 +214,11 @@ class CameraCheck(NamedTuple):
     histogram: tuple[int, ...]
     full_scale: int
     mean: float
-    dark: float
     highest: float
     saturated: float
-    sharpness: float
-    measurable: float
+    dark: float = math.nan
+    sharpness: float = math.nan
+    measurable: float = math.nan
 
 
 class MapCheck(NamedTuple):
@@ -292,11 +280,8 @@ def check_counts(counts: Counts, full_scale: int) -> CameraCheck:
         tuple(int(count) for count in np.add.reduceat(levels, edges)),
         full_scale,
         float(counts.mean()),
-        math.nan,
         float(np.searchsorted(passed, 1 - _BRIGHTEST)) / full_scale,
         float(levels[full_scale:].sum()) / counts.size,
-        math.nan,
-        math.nan,
     )
 
 

@@ -14,7 +14,7 @@ from conftest import Laboratory
 from erlif.io.settings import ReferenceSettings
 from erlif.pipeline.physics.reference import fit_patch_scale
 from erlif.pipeline.physics.systematics import with_scale_of_patch
-from erlif.rig.dyes import BANDS, tabulate_signal
+from erlif.rig.dyes import BANDS, DyedOil, tabulate_signal
 from erlif.show.plots import example_calibration
 from erlif.thickness import PatchMean
 
@@ -46,7 +46,7 @@ def test_bleaching_is_that_of_the_dyes(reported, dyes):
     film = np.array(4.0)
     left = tuple((1 - loss) ** last for loss in LOSS)
     fresh, faded = (
-        [float(tabulate_signal(band, share)(film)) for band in BANDS]
+        [float(tabulate_signal(band, oil=DyedOil(share))(film)) for band in BANDS]
         for share in ((1.0, 1.0), left)
     )
     ratio = np.log(faded[1] / faded[0] * fresh[0] / fresh[1]) / last

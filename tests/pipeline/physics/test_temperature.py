@@ -13,7 +13,7 @@ from erlif.calibration import compare_calibrations
 from erlif.io.settings import TemperatureOptions
 from erlif.pipeline import restore_images
 from erlif.pipeline.physics.temperature import error_of_warming
-from erlif.rig.dyes import BANDS, band_signal
+from erlif.rig.dyes import BANDS, DyedOil, filtered_light
 
 BOTH = 'calibration = ["../fixture/calibration.nc", "../fixture_after/calibration.nc"]'
 WARMER = 10.0
@@ -28,7 +28,9 @@ def change_of(band):
     """Change of the light of a thin film behind a filter, as a fluorimeter measures it. [%/K]"""
     thin = np.array([0.1])
     glow = tuple(1 + each for each in RIG.glow_per_kelvin)
-    warm, cold = (float(band_signal(thin, band, glow=of)[0]) for of in (glow, (1.0, 1.0)))
+    warm, cold = (
+        float(filtered_light(thin, band, oil=DyedOil(glow=of))[0]) for of in (glow, (1.0, 1.0))
+    )
     return 100 * (warm / cold - 1)
 
 

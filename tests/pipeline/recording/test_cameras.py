@@ -5,7 +5,7 @@ import numpy.testing as npt
 import tifffile
 
 from erlif.io.ingest import open_run
-from erlif.pipeline.recording.cameras import characterise_cameras, look_at_frames, measure_cameras
+from erlif.pipeline.recording.cameras import characterise_cameras, look_at_frames
 
 
 def test_histogram_counts_all_pixels_of_all_frames(run, small_rig):
@@ -17,7 +17,7 @@ def test_histogram_counts_all_pixels_of_all_frames(run, small_rig):
 
 
 def test_dark_of_each_pixel_is_the_mean_of_the_pages(run, small_rig):
-    for camera, measured in enumerate(measure_cameras(run), 1):
+    for camera, measured in enumerate(characterise_cameras(run).measured, 1):
         pages = tifffile.imread(small_rig.run / f"camera{camera}_dark.tif")
         npt.assert_allclose(measured.darks.mean, pages.mean(axis=0), rtol=1e-6)
         assert measured.darks.pages == len(pages)
@@ -26,7 +26,7 @@ def test_dark_of_each_pixel_is_the_mean_of_the_pages(run, small_rig):
 
 def test_level_in_the_settings_replaces_darks(lab):
     lab.edit("run/run.toml", ('dark = "camera1_dark.tif"', 'offset = "61 DN"'))
-    one, two = measure_cameras(open_run(lab.run))
+    one, two = characterise_cameras(open_run(lab.run)).measured
     npt.assert_array_equal(one.darks.mean, 61.0)
     assert (one.darks.pages, two.darks.pages) == (0, 4)
 
