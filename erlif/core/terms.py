@@ -11,9 +11,10 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from enum import Enum, auto
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from erlif.core.arrays import Array
+if TYPE_CHECKING:  # the command line knows the keys without numpy
+    from erlif.core.arrays import Array
 
 _LEVEL = 0.4  # median light of a run, of full scale
 

@@ -55,6 +55,7 @@ def measure_thickness(ratios: RatioImages, calibration: RatioCurve) -> Thickness
 
     Examples
     --------
+    >>> from erlif.calibration import Calibration
     >>> calibration = Calibration(
     ...     0.65, 0.40, 0.25, 1e-8 * np.eye(3), (0.5, 12.0), (580.0, 610.0), xr.Dataset(), 1.0, ""
     ... )

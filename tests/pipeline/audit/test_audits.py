@@ -113,11 +113,12 @@ def test_the_mistake_is_named_first(law, tmp_path, name):
 def test_a_sound_rig_of_any_kind_has_no_alarm(monkeypatch, tmp_path, seed):
     found = []
 
-    def end(run, cycle, triggers, ready, results, hashes):
-        found.append(audit_run(Evidence(run, cycle, frames_in(results), ready.faults)))
+    def end(ready, triggers, results):
+        evidence = Evidence(ready.run, ready.cycle, frames_in(results), ready.faults)
+        found.append(audit_run(evidence))
         raise ErlifError("enough")
 
-    monkeypatch.setattr("erlif.pipeline.run.complete_film", end)
+    monkeypatch.setattr("erlif.pipeline.run.summarise_triggers", end)
     rig, instruments = draw_sound(seed)
     simulate(tmp_path / "rig", seed=700 + seed, rig=rig)
     use_instruments(tmp_path / "rig" / "run", instruments)
