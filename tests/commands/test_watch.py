@@ -13,8 +13,8 @@ from click.testing import CliRunner
 from erlif.commands.main import main
 from erlif.commands.watch import ALARMED
 from erlif.rig.live import Fault, write_live
-from tests.conftest import FULL, snapshot
-from tests.scenes.processes import end_command, limit_the_size_of_files, start_command
+from tests.conftest import FULL
+from tests.scenes.processes import start_command
 
 
 def run_watch(run, *options):
@@ -119,22 +119,6 @@ def test_without_a_pair_there_is_nothing_to_process(lab):
             path.unlink()
     (lab.run / "stop").touch()
     assert "none has come" in run_watch(lab.run).stderr
-
-
-@pytest.mark.slow
-def test_a_disk_too_full_for_the_film_is_refused_and_the_same_command_goes_on(lab, film, tmp_path):
-    arguments = ("watch", lab.run, "--no-browser", "--quiet", "1 s", "--workers", "1")
-    before = snapshot(lab.run)
-    status, message = end_command(tmp_path / "log", *arguments, before=limit_the_size_of_files)
-    assert status == 2, message
-    assert message.count("erlif: ") == 1
-    assert "could not be written: File too large" in message
-    assert "Traceback" not in message
-    assert before.items() <= snapshot(lab.run).items()
-    assert not lab.film.exists()
-    status, message = end_command(tmp_path / "log", *arguments)
-    assert status == 0, message
-    assert lab.film.read_bytes() == film.read_bytes()
 
 
 @pytest.mark.slow
