@@ -133,6 +133,15 @@ def run_settings(text: str = "", **tables: dict | None) -> RunSettings:
     return RunSettings.model_validate({name: one for name, one in raw.items() if one is not None})
 
 
+def with_settings(film: xr.Dataset, *changes: tuple[str, str]) -> xr.Dataset:
+    """A film with other text in its settings."""
+    text = film.attrs["settings"]
+    for old, new in changes:
+        assert old in text
+        text = text.replace(old, new)
+    return film.assign_attrs(settings=text)
+
+
 def make_run(directory: Path) -> RunSettings:
     """Write a run directory: two bands of even light whose ratio is that of the film."""
     (directory / "camera1").mkdir(parents=True)
