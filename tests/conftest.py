@@ -5,7 +5,7 @@ import hashlib
 import importlib
 import os
 import shutil
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -18,9 +18,11 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 import numpy as np
 import xarray as xr
 from click.testing import CliRunner, Result
+from scenes.page import Page
 
 import erlif
 from erlif.commands.main import main
+from erlif.io.ingest import open_run
 from erlif.rig import RigSettings, simulate
 
 FULL = bool(os.environ.get("ERLIF_FULL"))
@@ -106,10 +108,51 @@ class Laboratory:
         return sorted((self.run / f"camera{camera}").iterdir())
 
 
+def reorder(paths: list[Path], order: Sequence[int]) -> None:
+    """Give the file at place k the content of the file at place order[k]."""
+    content = [path.read_bytes() for path in paths]
+    for path, n in zip(paths, order, strict=True):
+        path.write_bytes(content[n])
+
+
+def simulated(rig: RigSettings, seed: int):
+    """A fixture of a module: the directories of a rig; never to be changed."""
+
+    @pytest.fixture(scope="module")
+    def directories(tmp_path_factory) -> Laboratory:
+        return Laboratory.simulated(tmp_path_factory.mktemp("simulated"), seed=seed, rig=rig)
+
+    return directories
+
+
+def processed(lab: str, name: str = "run", *changes: tuple[str, str], add: str = ""):
+    """A fixture of a module: the film of a laboratory, under other settings if these are named."""
+
+    @pytest.fixture(scope="module")
+    def made(request) -> xr.Dataset:
+        directories = request.getfixturevalue(lab)
+        if name == "run":
+            return erlif.process(directories.run, workers=2)
+        return directories.process_copy(name, *changes, add=add)
+
+    return made
+
+
 @pytest.fixture(scope="session")
 def small_rig(tmp_path_factory) -> Laboratory:
     """Never to be changed; take `lab` for a copy."""
     return Laboratory.simulated(tmp_path_factory.mktemp("rig"), seed=11, rig=SMALL)
+
+
+@pytest.fixture(scope="session")
+def run(small_rig):
+    """The rig's run, opened."""
+    return open_run(small_rig.run)
+
+
+@pytest.fixture(scope="session")
+def calibration(small_rig):
+    return erlif.open_calibration(small_rig.fixture / "calibration.nc")
 
 
 @pytest.fixture(scope="session")
@@ -146,6 +189,18 @@ def film(small_rig, tmp_path_factory) -> Path:
     return path
 
 
+def read_film(path: Path, group: str | None = None) -> xr.Dataset:
+    """A film, or a group of it, in memory; its file is closed."""
+    with erlif.open_film(path, group=group) as dataset:
+        return dataset.load()
+
+
+@pytest.fixture(scope="session")
+def opened(film) -> xr.Dataset:
+    """The film of the rig in memory; never to be changed."""
+    return read_film(film)
+
+
 @pytest.fixture
 def coarse_pressure(monkeypatch) -> None:
     """The pressure of a film on few cells, for tests that do not look at its values."""
@@ -178,12 +233,18 @@ def snapshot(directory: Path) -> dict[str, str]:
 
 
 @pytest.fixture
-def command() -> Callable[..., Result]:
-    """Run an erlif command that must succeed."""
+def read_page() -> type[Page]:
+    """Read a page."""
+    return Page
 
-    def run(*arguments: object) -> Result:
+
+@pytest.fixture
+def command() -> Callable[..., Result]:
+    """Run an erlif command that must succeed, or end with another status."""
+
+    def run(*arguments: object, status: int = 0) -> Result:
         result = CliRunner().invoke(main, [str(argument) for argument in arguments])
-        assert result.exit_code == 0, result.output
+        assert result.exit_code == status, result.output
         return result
 
     return run

@@ -4,11 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 import numpy.testing as npt
-import pytest
 from scenes.fixture import with_systematics
 
 from erlif.calibration import RunCurve
-from erlif.core.errors import CalibrationError
 from erlif.show.plots.example import example_calibration
 
 
@@ -23,12 +21,6 @@ def test_curve_between_two_fixtures_is_their_mixture():
     npt.assert_allclose(run.at(0.3).slope(films), slope, rtol=1e-6)
     npt.assert_allclose(run.at(0.3).inverse.look_up(expected), films, atol=1e-4)
     assert run.thickness_range == (1.0, 9.0)
-
-
-def test_fixtures_without_a_common_film_are_refused():
-    before = example_calibration()
-    with pytest.raises(CalibrationError, match="share a range of films"):
-        RunCurve.of(before, replace(before, thickness_range=(90.0, 99.0)))
 
 
 def test_a_calibration_is_the_curve_of_a_run_that_adds_nothing():

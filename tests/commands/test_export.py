@@ -1,4 +1,4 @@
-"""``erlif export``: what it writes, what it shows, what it refuses."""
+"""``erlif export``: what it writes, what it shows."""
 
 import pytest
 
@@ -21,8 +21,3 @@ def test_a_chosen_trigger_is_named(own, command):
     shown = command("export", own, "--to", "csv", "--trigger", 3).stdout
     assert shown.startswith("trigger 3, ")
     assert (own.parent / "film_trigger3.csv").is_file()
-
-
-def test_bad_input_is_refused_in_one_message(own, refused):
-    assert "a trigger from 0 to 5" in refused("export", own, "--to", "mat", "--trigger", 9)
-    assert "a name in .mat" in refused("export", own, "--to", "mat", "-o", own.with_name("a.csv"))

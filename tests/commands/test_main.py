@@ -123,25 +123,26 @@ def test_the_version_is_that_of_the_package(command):
     assert erlif.__version__ in command("--version").stdout
 
 
-def test_a_defect_of_ours_ends_with_status_1(lab, monkeypatch):
+@pytest.mark.parametrize(
+    ("error", "status", "words"),
+    [
+        (ZeroDivisionError("a slip"), 1, ("a slip", "please report it")),
+        (
+            PermissionError(13, "Permission denied", "film.nc"),
+            2,
+            ("Permission denied: film.nc. The previous output is intact. Check",),
+        ),
+    ],
+)
+def test_a_defect_of_ours_and_a_refusal_of_the_system_have_a_next_step(
+    lab, monkeypatch, command, error, status, words
+):
     def fail(*arguments, **options):
-        raise ZeroDivisionError("a slip")
+        raise error
 
     monkeypatch.setattr(erlif.pipeline, "process", fail)
-    result = CliRunner().invoke(main, ["process", str(lab.run)])
-    assert result.exit_code == 1
-    assert "a slip" in result.stderr
-    assert "please report it" in result.stderr
-
-
-def test_a_refusal_of_the_system_has_a_next_step(lab, monkeypatch):
-    def refuse(*arguments, **options):
-        raise PermissionError(13, "Permission denied", "film.nc")
-
-    monkeypatch.setattr(erlif.pipeline, "process", refuse)
-    result = CliRunner().invoke(main, ["process", str(lab.run)])
-    assert result.exit_code == 2
-    assert "Permission denied: film.nc. The previous output is intact. Check" in result.stderr
+    message = command("process", lab.run, status=status).stderr
+    assert all(word in message for word in words)
 
 
 @pytest.mark.parametrize(("given", "used"), [(None, "1"), ("4", "4")])

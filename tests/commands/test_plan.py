@@ -1,9 +1,7 @@
 """``erlif plan`` and ``erlif simulate --parts``."""
 
 import xarray as xr
-from click.testing import CliRunner
 
-from erlif.commands.main import main
 from erlif.planning.plan import example_plan
 
 
@@ -16,10 +14,8 @@ def test_the_example_works_as_it_is_printed(tmp_path, command, refused):
     assert "exists already" in refused("plan", path)
 
 
-def test_without_a_plan_the_example_is_named():
-    result = CliRunner().invoke(main, ["plan"])
-    assert result.exit_code == 2
-    assert "erlif plan --example > plan.toml" in result.stderr
+def test_without_a_plan_the_example_is_named(command):
+    assert "erlif plan --example > plan.toml" in command("plan", status=2).stderr
 
 
 def test_simulate_takes_a_plan_and_options_before_it(tmp_path, command):

@@ -19,12 +19,6 @@ def test_a_prediction_lies_beside_its_film_and_is_replaced_on_request_only(own, 
     assert first.read_bytes() == before
 
 
-def test_a_start_outside_the_clearance_is_refused(lab, film, refused):
-    lab.film.write_bytes(film.read_bytes())
-    lab.edit("run/run.toml", ("[joint]", '[prediction]\nstart_film = "1 mm"\n[joint]'))
-    assert "outside the clearance" in refused("predict", lab.run)
-
-
 @pytest.mark.usefixtures("two_models")
 def test_fit_prints_which_physics_carries_the_film(own, command):
     before = set(own.parent.iterdir())

@@ -8,24 +8,15 @@ import shutil
 import numpy as np
 import pytest
 import xarray as xr
-from click.testing import CliRunner
 from scenes.terminal import unwrapped
 
-import erlif
-from erlif.commands.main import main
-
-
-def read_film(path, group=None):
-    with erlif.open_film(path, group=group) as film:
-        return film.load()
+from conftest import read_film
 
 
 def test_a_run_is_checked_and_processed(lab, film, command):
     checked = command("check", lab.run)
     assert "error" not in checked.stdout
     assert checked.stderr.splitlines()[-1] == f"next: erlif process {lab.run}"
-    outside = command("check", lab.run, "--allow-outside")
-    assert outside.stderr.splitlines()[-1] == f"next: erlif process {lab.run} --allow-outside"
     assert "error" not in command("check", lab.fixture).stdout
     result = command("process", lab.run)
     assert "6 triggers from 6 frame pairs of 128 x 96 pixels" in result.stdout
@@ -98,17 +89,6 @@ def test_several_cycles_fold_onto_one(cycles, command):
     assert frames.trigger.values.tolist() == [*range(6)] * 2
 
 
-def test_a_cycle_with_a_missing_frame_gives_the_others_their_triggers(cycles, command):
-    run, calibration = cycles
-    (run / "camera1" / "frame_0002.tif").write_bytes(b"")
-    command("process", run, "--calibration", calibration, "--skip-bad-frames")
-    film = read_film(run / "film.nc")
-    assert film.frames_used.values.tolist() == [2, 2, 1, 2, 2, 2]
-    assert np.isfinite(film.film_mean).all()
-    frames = read_film(run / "film.nc", "frames")
-    assert np.isnan(frames.drift_x).values.tolist() == [k == 2 for k in range(12)]
-
-
 # workers of dask
 
 
@@ -124,13 +104,8 @@ MODULE = importlib.import_module("erlif.pipeline.batch")
 """The module; the package has the function under the same name."""
 
 
-def run_series(*arguments):
-    return CliRunner().invoke(main, ["process", *map(str, arguments)])
-
-
-def test_each_run_has_one_line_and_failures_stand_at_the_end(series, film):
-    result = run_series(series / "tuesday", series / "monday")
-    assert result.exit_code == 2
+def test_each_run_has_one_line_and_failures_stand_at_the_end(series, film, command):
+    result = command("process", series / "tuesday", series / "monday", status=2)
     failed, finished = unwrapped(result.stdout).splitlines()
     assert failed == f"{series / 'tuesday'}: failed, see below"
     assert finished.startswith(f"{series / 'monday'}: min ")
@@ -143,30 +118,25 @@ def test_each_run_has_one_line_and_failures_stand_at_the_end(series, film):
     assert (series / "monday" / "film.nc").read_bytes() == film.read_bytes()
 
 
-def test_resume_shows_the_films_that_are_kept(series, film):
+def test_resume_shows_the_films_that_are_kept(series, film, command):
     shutil.copy(film, series / "monday" / "film.nc")
-    result = run_series(series / "monday", "--resume")
-    assert result.exit_code == 0
-    line = unwrapped(result.stdout)
+    line = unwrapped(command("process", series / "monday", "--resume").stdout)
     assert "; finished before; 1 warning, see erlif report" in line
 
 
-def test_a_defect_ends_with_status_1_and_its_trace(series, monkeypatch):
+@pytest.mark.parametrize(
+    ("error", "status", "words"),
+    [
+        (ZeroDivisionError("a slip"), 1, ("a slip", "report")),
+        (KeyboardInterrupt(), 130, ("--resume",)),
+    ],
+)
+def test_a_defect_shows_its_trace_and_an_interruption_the_way_to_go_on(
+    series, monkeypatch, command, error, status, words
+):
     def fail(*arguments, **options):
-        raise ZeroDivisionError("a slip")
+        raise error
 
     monkeypatch.setattr(MODULE, "process_run", fail)
-    result = run_series(series / "monday", "--resume")
-    assert result.exit_code == 1
-    assert "a slip" in result.stderr
-    assert "report" in result.stderr
-
-
-def test_an_interruption_names_the_way_to_go_on(series, monkeypatch):
-    def interrupt(*arguments, **options):
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(MODULE, "process_run", interrupt)
-    result = run_series(series / "monday", "--resume")
-    assert result.exit_code == 130
-    assert "--resume" in result.stderr
+    message = command("process", series / "monday", "--resume", status=status).stderr
+    assert all(word in message for word in words)

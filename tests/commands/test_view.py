@@ -9,15 +9,7 @@ from pathlib import Path
 from urllib.parse import urlsplit
 from urllib.request import url2pathname
 
-from erlif.show.view import serving
-
 view = importlib.import_module("erlif.commands.view")  # the package exports the command
-
-
-def test_a_missing_package_is_one_message(refused, tmp_path, monkeypatch):
-    monkeypatch.setattr(serving, "find_spec", lambda name: None)
-    message = refused("view", tmp_path / "film.nc")
-    assert 'pip install "erlif[view]"' in message
 
 
 def test_the_browser_gets_a_file_that_only_its_owner_reads(command, film, monkeypatch):

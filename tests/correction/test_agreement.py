@@ -118,14 +118,6 @@ def test_share_of_the_flat_in_the_frames_is_one_within_its_error(bench):
         assert own.std < 0.1
 
 
-def test_frames_of_exchanged_cameras_are_refused(bench):
-    one, two = bench.response
-    with pytest.raises(
-        FrameError, match=r"look swapped: exchange files in \[camera1\] and \[camera2\]"
-    ):
-        faults(bench.camera(frames=two), bench.camera(frames=one, number=1))
-
-
 def test_a_dark_brighter_than_the_frames_is_refused(bench):
     darks, flat = (pages(bench.rng, n * bench.response[0], 4) for n in (2000, 3500))
     with pytest.raises(FrameError, match="brighter than its dark"):

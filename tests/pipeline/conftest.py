@@ -1,8 +1,7 @@
-"""The small rig's run, opened and prepared once."""
+"""The small rig's run, prepared once."""
 
 import pytest
 
-import erlif
 from erlif.core.progress import silent
 from erlif.io.ingest import open_run
 from erlif.pipeline.physics.joint import locate_run
@@ -10,19 +9,9 @@ from erlif.pipeline.recording.prepare import prepare_chain
 
 
 @pytest.fixture(scope="session")
-def run(small_rig):
-    return open_run(small_rig.run)
-
-
-@pytest.fixture(scope="session")
 def prepared(run):
     """Chain and notes of the run; never to be changed."""
     return prepare_chain(run, silent)
-
-
-@pytest.fixture(scope="session")
-def calibration(small_rig):
-    return erlif.open_calibration(small_rig.fixture / "calibration.nc")
 
 
 @pytest.fixture(scope="session")

@@ -1,7 +1,5 @@
 """Light that is not film: a run with a known background, from frames to film."""
 
-import shutil
-
 import numpy as np
 import numpy.testing as npt
 import pytest
@@ -9,27 +7,17 @@ from scenes.preparing import prepare
 from scenes.rig import small_rig
 
 import erlif
-from conftest import Laboratory
+from conftest import processed, simulated
 
 RIG = small_rig(background=0.03, background_pages=8, pulse_jitter=0.1)
 """Sixteen triggers with 3 % of the median light in every pixel; the pulses scatter by a tenth."""
 
 
-@pytest.fixture(scope="module")
-def lab(tmp_path_factory):
-    return Laboratory.simulated(tmp_path_factory.mktemp("background"), seed=31, rig=RIG)
+lab = simulated(RIG, seed=31)
+plain = processed("lab", "plain", *[("\nbackground =", "\n# background =")] * 2)
+"""The same run, processed as if there were no background."""
 
-
-@pytest.fixture(scope="module")
-def plain(lab):
-    """The same run, processed as if there were no background."""
-    changes = [("\nbackground =", "\n# background =")] * 2
-    return lab.process_copy("plain", *changes)
-
-
-@pytest.fixture(scope="module")
-def corrected(lab):
-    return erlif.process(lab.run, workers=1)
+corrected = processed("lab")
 
 
 def test_frames_of_the_dry_joint_take_the_bias_away(lab, plain, corrected):
@@ -55,13 +43,6 @@ def test_budget_has_the_frames_of_the_dry_joint(lab, corrected):
     assert float(column.sel(term="frames of the dry joint, camera 1")) > 0
     random = float(column.sel(term="random part"))
     assert random == pytest.approx(float(np.median(one.thickness_std.values[near])), rel=0.05)
-
-
-def test_background_of_the_wrong_frames_is_refused(lab):
-    copy = lab.copy_run("wrong")
-    shutil.copy(copy / "camera1" / "frame_0005.tif", copy / "camera1_background.tif")
-    with pytest.raises(erlif.ErlifError, match="dry or dye-free joint"):
-        erlif.process(copy, workers=1)
 
 
 def test_pulse_energies_come_from_the_light_where_the_log_has_none(lab, corrected):

@@ -1,29 +1,16 @@
 """Bad input on the command line: one message, status 2, and no half-written file."""
 
-import errno
-import os
 import shutil
 
 import numpy as np
 import pytest
-import xarray as xr
-from click.testing import CliRunner
-from scenes.processes import end_command, kill_at_the_end, limit_the_size_of_files
+from scenes.processes import end_command, limit_the_size_of_files
 
-import erlif
-from erlif.commands.main import main
+from conftest import read_film
 from erlif.core.flags import Flag
 from erlif.io.files import PartialFilm
 
 pytestmark = pytest.mark.slow
-
-
-def read_film(path, group=None):
-    with erlif.open_film(path, group=group) as film:
-        return film.load()
-
-
-# what is refused: the change, the command, and what the message must contain
 
 
 def truncate(path):
@@ -48,14 +35,6 @@ DAMAGE = {
     "cannot be read": dangle,
     "cannot be decoded": scramble,
 }
-
-
-def test_counts_far_below_the_depth_bring_a_warning_into_the_film(lab, command):
-    for table in ("run/run.toml", "fixture/fixture.toml"):
-        lab.edit(table, ("bit_depth = 12", "bit_depth = 16"))
-    assert "warning counts: camera1: no count is above" in command("check", lab.run).stdout
-    assert "bit_depth = 12 would fit" in command("-v", "process", lab.run).stdout
-    assert "bit_depth = 12 would fit" in read_film(lab.film).attrs["notes"]
 
 
 def test_damaged_frames_are_left_out_on_request_and_have_notes(lab, command):
@@ -91,21 +70,6 @@ def computed(monkeypatch):
     return triggers
 
 
-def test_a_process_killed_while_writing_leaves_the_previous_film_and_resumes(
-    lab, film, command, computed, tmp_path
-):
-    shutil.copy(film, lab.film)
-    status, message = end_command(
-        tmp_path / "log", "process", lab.run, "--overwrite", before=kill_at_the_end
-    )
-    assert status == -9, message
-    assert lab.film.read_bytes() == film.read_bytes()
-    command("process", lab.run, "--overwrite")
-    assert computed == []
-    assert lab.film.read_bytes() == film.read_bytes()
-    assert [path.name for path in lab.run.iterdir() if "film" in path.name] == ["film.nc"]
-
-
 def kept_triggers(lab):
     """Numbers of the triggers in the journal of the unfinished film, below its first line."""
     journal = lab.run / "film.nc.partial" / "journal"
@@ -133,19 +97,3 @@ def test_a_disk_too_full_for_the_film_leaves_the_previous_one_and_what_is_done(
     command("process", lab.run, *options)
     assert computed == left
     assert lab.film.read_bytes() == film.read_bytes()
-
-
-def test_a_disk_too_full_for_a_zarr_leaves_the_previous_one(lab, monkeypatch):
-    output = lab.run / "film.zarr"
-    (output / "thickness").mkdir(parents=True)
-    (output / "zarr.json").write_text('{"attributes": {"erlif_version": "0.1.0"}}')
-
-    def fill_up(*arguments, **options):
-        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
-
-    monkeypatch.setattr(xr.Dataset, "to_zarr", fill_up)
-    result = CliRunner().invoke(main, ["process", str(lab.run), "-o", str(output), "--overwrite"])
-    assert result.exit_code == 2
-    assert "could not be written: No space left on device" in result.stderr
-    assert {path.name for path in output.iterdir()} == {"zarr.json", "thickness"}
-    assert not list(lab.run.glob("**/*.unfinished*"))

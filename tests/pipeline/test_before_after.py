@@ -8,7 +8,7 @@ import pytest
 from scenes.rig import small_rig
 
 import erlif
-from conftest import Laboratory
+from conftest import processed, simulated
 from erlif.calibration import calibration_of
 
 PULSES = 17
@@ -21,14 +21,8 @@ RIG = small_rig(
 """Cold oil adds to what bleaching does; a fixture before the run alone leaves 0.5 um at the end."""
 
 
-@pytest.fixture(scope="module")
-def lab(tmp_path_factory):
-    return Laboratory.simulated(tmp_path_factory.mktemp("before_after"), seed=41, rig=RIG)
-
-
-@pytest.fixture(scope="module")
-def film(lab):
-    return erlif.process(lab.run, workers=1)
+lab = simulated(RIG, seed=41)
+film = processed("lab")
 
 
 def median_errors(film, lab):

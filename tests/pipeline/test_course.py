@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scenes.rig import small_rig
 
-from conftest import Laboratory
+from conftest import processed, simulated
 
 RIG = small_rig(spacing=1.2, gain_step=(18, 1.05), bump=(25, 6.0, 0.0), blur_step=(30, 0.8))
 """Forty frames of one cycle."""
@@ -22,15 +22,9 @@ DARK = replace(
 """A dark of camera 2 that is 40 DN above its dark frames, and corners without light."""
 
 
-@pytest.fixture(scope="module")
-def lab(tmp_path_factory):
-    return Laboratory.simulated(tmp_path_factory.mktemp("course"), seed=41, rig=RIG)
-
-
-@pytest.fixture(scope="module")
-def film(lab):
-    # the settings state an exact ratio: nothing but the run shows the step
-    return lab.process_copy("exact", ("[systematics]", '[systematics]\nratio = "0 %"'))
+lab = simulated(RIG, seed=41)
+# the settings state an exact ratio: nothing but the run shows the step
+film = processed("lab", "exact", ("[systematics]", '[systematics]\nratio = "0 %"'))
 
 
 def notes_on(film, subject):
@@ -61,15 +55,8 @@ def test_error_of_the_mean_film_holds_the_step(lab, film):
     assert "scale of the ratio" in film.attrs["largest_error"]
 
 
-@pytest.fixture(scope="module")
-def dark_lab(tmp_path_factory):
-    return Laboratory.simulated(tmp_path_factory.mktemp("dark"), seed=42, rig=DARK)
-
-
-@pytest.fixture(scope="module")
-def dark_film(dark_lab):
-    exact = ("[systematics]", '[systematics]\nbackground = "0 %"')
-    return dark_lab.process_copy("exact", exact)
+dark_lab = simulated(DARK, seed=42)
+dark_film = processed("dark_lab", "exact", ("[systematics]", '[systematics]\nbackground = "0 %"'))
 
 
 def test_wrong_dark_is_named_before_everything_else_that_it_causes(dark_film):

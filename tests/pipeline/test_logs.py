@@ -5,6 +5,7 @@ import shutil
 import numpy as np
 import pytest
 import xarray as xr
+from scenes.linkage import apart
 
 import erlif
 from conftest import SMALL
@@ -19,10 +20,6 @@ def make_run(out, seed=11, **changes):
     simulate(out, seed=seed, rig=RigSettings(**{**FEW, **changes}))
     with xr.open_dataset(out / "truth.nc", engine="h5netcdf") as truth:
         return open_run(out / "run"), truth.load()
-
-
-def apart(a, b):
-    return np.abs((np.asarray(a) - np.asarray(b) + 180) % 360 - 180)
 
 
 @pytest.mark.parametrize(

@@ -1,14 +1,11 @@
 """Positions, region, patch and pin of an image in the plane of the joint."""
 
-import tomllib
-
 import numpy as np
 import numpy.testing as npt
 import pytest
-from scenes.film import RUN_TOML
+from scenes.film import run_settings
 
 from erlif.core.errors import ConfigError
-from erlif.io.settings import RunSettings
 from erlif.pipeline.plane import ObjectPlane
 from erlif.trend import GapShape, Region
 
@@ -17,13 +14,8 @@ SHAPE = (96, 128)
 
 def plane(*, shape=SHAPE, **tables):
     """An image of 150 um a pixel; tables of run.toml are completed, or left out where None."""
-    raw = tomllib.loads(RUN_TOML)
-    del raw["thickness"]
-    tables = {"optics": {"pixel_pitch": "150 um"}} | tables
-    for name, table in tables.items():
-        raw[name] = None if table is None else raw.get(name, {}) | table
-    raw = {name: table for name, table in raw.items() if table is not None}
-    return ObjectPlane(RunSettings.model_validate(raw), shape)
+    tables = {"optics": {"pixel_pitch": "150 um"}, "thickness": None} | tables
+    return ObjectPlane(run_settings(**tables), shape)
 
 
 def test_region_is_that_of_the_settings():
@@ -44,12 +36,8 @@ def test_view_is_that_of_the_settings():
 def test_a_pin_in_a_bushing_has_a_line_contact_and_a_disc_any():
     disc = {"kind": "rotation", "radius": "20 mm", "speed": "60 rpm"}
     assert plane().contacts == plane(joint=None, oil=None).contacts == (GapShape.LINE,)
-    raw = tomllib.loads(RUN_TOML) | {"mechanism": disc}
-    shaft = ObjectPlane(RunSettings.model_validate(raw), SHAPE)
-    assert shaft.contacts == (GapShape.LINE,)
-    for name in ("joint", "oil"):
-        del raw[name]
-    assert ObjectPlane(RunSettings.model_validate(raw), SHAPE).contacts == tuple(GapShape)
+    assert plane(mechanism=disc).contacts == (GapShape.LINE,)
+    assert plane(mechanism=disc, joint=None, oil=None).contacts == tuple(GapShape)
 
 
 def test_sliding_may_be_along_y():

@@ -1,9 +1,8 @@
-"""What identifies the work on a film, and unfinished work of other frames."""
+"""What identifies the work on a film."""
 
 from dataclasses import replace
 
 from erlif.calibration import RunCurve
-from erlif.io.ingest import hash_files_beside_frames, open_run, sign_inputs
 from erlif.pipeline.work import FilmWork
 
 
@@ -31,15 +30,3 @@ def test_work_is_known_by_its_inputs(run, calibration, tmp_path):
     assert work.identify("other inputs") != known
     for change in (change_settings, change_pairs, change_calibration):
         assert change(work).identify("inputs") != known
-
-
-def test_a_changed_frame_is_other_unfinished_work(lab):
-    def key():
-        recording = open_run(lab.run)
-        return sign_inputs(recording, hash_files_beside_frames(recording))
-
-    before = key()
-    assert key() == before
-    path = lab.frames(2)[1]
-    path.write_bytes(path.read_bytes())  # the same bytes, written later: not known to be the same
-    assert key() != before

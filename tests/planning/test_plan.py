@@ -216,14 +216,10 @@ def test_light_follows_from_optics():
     assert 1e3 < signal(design, 1, 5.0) < 1e6
 
 
-@pytest.mark.parametrize(
-    ("bands", "expected"),
-    [(("580 nm", "850 nm"), "covers 490 to 800 nm"), (("610 nm", "580 nm"), "Exchange the")],
-)
-def test_filters_that_do_not_fit_are_refused(bands, expected):
+def test_exchanged_filters_are_refused():
     tables = tomllib.loads(example_plan())
-    tables["camera1"]["band"], tables["camera2"]["band"] = bands
-    with pytest.raises(ConfigError, match=expected):
+    tables["camera1"]["band"], tables["camera2"]["band"] = "610 nm", "580 nm"
+    with pytest.raises(ConfigError, match="Exchange the"):
         design_of(PlanSettings.model_validate(tables), Path())
 
 

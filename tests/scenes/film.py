@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import tomllib
 from pathlib import Path
 
 import numpy as np
@@ -118,6 +119,27 @@ def sunken_film() -> np.ndarray:
 def frame_names() -> list[str]:
     """Names of the files of a camera."""
     return [f"frame_{k:02d}.tif" for k in range(TRIGGERS)]
+
+
+def run_settings(text: str = "", **tables: dict | None) -> RunSettings:
+    """Settings of the run with more text and tables.
+
+    A table completes that of the run, one of another kind replaces it, and None leaves it out.
+    """
+    raw = tomllib.loads(RUN_TOML + text)
+    for name, table in tables.items():
+        whole = table is None or "kind" in table
+        raw[name] = table if whole else raw.get(name, {}) | table
+    return RunSettings.model_validate({name: one for name, one in raw.items() if one is not None})
+
+
+def with_settings(film: xr.Dataset, *changes: tuple[str, str]) -> xr.Dataset:
+    """A film with other text in its settings."""
+    text = film.attrs["settings"]
+    for old, new in changes:
+        assert old in text
+        text = text.replace(old, new)
+    return film.assign_attrs(settings=text)
 
 
 def make_run(directory: Path) -> RunSettings:

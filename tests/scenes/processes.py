@@ -65,18 +65,6 @@ def limit_the_size_of_files() -> None:
     resource.setrlimit(resource.RLIMIT_FSIZE, (2**20 + 90_000, 2**20 + 90_000))
 
 
-def kill_at_the_end() -> None:
-    """When all triggers are kept and the film is nearly written."""
-    complete = netcdf_maps.write_netcdf
-
-    def complete_or_die(*arguments, group=None, **options):
-        if group is not None:
-            os.kill(os.getpid(), signal.SIGKILL)
-        return complete(*arguments, **options)
-
-    netcdf_maps.write_netcdf = complete_or_die
-
-
 def signal_at_the_third_trigger() -> None:
     """The process is asked to end."""
     write, calls = netcdf_maps.write_record, []

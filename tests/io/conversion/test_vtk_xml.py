@@ -8,6 +8,7 @@ import zlib
 import numpy as np
 import numpy.testing as npt
 import pytest
+from scenes.film import with_settings
 
 from erlif.core.errors import ConfigError
 from erlif.core.progress import silent
@@ -79,14 +80,6 @@ def test_any_name_of_a_column_stays_text(film, tmp_path):
 
 
 RADIUS = 33.36  # mm, of the pin of the example
-
-
-def with_settings(film, *changes):
-    text = film.attrs["settings"]
-    for old, new in changes:
-        assert old in text
-        text = text.replace(old, new)
-    return film.assign_attrs(settings=text)
 
 
 def test_every_pixel_is_one_radius_from_the_axis_of_the_pin(film):

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 import xarray as xr
 
-import erlif
 from erlif.core.errors import ErlifError
 from erlif.io.files import (
     check_trigger,
@@ -17,12 +16,6 @@ from erlif.io.files import (
     settings_of,
 )
 from erlif.io.settings import read_run_settings, to_toml
-
-
-@pytest.fixture(scope="module")
-def opened(film):
-    with erlif.open_film(film) as dataset:
-        return dataset.load()
 
 
 def triggers(speed, stroke):

@@ -31,12 +31,6 @@ GROUPS = {
 }
 
 
-@pytest.fixture(scope="module")
-def opened(film):
-    with erlif.open_film(film) as dataset:
-        return dataset.load()
-
-
 @pytest.mark.parametrize("missing", LEFT_OUT)
 def test_film_without_a_table_lacks_what_needs_it(small_rig, missing):
     """The log gives the load, and the joint belongs to the oil."""

@@ -48,17 +48,6 @@ def test_a_film_as_it_was_written_is_accepted(path):
         np.testing.assert_allclose(film.x, example_film().x)
 
 
-def test_a_header_larger_than_the_memory_is_refused_before_it_is_read(path):
-    if path.is_dir():
-        describe(path, "joint_load", shape=[10**9])
-    else:
-        with h5py.File(path, "r+") as file:
-            del file["joint_load"]
-            file.create_dataset("joint_load", (10**9,), "f8", chunks=(1024,))
-    with pytest.raises(ValueError, match=r"claims 8\.0 GB of joint_load"):
-        check(path)
-
-
 def test_missing_maps_are_not_read_as_valid_pixels(path):
     if path.is_dir():
         (path / "flags" / "c.2.0.0").unlink()

@@ -205,15 +205,6 @@ def test_a_page_is_read_when_it_is_asked_for(tmp_path):
     np.testing.assert_array_equal(next(pages), PAGES[2])
 
 
-def test_a_damaged_page_is_named_before_any_page_is_read(tmp_path):
-    write_pages(tmp_path / "dark_1.tif", PAGES)
-    (tmp_path / "dark_2.tif").write_bytes(b"")
-    with pytest.raises(
-        FrameError, match=r"readable camera2 dark pages; dark_2\.tif: the file is empty"
-    ):
-        next(read_darks(tmp_path, "dark_*.tif"))
-
-
 def test_every_page_must_fit_the_bit_depth(tmp_path):
     pages = PAGES.copy()
     pages[3, 0, 0] = 4096

@@ -222,18 +222,6 @@ def test_a_recording_is_chosen_by_its_name(tmp_path, fixture, taken):
         assert [one.pages for one in camera.recordings] == [5, 2]
 
 
-def test_recordings_whose_names_do_not_show_the_one_that_is_meant_are_offered(tmp_path):
-    for band in (580, 610):
-        for name, pages in (("run03", 5), ("run04", 6)):
-            write_cine(
-                tmp_path / f"Cam_{band}nm_{name}.cine",
-                random_frames(np.random.default_rng(1), frames=pages),
-            )
-    for camera in survey_directory(tmp_path).cameras:
-        assert not camera.chosen
-        assert [one.pages for one in camera.recordings] == [5, 6]
-
-
 def test_numbered_parts_of_a_recording_are_one(tmp_path):
     """TIFF files of many pages, as cameras split them; movies are never parts."""
     photograph(tmp_path, *numbered("left/rec_{}.tif", 3), *numbered("right/rec_{}.tif"), pages=4)

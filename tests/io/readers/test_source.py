@@ -45,13 +45,6 @@ def test_a_file_that_shrinks_while_it_is_open_is_truncated(tmp_path):
             source.read(0, 1000)
 
 
-@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="Windows has no such pipes")
-def test_a_pipe_is_refused_and_not_waited_for(tmp_path):
-    os.mkfifo(tmp_path / "frames.mraw")
-    with pytest.raises(FrameError, match=r"frames\.mraw is not an ordinary file"):
-        Source(tmp_path / "frames.mraw")
-
-
 def test_the_first_ending_is_preferred(tmp_path):
     for name in ("run 1.5.cih", "run 1.5.cihx", "run 1.cihx"):
         (tmp_path / name).touch()

@@ -1,8 +1,5 @@
 """``erlif design``."""
 
-from click.testing import CliRunner
-
-from erlif.commands.main import main
 from erlif.joint.report import design_page
 
 
@@ -21,10 +18,8 @@ def test_the_example_works_as_it_is_printed(tmp_path, command, refused, monkeypa
     assert "a name in .html or .csv" in refused("design", path, "-o", path.with_suffix(".pdf"))
 
 
-def test_without_a_joint_the_example_is_named():
-    result = CliRunner().invoke(main, ["design"])
-    assert result.exit_code == 2
-    assert "erlif design --example > joint.toml" in result.stderr
+def test_without_a_joint_the_example_is_named(command):
+    assert "erlif design --example > joint.toml" in command("design", status=2).stderr
 
 
 def test_the_table_of_materials_is_printed(command):

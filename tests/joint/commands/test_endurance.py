@@ -2,10 +2,8 @@
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 
 import erlif.joint.plots
-from erlif.commands.main import main
 from erlif.joint.rig import EnduranceRig, simulate_endurance, write_endurance_log
 
 GIVEN = ("--radius", "33.36 mm", "--arm", "30 cm")
@@ -38,11 +36,8 @@ def test_a_log_gives_text_table_and_figure(log, tmp_path, command, refused):
         (("--settings", "none.toml"), "no such file"),
     ],
 )
-def test_what_is_missing_or_wrong_is_stated(log, tmp_path, words, message):
-    words = ("endurance", log, *words, "-o", tmp_path / "out")
-    result = CliRunner().invoke(main, [str(word) for word in words])
-    assert result.exit_code == 2
-    assert message in result.stderr
+def test_what_is_missing_or_wrong_is_stated(log, tmp_path, command, words, message):
+    assert message in command("endurance", log, *words, "-o", tmp_path / "out", status=2).stderr
     assert not (tmp_path / "out").exists()
 
 

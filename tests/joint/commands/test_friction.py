@@ -4,9 +4,6 @@ import csv
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
-
-from erlif.commands.main import main
 
 
 @pytest.fixture(scope="module")
@@ -60,9 +57,6 @@ def test_a_constant_load_and_a_diameter_give_the_same(log, tmp_path, command):
         ((*GIVEN, "--load-std", "3"), "0<=x<=1"),
     ],
 )
-def test_what_is_missing_or_wrong_is_stated(log, tmp_path, words, message):
-    words = ("friction", log, *words, "-o", tmp_path / "out")
-    result = CliRunner().invoke(main, [str(word) for word in words])
-    assert result.exit_code == 2
-    assert message in result.stderr
+def test_what_is_missing_or_wrong_is_stated(log, tmp_path, command, words, message):
+    assert message in command("friction", log, *words, "-o", tmp_path / "out", status=2).stderr
     assert not (tmp_path / "out").exists()

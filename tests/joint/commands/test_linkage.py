@@ -1,7 +1,5 @@
 """``erlif linkage``: what it prints, what it writes, what it refuses."""
 
-import pytest
-
 LINKS = ("--coupler", "44 cm", "--rocker", "260 mm", "--ground", "0.51 m")
 
 
@@ -27,17 +25,9 @@ def test_out_of_reach_is_reported_with_status_0(command):
     assert "No crank-rocker meets the targets; nearest: swing 105.1240 degrees" in result.stdout
 
 
-@pytest.mark.parametrize(
-    ("words", "message"),
-    [
-        (("--swing", "26 deg"), "at least must be given, or one with two"),
-        (("--crank", "30 cm", "--rocker", "26 cm", "--swing", "9 deg"), "no crank-rocker has"),
-        (("--time-ratio", "0.5", *LINKS), "time_ratio must be at least 1"),
-        (("-o", "linkage.txt", *LINKS), "a name in .png or .pdf or .svg or .gif"),
-    ],
-)
-def test_bad_input_is_one_message(refused, words, message):
-    assert message in refused("linkage", *words)
+def test_bad_input_is_one_message(refused):
+    message = refused("linkage", "-o", "linkage.txt", *LINKS)
+    assert "a name in .png or .pdf or .svg or .gif" in message
 
 
 def test_an_implausible_length_is_a_note(command):

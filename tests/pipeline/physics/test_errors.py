@@ -1,7 +1,6 @@
 """Errors of the films by source: they add up to the stated ones, and the largest is named."""
 
 import re
-import tomllib
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -9,24 +8,19 @@ import numpy as np
 import numpy.testing as npt
 import pytest
 import xarray as xr
-from scenes.film import RUN_TOML
+from scenes.film import run_settings
 from scenes.results import make_result
 
 from erlif.calibration import RunCurve
-from erlif.io.settings import RunSettings
 from erlif.pipeline.physics.errors import describe_errors, name_largest_error
 from erlif.pipeline.physics.systematics import add_systematics
 from erlif.show.plots import example_calibration
 
 
-def settings_with(text=""):
-    return RunSettings.model_validate(tomllib.loads(RUN_TOML + text))
-
-
 def with_systematics(text):
     """The calibration of the example with the systematics of settings; no frame is sampled."""
     plain = RunCurve.of(example_calibration())
-    return add_systematics(plain, settings_with(text), SimpleNamespace(), ())
+    return add_systematics(plain, run_settings(text), SimpleNamespace(), ())
 
 
 def test_sources_of_error_add_up_and_the_largest_is_named():
@@ -56,7 +50,7 @@ def test_sources_of_error_add_up_and_the_largest_is_named():
     assert "form" not in film.error_term
 
     film["film_mean"] = "trigger", np.array([4.0, 5.0, 6.0])
-    text = name_largest_error(film, settings_with(), calibration, calibration)
+    text = name_largest_error(film, run_settings(), calibration, calibration)
     of_wall = 1e3 * float(film.film_mean_error.sel(error_term="wall")[1])  # nm
     assert "reflectance of the wall" in text
     assert f"{of_wall:.0f} nm at 5 um" in text
@@ -76,5 +70,5 @@ def test_largest_error_is_named_with_its_source(term, text, source):
         {"error_term": [term]},
     )
     run = with_systematics(text)
-    named = name_largest_error(film, settings_with(text), run, run)
+    named = name_largest_error(film, run_settings(text), run, run)
     assert re.match(rf"100 nm at 5 um: [a-z ]+\. {re.escape(source)}Make ", named)

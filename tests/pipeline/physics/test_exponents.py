@@ -1,16 +1,14 @@
 """The power of speed over load that minimum and mean film follow."""
 
-import tomllib
 from dataclasses import replace
 
 import numpy as np
 import numpy.testing as npt
 import pytest
 import xarray as xr
-from scenes.film import RUN_TOML
+from scenes.film import run_settings
 from scenes.results import make_result
 
-from erlif.io.settings import RunSettings
 from erlif.pipeline.physics.exponents import describe_exponents, note_moved_mean
 from erlif.pipeline.plane import ObjectPlane
 
@@ -80,8 +78,7 @@ def test_a_mean_that_follows_the_place_of_the_minimum_has_no_exponent(calibratio
     """A minimum of 5 um at every speed, which moves by a swing [mm] as the speed rises."""
     speed = np.linspace(0.4, 2.5, 12)
     side = swing * (speed / 2.5) / np.sqrt(33.36 * 33.59)
-    raw = tomllib.loads(RUN_TOML)
-    plane = ObjectPlane(RunSettings.model_validate(raw), (64, 80))
+    plane = ObjectPlane(run_settings(), (64, 80))
     line = plane.view.load_line
     angle = (plane.along[plane.within] - line) / plane.view.radius
     films = 230 - 225 * np.cos(angle - side[:, np.newaxis]).mean(axis=1)

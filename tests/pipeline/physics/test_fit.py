@@ -41,6 +41,13 @@ def sinking(small_rig, tmp_path_factory):
     return directory / "run"
 
 
+def write_beside(run, film, path):
+    """Write a changed film of a run with the frames of the original."""
+    film.to_netcdf(path)
+    with erlif.open_film(run / "film.nc", group="frames") as frames:
+        frames.to_netcdf(path, group="frames", mode="a")
+
+
 def test_free_pin_and_its_viscosity_are_found_in_photographs(sinking):
     found = fit_film(sinking)
     assert found.candidates[0].name == "a pin that is free sideways"
@@ -82,9 +89,7 @@ def test_the_law_of_the_oil_gives_drift_and_what_is_expected_of_it(sinking, tmp_
         assert law in text
         assert '"2 K"' in text
         warm = float(film.temperature.mean())
-        film.assign_attrs(settings=text).to_netcdf(place)
-    with erlif.open_film(sinking / "film.nc", group="frames") as frames:
-        frames.to_netcdf(place, group="frames", mode="a")
+        write_beside(sinking, film.assign_attrs(settings=text), place)
     found = fit_film(place).fit.estimates
     expected, falls = 5e-5 * np.exp(1100 / (warm + 115)), 1100 / (warm + 115) ** 2
     assert found["drift"].std < 2 * falls
@@ -106,9 +111,7 @@ def test_film_states_in_one_line_which_physics_carries_it(sinking):
 def test_minima_determine_the_viscosity_where_positions_are_absent(sinking, tmp_path):
     path = tmp_path / "film.nc"
     with erlif.open_film(sinking / "film.nc") as film:
-        film.assign(pin_displacement=np.nan * film.pin_displacement).to_netcdf(path)
-    with erlif.open_film(sinking / "film.nc", group="frames") as frames:
-        frames.to_netcdf(path, group="frames", mode="a")
+        write_beside(sinking, film.assign(pin_displacement=np.nan * film.pin_displacement), path)
     viscosity = fit_film(path).fit.estimates["viscosity"]
     assert abs(viscosity.value - 0.1) < 3 * viscosity.std
     assert viscosity.std < 0.3 * 0.1
@@ -125,9 +128,8 @@ def test_a_film_that_rises_under_its_load_is_carried_by_no_model(sinking, tmp_pa
     with erlif.open_film(sinking / "film.nc") as film:
         place = film.pin_displacement.values.copy()
         place[:, 0] -= np.linspace(0.0, 5.0, len(place))
-        film.assign(pin_displacement=(film.pin_displacement.dims, place)).to_netcdf(path)
-    with erlif.open_film(sinking / "film.nc", group="frames") as frames:
-        frames.to_netcdf(path, group="frames", mode="a")
+        moved = film.assign(pin_displacement=(film.pin_displacement.dims, place))
+        write_beside(sinking, moved, path)
     asked = []
 
     def compare_quickly(*measured, sideways, **options):
@@ -152,9 +154,7 @@ def test_a_film_about_another_load_line_than_that_of_its_orbit_is_reported(sinki
     off["pin_displacement"] = off.pin_displacement.copy(data=off.pin_displacement.values @ turn.T)
     off["pin_displacement"].attrs["load_line"] = line + 3.0
     off.attrs["settings"] = re.sub(r"(?m)^load_line = .*$", "", off.attrs["settings"])
-    off.to_netcdf(place)
-    with erlif.open_film(sinking / "film.nc", group="frames") as group:
-        group.load().to_netcdf(place, group="frames", mode="a")
+    write_beside(sinking, off, place)
 
     assert "load_line" not in " ".join(map(str, fit_film(sinking).fit.notes))
     found = fit_film(place).fit

@@ -1,19 +1,16 @@
 """Errors that the gap of a joint shows, from frames to film."""
 
-import tomllib
 from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from scenes.film import RUN_TOML
+from scenes.film import run_settings
 from scenes.fixture import with_systematics
 from scenes.rig import small_rig
 
-import erlif
-from conftest import Laboratory
+from conftest import Laboratory, processed, simulated
 from erlif.core.notes import Level
-from erlif.io.settings import RunSettings
 from erlif.pipeline.physics.gap import describe_gap, find_errors
 from erlif.pipeline.physics.light import is_beyond_widths
 from erlif.pipeline.plane import ObjectPlane
@@ -32,19 +29,9 @@ RIG = small_rig(
 """Camera 2 is 2 % brighter in the run than at the calibration; 24 frames, nothing stated."""
 
 
-@pytest.fixture(scope="module")
-def lab(tmp_path_factory):
-    return Laboratory.simulated(tmp_path_factory.mktemp("gap"), seed=43, rig=RIG)
-
-
-@pytest.fixture(scope="module")
-def reported(lab):
-    return erlif.process(lab.run, workers=1)
-
-
-@pytest.fixture(scope="module")
-def corrected(lab):
-    return lab.process_copy("corrected", add='\n[light]\nerrors = "correct"\n')
+lab = simulated(RIG, seed=43)
+reported = processed("lab")
+corrected = processed("lab", "corrected", add='\n[light]\nerrors = "correct"\n')
 
 
 def median_error(lab, film):
@@ -86,8 +73,7 @@ def test_excluded_errors_are_not_looked_for(widths):
 
 def test_a_run_without_a_joint_shows_no_errors():
     calibration = with_systematics(example_calibration(), ratio=0.01)
-    settings = RunSettings.model_validate(tomllib.loads(RUN_TOML))
-    plane = ObjectPlane(settings.model_copy(update={"joint": None}), (96, 128))
+    plane = ObjectPlane(run_settings().model_copy(update={"joint": None}), (96, 128))
     assert plane.view is None
     assert find_errors({}, calibration, plane, pairs=50) is None
     (note,) = describe_gap(None, calibration, corrected=True)

@@ -1,28 +1,19 @@
 """Mechanism, encoder and joint from the settings of a run, in SI."""
 
 import math
-import tomllib
 from dataclasses import replace
 
 import numpy as np
 import numpy.testing as npt
 import pytest
-from scenes.film import RUN_TOML
+from scenes.film import run_settings
 
-from erlif.io.settings import RunSettings
 from erlif.pipeline.physics.joint import describe_joint, locate_run
 from erlif.trend import Solid, VogelLaw
 
 
-def settings(**changes):
-    raw = tomllib.loads(RUN_TOML)
-    for table, values in changes.items():
-        raw[table] = {**raw[table], **values}
-    return RunSettings.model_validate(raw)
-
-
 def test_joint_is_in_si_units():
-    joint = describe_joint(settings())
+    joint = describe_joint(run_settings())
     npt.assert_allclose(
         [joint.pin_radius, joint.bushing_radius, joint.length], [33.36e-3, 33.59e-3, 0.237]
     )
@@ -33,7 +24,7 @@ def test_joint_is_in_si_units():
 
 def test_vogels_law_reaches_the_joint():
     vogel = {"a": "0.1 mPa s", "b": "900 K", "c": "-100 degC"}
-    oil = describe_joint(settings(oil={"vogel": vogel, "viscosity": None})).viscosity
+    oil = describe_joint(run_settings(oil={"vogel": vogel, "viscosity": None})).viscosity
     assert isinstance(oil, VogelLaw)
     npt.assert_allclose([oil.a, oil.b, oil.c], [1e-4, 900.0, -100.0])
 
@@ -47,8 +38,7 @@ def test_vogels_law_reaches_the_joint():
 )
 def test_entrained_oil_moves_at_half_the_speed_of_the_moving_surface(mechanism, travel):
     """A shaft never turns back; a slider of 10 mm stroke carries the oil over 5 mm."""
-    raw = tomllib.loads(RUN_TOML) | {"mechanism": mechanism}
-    joint = describe_joint(RunSettings.model_validate(raw))
+    joint = describe_joint(run_settings(mechanism=mechanism))
     assert joint.stroke == travel
     npt.assert_allclose(joint.radius, 4.872010, rtol=1e-6)
 

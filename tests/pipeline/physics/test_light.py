@@ -7,7 +7,7 @@ from scenes.pin import fit_true_film
 from scenes.rig import small_rig
 
 import erlif
-from conftest import Laboratory
+from conftest import processed, simulated
 from erlif.calibration import calibration_of
 from erlif.pipeline.engines.results import FrameResult
 from erlif.pipeline.physics.light import find_bleaching
@@ -18,20 +18,11 @@ RIG = small_rig(spacing=0.96, film_reference=3.0, background=SHARE)
 """Fifty triggers with films from 0.3 um on, and 6 % of the median light in every pixel."""
 
 
-@pytest.fixture(scope="module")
-def lab(tmp_path_factory):
-    return Laboratory.simulated(tmp_path_factory.mktemp("light"), seed=41, rig=RIG)
+PATCH = '[reference]\nregion = { x = [4, 8], y = [4, 8] }\nthickness = "3 um"\n'
 
-
-@pytest.fixture(scope="module")
-def reported(lab):
-    return erlif.process(lab.run, workers=2)
-
-
-@pytest.fixture(scope="module")
-def corrected(lab):
-    patch = '[reference]\nregion = { x = [4, 8], y = [4, 8] }\nthickness = "3 um"\n'
-    return lab.process_copy("corrected", add=f'\n[light]\nbackground = "correct"\n{patch}')
+lab = simulated(RIG, seed=41)
+reported = processed("lab")
+corrected = processed("lab", "corrected", add=f'\n[light]\nbackground = "correct"\n{PATCH}')
 
 
 @pytest.fixture(scope="module")

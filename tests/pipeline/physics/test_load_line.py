@@ -1,19 +1,18 @@
 """The load line in the orbit of a pin that another solver follows, and positions about it."""
 
-import tomllib
 from dataclasses import replace
 
 import numpy as np
 import numpy.testing as npt
 import pytest
 import xarray as xr
-from scenes.film import RUN_TOML
+from scenes.film import run_settings
 from scenes.gap import VIEW, WHOLE, circle_gap, known_calibration, noisy_ratios
 from scenes.orbits import CRANK, FRAMES, MOTION, STD, STEPS, free_orbit
 from scenes.results import make_position
 
 from erlif.calibration import RunCurve, record_calibration
-from erlif.io.settings import RunSettings, to_toml
+from erlif.io.settings import to_toml
 from erlif.pipeline.physics.load_line import (
     LoadLine,
     find_load_line,
@@ -32,9 +31,8 @@ CALIBRATION = known_calibration(valid=(0.2, 40.0), covariance=1e-6 * np.eye(3))
 
 
 def plane(**options):
-    raw = tomllib.loads(RUN_TOML)
-    raw["optics"] = {"x_axis": "sliding", "pixel_pitch": "60 um"}
-    return ObjectPlane(RunSettings.model_validate(raw | {"prediction": options}), (100, 300))
+    optics = {"x_axis": "sliding", "pixel_pitch": "60 um"}
+    return ObjectPlane(run_settings(optics=optics, prediction=options), (100, 300))
 
 
 def frames():

@@ -10,20 +10,12 @@ from scenes.fixture import with_systematics
 from scenes.pin import fit_true_film
 from scenes.results import make_position
 
-import erlif
 from erlif.calibration import calibration_of
 from erlif.core.notes import Level
-from erlif.io.ingest import open_run
 from erlif.pipeline.physics.position import describe_positions, note_form
 from erlif.pipeline.plane import ObjectPlane
 
 SHAPE = (96, 128)
-
-
-@pytest.fixture(scope="module")
-def opened(film):
-    with erlif.open_film(film) as dataset:
-        return dataset.load()
 
 
 def test_position_follows_the_true_film(opened, truth):
@@ -58,14 +50,14 @@ def test_covariance_has_the_stored_parts(opened):
         assert np.linalg.eigvalsh(rest * scale * scale[:, None]).min() > -1e-9
 
 
-def test_triggers_without_a_position_leave_the_variables_out(small_rig, calibration):
-    view = ObjectPlane(open_run(small_rig.run).settings, SHAPE).view
+def test_triggers_without_a_position_leave_the_variables_out(run, calibration):
+    view = ObjectPlane(run.settings, SHAPE).view
     assert describe_positions([make_position(), None], calibration, view) == {}
     assert describe_positions([make_position()], calibration, None) == {}
 
 
-def test_variables_are_those_of_the_results(small_rig, calibration):
-    view = ObjectPlane(open_run(small_rig.run).settings, SHAPE).view
+def test_variables_are_those_of_the_results(run, calibration):
+    view = ObjectPlane(run.settings, SHAPE).view
     positions = [make_position((0.01, 0.02), film=film) for film in (2.0, 5.0)]
     film = xr.Dataset(describe_positions(positions, calibration, view))
     npt.assert_array_equal(film.pin_displacement, [[228.0, 1.0], [225.0, 1.0]])
@@ -78,8 +70,8 @@ def test_variables_are_those_of_the_results(small_rig, calibration):
     npt.assert_allclose(film.film_curvature_std, 0.001)
 
 
-def notes_of(small_rig, calibration, positions, *, load=np.nan, radii=("33.36 mm", "33.59 mm")):
-    settings = open_run(small_rig.run).settings
+def notes_of(run, calibration, positions, *, load=np.nan, radii=("33.36 mm", "33.59 mm")):
+    settings = run.settings
     changed = settings.model_dump(mode="json", exclude_none=True)
     changed["joint"]["pin_radius"], changed["joint"]["bushing_radius"] = radii
     settings = type(settings).model_validate(changed)
@@ -113,10 +105,8 @@ FLATTENED = [make_position((-1.5 * 0.382 / h * 0.20525, 0.0), film=h) for h in (
         (FLATTENED, {"load": 222.4}, "likely, in this order: elastic flattening"),
     ],
 )
-def test_curvature_is_reported_with_its_likely_cause(
-    small_rig, calibration, positions, options, words
-):
-    note = notes_of(small_rig, calibration, positions, **options)[0]
+def test_curvature_is_reported_with_its_likely_cause(run, calibration, positions, options, words):
+    note = notes_of(run, calibration, positions, **options)[0]
     assert note.level is Level.WARNING
     assert words in note.text
 
@@ -124,7 +114,7 @@ def test_curvature_is_reported_with_its_likely_cause(
 @pytest.mark.parametrize(
     ("width", "first"), [(0.014, "scale of the ratio"), (0.004, "a clearance of 207.0 um")]
 )
-def test_errors_that_frames_do_not_show_are_among_the_causes(small_rig, calibration, width, first):
+def test_errors_that_frames_do_not_show_are_among_the_causes(run, calibration, width, first):
     """A calibration 1 % low in the ratio makes gaps 2 % flatter here; these are 10 % flatter.
 
     The radii are known to 1.8 % and the film scale to 1 %: 10 % are 4.9 of their standard
@@ -137,16 +127,16 @@ def test_errors_that_frames_do_not_show_are_among_the_causes(small_rig, calibrat
         replace(one, gradient=wide, form=replace(one.form, gradient=gradient))
         for one in forms(-0.02053)
     ]
-    (note,) = notes_of(small_rig, known, positions)
+    (note,) = notes_of(run, known, positions)
     likeliest, _, _ = note.text.partition("(2)")
     assert first in likeliest
     assert "scale of the ratio between fixture and run (+5.0 %)" in note.text
     assert "a clearance of 207.0 um" in note.text
 
 
-def test_flattening_beyond_the_error_of_the_position_is_noted(small_rig, calibration):
+def test_flattening_beyond_the_error_of_the_position_is_noted(run, calibration):
     """50 lbf on 237 mm of acrylic: b^2/2R = 2 q/(pi E*) = 0.38 um, E* = 1.564 GPa."""
-    (note,) = notes_of(small_rig, calibration, forms(0.0), load=222.4)
+    (note,) = notes_of(run, calibration, forms(0.0), load=222.4)
     assert note.level is Level.NOTE
     assert "flattens pin and bushing by up to 0.38 um" in note.text
-    assert notes_of(small_rig, calibration, forms(0.0), load=0.0) == []
+    assert notes_of(run, calibration, forms(0.0), load=0.0) == []

@@ -10,7 +10,7 @@ from scenes.fixture import with_systematics
 from scenes.rig import small_rig
 
 import erlif
-from conftest import Laboratory
+from conftest import processed, simulated
 from erlif.io.settings import ReferenceSettings
 from erlif.pipeline.physics.reference import fit_patch_scale
 from erlif.pipeline.physics.systematics import with_scale_of_patch
@@ -26,19 +26,9 @@ CORRECT = '\n[light]\nbleaching = "correct"\n'
 RIG = small_rig(spacing=6.0, cycles=3, reference=4.0, bleaching=LOSS)
 
 
-@pytest.fixture(scope="module")
-def dyes(tmp_path_factory):
-    return Laboratory.simulated(tmp_path_factory.mktemp("reference"), seed=51, rig=RIG)
-
-
-@pytest.fixture(scope="module")
-def reported(dyes):
-    return erlif.process(dyes.run, workers=2)
-
-
-@pytest.fixture(scope="module")
-def corrected(dyes):
-    return dyes.process_copy("corrected", add=CORRECT)
+dyes = simulated(RIG, seed=51)
+reported = processed("dyes")
+corrected = processed("dyes", "corrected", add=CORRECT)
 
 
 def test_bleaching_is_that_of_the_dyes(reported, dyes):
@@ -119,19 +109,9 @@ UNLIKE = replace(
 """Camera 2 is 2 % brighter than at the calibration, and dye 2 loses 5 % over the run."""
 
 
-@pytest.fixture(scope="module")
-def unlike(tmp_path_factory):
-    return Laboratory.simulated(tmp_path_factory.mktemp("unlike"), seed=52, rig=UNLIKE)
-
-
-@pytest.fixture(scope="module")
-def scaled(unlike):
-    return unlike.process_copy("scaled", add=SCALED)
-
-
-@pytest.fixture(scope="module")
-def unscaled(unlike):
-    return erlif.process(unlike.run, workers=1)
+unlike = simulated(UNLIKE, seed=52)
+scaled = processed("unlike", "scaled", add=SCALED)
+unscaled = processed("unlike")
 
 
 @pytest.mark.parametrize("part", ["first", "last"])

@@ -1,18 +1,17 @@
 """Errors that the frames of a run do not show: widths of the settings, and what a run measures."""
 
-import tomllib
 from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import numpy.testing as npt
 import pytest
-from scenes.film import RUN_TOML
+from scenes.film import run_settings
 from scenes.fixture import with_systematics
 
 from erlif.calibration import RunCurve
 from erlif.core.terms import RISE
-from erlif.io.settings import LightOptions, RunSettings
+from erlif.io.settings import LightOptions
 from erlif.pipeline.engines.results import FrameResult, TriggerResult
 from erlif.pipeline.physics.dark import DarkLevel
 from erlif.pipeline.physics.findings import LightFindings
@@ -38,13 +37,9 @@ CURVE = RunCurve.of(PLAIN)
 REPORT, CORRECT = LightOptions(), LightOptions(background="correct", bleaching="correct")
 
 
-def settings_with(text=""):
-    return RunSettings.model_validate(tomllib.loads(RUN_TOML + text))
-
-
 def calibration_of(text="", plain=CURVE):
     """With the systematics of settings; no frame is sampled."""
-    return add_systematics(plain, settings_with(text), SimpleNamespace(), ())
+    return add_systematics(plain, run_settings(text), SimpleNamespace(), ())
 
 
 def widths(calibration):
@@ -239,7 +234,7 @@ def test_films_of_the_patch_have_the_error_of_its_scale_whatever_else_a_run_show
 
 def test_ratios_beyond_those_of_all_films_put_their_scale_in_doubt():
     """By 5 % beside a width of 1 %."""
-    found = add_systematics(CURVE, settings_with(), SimpleNamespace(), (), misfit=0.05)
+    found = add_systematics(CURVE, run_settings(), SimpleNamespace(), (), misfit=0.05)
     npt.assert_allclose(widths(found)["ratio"], np.hypot(0.01, 0.05))
 
 

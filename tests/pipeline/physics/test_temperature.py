@@ -8,7 +8,7 @@ import pytest
 from scenes.rig import small_rig
 
 import erlif
-from conftest import Laboratory
+from conftest import Laboratory, processed
 from erlif.calibration import compare_calibrations
 from erlif.io.settings import TemperatureOptions
 from erlif.pipeline import restore_images
@@ -53,14 +53,8 @@ def lab(tmp_path_factory):
     return lab
 
 
-@pytest.fixture(scope="module")
-def plain(lab):
-    return erlif.process(lab.run, workers=1)
-
-
-@pytest.fixture(scope="module")
-def corrected(lab):
-    return lab.process_copy("corrected", add=STATED)
+plain = processed("lab")
+corrected = processed("lab", "corrected", add=STATED)
 
 
 def last_films(film, lab):

@@ -21,10 +21,9 @@ STORED_BITS = 5  # of the mantissa of a stored standard deviation
 
 
 @pytest.fixture(scope="module")
-def cycles(two_cycles, small_rig, tmp_path_factory):
+def cycles(two_cycles, calibration, tmp_path_factory):
     """A run with two frames of each trigger, and its film."""
     run = shutil.copytree(two_cycles.run, tmp_path_factory.mktemp("images") / "run")
-    calibration = erlif.open_calibration(small_rig.fixture / "calibration.nc")
     erlif.process(run, calibration=calibration, output=run / "film.nc", workers=1).close()
     return run
 

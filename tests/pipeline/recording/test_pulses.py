@@ -8,17 +8,10 @@ import pytest
 import xarray as xr
 
 import erlif
-from conftest import SMALL, Laboratory
+from conftest import SMALL, Laboratory, reorder
 from erlif.core.products import EncoderLog
 from erlif.pipeline.recording.pulses import ENERGY_COLUMNS, PulseError, read_energies
 from erlif.rig import RigSettings, simulate
-
-
-def rename(frames, order):
-    """Give the file at place k the content of the file at place order[k]."""
-    content = [path.read_bytes() for path in frames]
-    for path, n in zip(frames, order, strict=True):
-        path.write_bytes(content[n])
 
 
 def test_copies_at_both_ends_are_not_those_of_all_pairs(lab):
@@ -53,7 +46,7 @@ def test_an_image_of_a_pulse_that_camera_1_lacks_is_named_in_the_notes(lab, long
 def test_a_fixture_in_another_order_is_refused(longer, tmp_path, refused):
     fixture = tmp_path / "fixture"
     shutil.copytree(longer.fixture, fixture)
-    rename(sorted((fixture / "camera2").iterdir()), [0, 1, 2, 3, 5, 4])
+    reorder(sorted((fixture / "camera2").iterdir()), [0, 1, 2, 3, 5, 4])
     assert "images of camera 2 are exchanged" in refused("calibrate", fixture)
 
 
@@ -61,7 +54,7 @@ def test_a_wrong_order_is_found_among_the_first_triggers(lab, monkeypatch):
     """A long run is refused before its end."""
     from erlif.pipeline.engines import triggers
 
-    rename(lab.frames(2), [5, 4, 3, 2, 1, 0])
+    reorder(lab.frames(2), [5, 4, 3, 2, 1, 0])
     seen = []
     monkeypatch.setattr(triggers, "EARLY", 5)
     with pytest.raises(PulseError):

@@ -7,7 +7,6 @@ import pytest
 
 from erlif.core.errors import CalibrationError, RegistrationError
 from erlif.core.progress import silent
-from erlif.io.ingest import open_run
 from erlif.io.settings import RegistrationOptions
 from erlif.pipeline.recording.register import FixtureMap, register_cameras
 
@@ -30,8 +29,8 @@ def test_stored_map_of_another_magnification_is_refused(prepared):
         register_cameras(chain.correct, REUSE, stored=other, progress=silent)
 
 
-def test_the_map_of_the_fixture_is_kept_only_where_it_is_used(small_rig, calibration):
-    settings = open_run(small_rig.run).settings
+def test_the_map_of_the_fixture_is_kept_only_where_it_is_used(run, calibration):
+    settings = run.settings
     known = FixtureMap.of(calibration, settings)
     assert known.stored is None
     assert known.nodes is not None

@@ -6,9 +6,6 @@ import shutil
 import time
 from pathlib import Path
 
-import pytest
-
-from erlif.core.errors import ErlifError
 from erlif.pipeline.watch import follow
 from erlif.pipeline.watch.follow import Follower, as_plain
 from erlif.pipeline.watch.live import LivePair
@@ -95,11 +92,6 @@ def test_a_directory_named_from_here_has_each_file_once(lab, monkeypatch, tmp_pa
         shutil.move(tmp_path / "last.tif", "run/camera2/frame_0005.tif")
         wait_until(lambda: len(follower._arrived) == 6, follower)
     assert follower._arrived[5].pages[1].path == Path("run/camera2/frame_0005.tif")
-
-
-def test_a_directory_without_settings_is_refused(tmp_path):
-    with pytest.raises(ErlifError, match=r"run\.toml"):
-        Follower(tmp_path)
 
 
 def test_missing_frames_are_listed_in_words(lab, monkeypatch):

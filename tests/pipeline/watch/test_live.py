@@ -4,15 +4,13 @@ import numpy as np
 import pytest
 
 import erlif
-from erlif.io.ingest import open_run
 from erlif.io.ingest.arrivals import Arrival
 from erlif.pipeline.fixture import find_calibration
 from erlif.pipeline.watch.live import LiveFilm, measure_counts, run_of
 
 
 @pytest.fixture(scope="module")
-def live(small_rig):
-    run = open_run(small_rig.run)
+def live(run):
     so_far = run_of(run.directory, run.settings, run.pairs)
     return run, LiveFilm.prepare(so_far, *find_calibration(run, None))
 

@@ -7,11 +7,6 @@ import erlif
 from erlif.review.check.calibration import note_age, note_range
 
 
-@pytest.fixture(scope="module")
-def calibration(small_rig):
-    return erlif.open_calibration(small_rig.fixture / "calibration.nc")
-
-
 @pytest.mark.parametrize(("shift", "level"), [(0.0, "note"), (0.5, "warning"), (-0.8, "warning")])
 def test_ratios_are_compared_with_the_calibrated_range(calibration, shift, level):
     low, high = calibration.predict_log(calibration.thickness_range)

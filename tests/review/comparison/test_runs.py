@@ -8,7 +8,7 @@ import numpy.testing as npt
 import pytest
 
 import erlif
-from erlif.core.errors import ErlifError, OutputError
+from erlif.core.errors import ErlifError
 from erlif.io.files import open_netcdf, write_dataset
 from erlif.review.comparison import compare
 from erlif.review.comparison.runs import duty_parameters, fit_runs
@@ -54,15 +54,11 @@ def test_films_are_read_from_files_and_the_map_is_that_of_the_angle(film, other,
     npt.assert_allclose(found.map_difference.mean(), -0.5, atol=0.01)
 
 
-def test_what_is_no_pair_of_runs_is_refused(film, tmp_path):
+def test_what_is_no_pair_of_runs_is_refused(film):
     with pytest.raises(ErlifError, match="Name the films"):
         compare([film])
     with pytest.raises(ErlifError, match="a film as films=, got a pressure"):
         compare([film, erlif.plots.example_pressure()])
-    calibration = tmp_path / "calibration.nc"
-    erlif.save_calibration(erlif.plots.example_calibration(), calibration)
-    with pytest.raises(OutputError, match=r"calibration\.nc holds a calibration, which"):
-        compare([film, calibration])
 
 
 def test_films_without_a_motion_are_compared_trigger_by_trigger():

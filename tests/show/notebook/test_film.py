@@ -5,7 +5,6 @@ import numpy.testing as npt
 import pytest
 import xarray as xr
 from matplotlib.figure import Figure
-from scenes.motion import DISC, SLIDER, film_of
 
 import erlif
 from erlif.core.errors import ErlifError
@@ -117,10 +116,3 @@ def test_a_film_without_values_or_theory_is_shown(noted):
     # the name is that of the title where there are no settings
     del noted.attrs["settings"]
     assert "oil-film thickness, example" in describe_in_text(noted)
-
-
-def test_the_angle_is_named_after_what_turns():
-    for mechanism, title in ((DISC, "disc angle"), (SLIDER, "drive angle")):
-        lines = describe_in_text(film_of(mechanism)).splitlines()
-        assert any(line.strip().startswith(title) for line in lines)
-        assert not any("crank angle" in line for line in lines)

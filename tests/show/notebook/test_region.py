@@ -1,17 +1,9 @@
 """Mean and minimum of a rectangle from the maps of a film."""
 
 import numpy as np
-import pytest
-import xarray as xr
 
 import erlif
 from erlif.show.notebook import summarise_region
-
-
-@pytest.fixture(scope="module")
-def opened(film):
-    with erlif.open_film(film) as dataset:
-        return dataset.load()
 
 
 def test_the_region_of_the_settings_has_the_statistics_of_the_film(opened):
@@ -27,8 +19,7 @@ def test_the_region_of_the_settings_has_the_statistics_of_the_film(opened):
 def test_the_mean_of_a_part_is_that_of_the_known_film(opened, small_rig):
     x, y = (2.0, 12.0), (3.0, 11.0)
     found = summarise_region(opened, x=x, y=y)
-    with xr.open_dataset(small_rig.directory / "truth.nc", engine="h5netcdf") as truth:
-        known = truth.film.values
+    known = small_rig.truth.film.values
     inside = (opened.x.values >= x[0]) & (opened.x.values <= x[1])
     down = (opened.y.values >= y[0]) & (opened.y.values <= y[1])
     part = np.where(opened.flags.values == 0, known, np.nan)[:, down][:, :, inside]
@@ -40,8 +31,7 @@ def test_the_mean_of_a_part_is_that_of_the_known_film(opened, small_rig):
 def test_the_minimum_lies_where_the_true_gap_has_it(opened, small_rig):
     """The vertex to 1 px, 60 um, in spite of marks; across, the edge of the film or of the part."""
     rows, columns = slice(10, 60), slice(16, 72)
-    with xr.open_dataset(small_rig.directory / "truth.nc", engine="h5netcdf") as truth:
-        lines = truth.film.values[:, rows].argmin(axis=2)
+    lines = small_rig.truth.film.values[:, rows].argmin(axis=2)
     x, y = opened.x.values[columns], opened.y.values[rows]
     part = summarise_region(opened, x=(x[0], x[-1]), y=(y[0], y[-1]))
     roi = erlif.files.region_of(opened)

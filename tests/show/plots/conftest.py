@@ -1,5 +1,7 @@
 """A film and a calibration by formula, for all figures."""
 
+import functools
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -44,12 +46,4 @@ def calibration():
 @pytest.fixture
 def with_settings(film):
     """Make a copy of the film with other text in its settings."""
-
-    def edit(*changes: tuple[str, str]) -> xr.Dataset:
-        text = film.attrs["settings"]
-        for old, new in changes:
-            assert old in text
-            text = text.replace(old, new)
-        return film.assign_attrs(settings=text)
-
-    return edit
+    return functools.partial(scene.with_settings, film)

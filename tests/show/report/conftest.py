@@ -1,4 +1,4 @@
-"""A film by formula, its report with a few figures, and a reader of pages."""
+"""A film by formula, and its report with a few figures."""
 
 import pytest
 from scenes.film import changed as changed
@@ -26,12 +26,6 @@ def text(film_path):
 def page(text):
     """The page of `text`, read."""
     return Page(text)
-
-
-@pytest.fixture
-def read_page():
-    """Read a page."""
-    return Page
 
 
 @pytest.fixture

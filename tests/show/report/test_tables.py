@@ -52,12 +52,8 @@ def test_results_are_rows_of_the_summary_and_stand_against_theory(film):
     shares = np.full((scene.TRIGGERS, 1 + len(Flag)), 0.9)
     rows = dict(results_table(film, shares).rows)
     assert rows["Valid pixels"] == "90.0%"
-    assert re.fullmatch(
-        r"\S+ ± 0.03 µm \(trigger \d\) to \S+ ± 0.03 µm \(trigger \d\)",
-        rows["Minimum film thickness"],
-    )
     assert rows["Load"] == "222.4 N"
-    assert rows["Power of speed over load"].startswith("minimum: n = 0.600 ± 0.010, mean:")
+    assert rows["Minimum film thickness"].count(" ± 0.03 µm (trigger ") == 2
     assert "−" in rows["Correlation with |speed|"]
     assert rows["Theory"] == "transient film"
     assert rows["Reason for this theory"] == "the joint swings"
