@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from erlif.joint.sizing import FRICTION, BearingDesign, JointState
 from erlif.show.plots import style
@@ -260,7 +259,7 @@ def design_wear(design: BearingDesign, *, ax: Axes | None = None) -> list[Artist
 
 
 @styled
-def design_figure(design: BearingDesign) -> Figure:
+def design_figure(design: BearingDesign) -> style.AnyFigure:
     """Combine pressure over the arc, pv diagram, temperature and wear of a joint.
 
     Arguments as in `design_margins`.
@@ -283,7 +282,7 @@ def design_figure(design: BearingDesign) -> Figure:
 
 
 @styled
-def design_margins_figure(design: BearingDesign) -> Figure:
+def design_margins_figure(design: BearingDesign) -> style.AnyFigure:
     """Draw the margins in a figure of their own. Arguments as in `design_margins`.
 
     Returns

@@ -133,7 +133,7 @@ def endurance_figure(result: EnduranceResult, *, figure: AnyFigure | None = None
     5
     """
     names = [name for name in _LABELS if name in result.test]
-    figure = style.given_figure(figure, TWO_COLUMNS, _ROW * len(names) + 0.2, text=0.6)
+    figure = style.new_figure(TWO_COLUMNS, _ROW * len(names) + 0.2, given=figure, text=0.6)
     figure.suptitle(result.name)
     panels = style.rows_or_columns(figure, len(names), sharex=True)
     for ax, name in zip(panels, names, strict=True):
@@ -176,7 +176,7 @@ def failure_figure(result: EnduranceResult, *, figure: AnyFigure | None = None) 
             f"Expected a test with an onset of galling to draw; {result.name} survived. Draw "
             "endurance_figure in its place."
         )
-    figure = style.given_figure(figure, height=_ROW * 2.4, text=0.4)
+    figure = style.new_figure(given=figure, height=_ROW * 2.4, text=0.4)
     figure.suptitle(f"{result.name}: galling {_PAUSE if onset.pause else f'at {onset.time:.1f} s'}")
     stage = result.whole[onset.stage]
     time = result.test["time"].values[stage.samples]
@@ -382,7 +382,7 @@ def designs_figure(
     """
     rows = table_of_designs(compared)
     height, lines = _RUN_ROW * (len(first) + len(second) + 6), _TABLE_ROW * len(rows)
-    figure = style.given_figure(figure, height=height + lines, text=lines)
+    figure = style.new_figure(given=figure, height=height + lines, text=lines)
     figure.suptitle(f"{compared.second} against {compared.first}")
     panels = figure.subplots(2, 1, height_ratios=(height - 4 * _TABLE_ROW, pt(lines)))
     loads_of_designs(compared, first, second, ax=panels[0])

@@ -216,7 +216,7 @@ def linkage_view(design: LinkageDesign, *, figure: AnyFigure | None = None) -> L
     >>> drawn = linkage_view(example_linkage())
     >>> drawn.show(np.pi)
     """
-    figure = style.given_figure(figure, style.TWO_COLUMNS, _HEIGHT * style.TWO_COLUMNS)
+    figure = style.new_figure(style.TWO_COLUMNS, _HEIGHT * style.TWO_COLUMNS, given=figure)
     panels = figure.subplot_mosaic("pp;st", height_ratios=(1.5, 1))
     view = linkage_positions(design, ax=panels["p"])
     rocker_over_crank(design, ax=panels["s"])

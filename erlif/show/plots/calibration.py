@@ -90,7 +90,7 @@ def fixture_profile(
 
 
 @styled
-def profile_figure(profile: Profile, *, calibration: Calibration | None = None) -> style.Picture:
+def profile_figure(profile: Profile, *, calibration: Calibration | None = None) -> style.AnyFigure:
     """Draw the profile of a line, and what it departs from a straight line below.
 
     Arguments as in `fixture_profile`.
@@ -260,7 +260,7 @@ def calibration_figure(calibration: Calibration, *, figure: AnyFigure | None = N
     >>> calibration_figure(example_calibration()).get_suptitle()
     'calibration with example wedge'
     """
-    figure = style.given_figure(figure, ONE_COLUMN, style.STACK * ONE_COLUMN)
+    figure = style.new_figure(ONE_COLUMN, style.STACK * ONE_COLUMN, given=figure)
     panels = style.rows_or_columns(figure, 2, sharex=True, ratios=_PANELS)
     style.draw_panels(panels, (ratio_against_thickness, ratio_residuals), calibration)
     style.legend_of_figure(figure)

@@ -12,7 +12,6 @@ import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.container import Container
-from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
 
 from erlif.core.arrays import Array
@@ -267,7 +266,7 @@ def control_chart_of(
 
 
 @styled
-def comparison_figure(comparison: xr.Dataset) -> Figure:
+def comparison_figure(comparison: xr.Dataset) -> style.AnyFigure:
     """Draw film against duty parameter and the differences of all pairs, as `film_against_duty`.
 
     Returns

@@ -11,7 +11,6 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from matplotlib.figure import Figure
 
 from erlif.calibration import Calibration, calibration_of, open_calibration, read_profile
 from erlif.core.errors import ConfigError, ErlifError, OutputError
@@ -29,7 +28,7 @@ from erlif.show.plots.orbit import has_position, pin_figure
 from erlif.show.plots.prediction import has_prediction, prediction_figure, prediction_map_figure
 from erlif.show.plots.registration import registration_figure
 from erlif.show.plots.sheet import map_sheet_figure
-from erlif.show.plots.style import ONE_COLUMN, AnyFigure, given_figure, new_figure, styled
+from erlif.show.plots.style import ONE_COLUMN, AnyFigure, new_figure, styled
 from erlif.show.plots.trend import speed_figure, speed_over_load
 from erlif.show.plots.triggers import has_varying_speed
 
@@ -181,13 +180,13 @@ class FigureSource:
 
 @styled
 def _draw_speed(source: FigureSource) -> AnyFigure:
-    figure = given_figure(None, film=source.film)
+    figure = new_figure(named=source.film)
     speed_against_angle(source.film, ax=figure.add_subplot())
     return figure
 
 
 @styled
-def _draw_fixture(source: FigureSource) -> Figure:
+def _draw_fixture(source: FigureSource) -> AnyFigure:
     assert source.fixture_dir is not None
     settings = read_fixture_settings(source.fixture_dir)
     profile = read_profile(source.fixture_dir / settings.fixture.profile)
@@ -204,7 +203,7 @@ def _draw_fixture(source: FigureSource) -> Figure:
 @styled
 def _draw_ratio(source: FigureSource) -> AnyFigure:
     height = image_height(source.film, _RATIO_WIDTH * ONE_COLUMN) + _LABELS
-    figure = given_figure(None, ONE_COLUMN, height, text=_LABELS)
+    figure = new_figure(ONE_COLUMN, height, text=_LABELS)
     ratio_image(source.images, source.film, ax=figure.add_subplot())
     lines = run_line(source.film), stored.describe_trigger(source.film, source.trigger)
     write_title(figure, "\n".join(filter(None, lines)))

@@ -311,7 +311,7 @@ def cycle_figure(film: xr.Dataset, *, figure: AnyFigure | None = None) -> AnyFig
     """
     varies = triggers.has_varying_speed(film)
     count = 2 + varies
-    figure = style.given_figure(figure, ONE_COLUMN, count * _PANEL * ONE_COLUMN, film=film)
+    figure = style.new_figure(ONE_COLUMN, count * _PANEL * ONE_COLUMN, given=figure, named=film)
     panels = style.rows_or_columns(figure, count, sharex=True)
     for ax, name in zip(panels, ("film_min", "film_mean"), strict=False):
         film_over_cycle(film, ax=ax, statistic=name)

@@ -147,7 +147,7 @@ def figure_of_maps(
     `around` the maps and the `least` height are in inches.
     """
     height = max(image_height(film, width * TWO_COLUMNS) + around, least)
-    return style.given_figure(figure, TWO_COLUMNS, height, text=around, film=film, more=more)
+    return style.new_figure(TWO_COLUMNS, height, given=figure, text=around, named=film, more=more)
 
 
 def state_reason(ax: Axes, flags: FlagImage, *, narrow: bool = True) -> None:

@@ -172,7 +172,7 @@ def pin_figure(film: xr.Dataset, *, figure: AnyFigure | None = None) -> AnyFigur
     >>> len(pin_figure(example_film()).axes)
     3
     """
-    figure = style.given_figure(figure, ONE_COLUMN, _TALL * ONE_COLUMN, film=film)
+    figure = style.new_figure(ONE_COLUMN, _TALL * ONE_COLUMN, given=figure, named=film)
     panels = style.rows_or_columns(figure, 3)
     style.draw_panels(panels, (pin_orbit, closest_film, gap_curvature), film)
     style.legend_of_figure(figure)

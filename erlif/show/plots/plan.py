@@ -11,7 +11,6 @@ import numpy as np
 import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from erlif.core.units import count_of
 from erlif.io.settings import PlanSettings
@@ -153,7 +152,7 @@ def plan_signal(plan: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
 
 
 @styled
-def plan_figure(plan: xr.Dataset) -> Figure:
+def plan_figure(plan: xr.Dataset) -> style.AnyFigure:
     """Combine ratio, standard deviation, relative error and signal of a rig, as `plan_ratio`.
 
     Returns

@@ -168,7 +168,7 @@ def prediction_figure(
     >>> [ax.get_xlabel() for ax in figure.axes]
     ['crank angle [°]', 'crank angle [°]']
     """
-    figure = style.given_figure(figure, TWO_COLUMNS, _TALL * TWO_COLUMNS, film=film)
+    figure = style.new_figure(TWO_COLUMNS, _TALL * TWO_COLUMNS, given=figure, named=film)
     left, right = figure.subplots(1, 2)
     film_and_prediction(film, ax=left)
     if np.ptp(frames.elapsed_cycles.values) < 1:

@@ -155,7 +155,7 @@ def registration_figure(
     height, width = registration.displacement_x.shape
     tall = _WIDE * TWO_COLUMNS * height / width
     whole = tall + _DRIFT + _AROUND
-    figure = style.given_figure(figure, TWO_COLUMNS, whole, text=_AROUND, film=film)
+    figure = style.new_figure(TWO_COLUMNS, whole, given=figure, text=_AROUND, named=film)
     panels = figure.subplot_mosaic("xy;dd", height_ratios=(tall, _DRIFT))
     for component in "xy":
         displacement_map(registration, component=component, ax=panels[component])

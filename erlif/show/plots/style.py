@@ -202,29 +202,23 @@ def colour_map(name: str, *, bad: str | None = None) -> Colormap:
 
 @styled
 def new_figure(
-    width: float = ONE_COLUMN, height: float = 0.72 * ONE_COLUMN, *, text: float = 0.0
-) -> Picture:
-    """Make an empty figure whose panels and labels do not overlap. Sizes in inches.
-
-    Of the height, `text` is lines of text; it follows the size of the text, the rest the width of a
-    column of the style. A style for slides has one size for every figure.
-    """
-    return Picture(**_figure_options(width, height, text))
-
-
-def given_figure(
-    given: AnyFigure | None,
     width: float = ONE_COLUMN,
     height: float = 0.72 * ONE_COLUMN,
     *,
     text: float = 0.0,
-    film: xr.Dataset | None = None,
+    given: AnyFigure | None = None,
+    named: xr.Dataset | None = None,
     more: str = "",
 ) -> AnyFigure:
-    """Take the given figure, or a new one; it names the film, and `more` that its panels share."""
-    figure = new_figure(width, height, text=text) if given is None else given
-    if film is not None:
-        name_film(figure, film, more)
+    """Make an empty figure whose panels and labels do not overlap, or take the given one.
+
+    Sizes in inches. Of the height, `text` is lines of text; it follows the size of the text, the
+    rest the width of a column of the style. A style for slides has one size for every figure. The
+    figure names the film `named`, and `more` that its panels share.
+    """
+    figure = Picture(**_figure_options(width, height, text)) if given is None else given
+    if named is not None:
+        name_film(figure, named, more)
     return figure
 
 

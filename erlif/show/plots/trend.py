@@ -253,10 +253,12 @@ def speed_figure(film: xr.Dataset, *, figure: AnyFigure | None = None) -> AnyFig
     ['film thickness [µm]', 'film thickness [µm]']
     """
     if "film_theory" not in film:
-        figure = style.given_figure(figure, film=film)
+        figure = style.new_figure(given=figure, named=film)
         film_against_speed(film, ax=figure.add_subplot())
         return figure
 
-    figure = style.given_figure(figure, style.TWO_COLUMNS, _TALL * style.TWO_COLUMNS, film=film)
+    figure = style.new_figure(
+        style.TWO_COLUMNS, _TALL * style.TWO_COLUMNS, given=figure, named=film
+    )
     style.draw_panels(figure.subplots(1, 2), (film_against_speed, film_and_theory), film)
     return figure
