@@ -100,27 +100,26 @@ def design_pressure(design: BearingDesign, *, ax: Axes | None = None) -> list[Ar
     contact = state.contact
     reach = math.pi if contact is not None and contact.half_angle > math.pi / 2 else math.pi / 2
     angle = np.linspace(-reach, reach, 721)
-    curves: list[tuple[Any, str, str, str]] = []
+    degrees = np.degrees(angle)
+    curves: list[Curve] = []
     if contact is not None:
         persson = state.pressure_over_arc(angle) / 1e6
-        curves.append((persson, OUTWARD, "eq. 9, Persson", "-"))
+        curves.append(Curve(degrees, persson, OUTWARD, "eq. 9, Persson", {"form": "-"}))
         if contact.hertz_half_angle < _FLAT:
             edge = math.sin(contact.hertz_half_angle)
             inside = np.clip(1 - (np.sin(angle) / edge) ** 2, 0, None)
             flat = contact.hertz_peak / 1e6 * np.sqrt(inside) * (np.abs(angle) < math.pi / 2)
-            curves.append((flat, RETURN, "eq. 8, Hertz", ":"))
+            curves.append(Curve(degrees, flat, RETURN, "eq. 8, Hertz", {"form": ":"}))
 
     cosine = assessment.step("pressure_cosine")
     mean = assessment.step("pressure_projected").present * (np.abs(angle) <= math.pi / 2)
     over_arc = cosine.present * np.clip(np.cos(angle), 0, None)
-    curves.append((over_arc, MEAN, "eq. 7, cosine", "--"))
-    curves.append((mean, MUTED, "eq. 6, projected", "-."))
-    if cosine.allowed[1] < _NEAR * max(values.max() for values, *_ in curves):
+    curves.append(Curve(degrees, over_arc, MEAN, "eq. 7, cosine", {"form": "--"}))
+    curves.append(Curve(degrees, mean, MUTED, "eq. 6, projected", {"form": "-."}))
+    if cosine.allowed[1] < _NEAR * max(np.max(one.y) for one in curves):
         ax.axhline(cosine.allowed[1], label="hardness / safety", **_LIMIT)
-    degrees = np.degrees(angle)
     limits = {"xticks": np.linspace(degrees[0], degrees[-1], 5), "xmargin": 0, "ylim": (0, None)}
-    drawn = [Curve(degrees, y, colour, name, {"form": form}) for y, colour, name, form in curves]
-    return style.draw_curves(ax, drawn, "angle from the load [degree]", "pressure [MPa]", **limits)
+    return style.draw_curves(ax, curves, "angle from the load [degree]", "pressure [MPa]", **limits)
 
 
 @styled

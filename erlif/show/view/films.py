@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import ExitStack, closing
 from functools import lru_cache
+from itertools import zip_longest
 from pathlib import Path
 from threading import Lock
 from typing import Any
@@ -201,15 +203,12 @@ def open_films(paths: Sequence[Path], run_dirs: Sequence[Path] = ()) -> list[Fil
             "films. Name them in the order of the films."
         )
     # films that are open are closed again where a later one cannot be opened
-    readers: list[FilmReader] = []
-    known: list[Path | None] = [*run_dirs, *[None] * (len(paths) - len(run_dirs))]
-    try:
-        for path, run_dir in zip(paths, known, strict=True):
-            readers.append(FilmReader(path, run_dir))
-    except BaseException:
-        for reader in readers:
-            reader.close()
-        raise
+    with ExitStack() as opened:
+        readers = [
+            opened.enter_context(closing(FilmReader(path, run_dir)))
+            for path, run_dir in zip_longest(paths, run_dirs)
+        ]
+        opened.pop_all()
     labels = files.label_films([one.name for one in readers], paths)
     for reader, label in zip(readers, labels, strict=True):
         reader.name = label

@@ -209,6 +209,8 @@ def pack_values(
     step = choose_step(window, (int(width), int(height)), coarse=coarse)
     shown, reasons = reduce_map(values[window], flags[window], step=step)
     rows, columns = window
+    _, *counts = count_flags(flags[flags != 0])  # mostly few
+    share = {flag: count / flags.size for flag, count in zip(Flag, counts, strict=True)}
 
     described = {
         **about,
@@ -216,20 +218,13 @@ def pack_values(
         "window": [columns.start, rows.start, columns.stop, rows.stop],
         "step": step,
         "shape": shown.shape,
-        "shares": _flag_shares(flags),
+        "shares": [share[flag] for flag in FLAG_COLOURS],
     }
     # the values begin at a multiple of four bytes
     text = json.dumps(described, separators=(",", ":")).encode()
     text += b" " * (-len(text) % 4)
     parts = np.ascontiguousarray(shown, "<f4"), np.ascontiguousarray(reasons, np.uint16)
     return b"".join([struct.pack("<I", len(text)), text, *(part.tobytes() for part in parts)])
-
-
-def _flag_shares(flags: FlagImage) -> list[float]:
-    """Share of each flag in a map, in the order of FLAG_COLOURS."""
-    _, *counts = count_flags(flags[flags != 0])  # mostly few
-    share = {flag: count / flags.size for flag, count in zip(Flag, counts, strict=True)}
-    return [share[flag] for flag in FLAG_COLOURS]
 
 
 def send_cycle(request: Request) -> dict[str, Any]:
