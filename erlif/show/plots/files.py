@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from erlif.calibration import Calibration, calibration_of, open_calibration, read_profile
+from erlif.calibration import Calibration, Profile, calibration_of, open_calibration, read_profile
 from erlif.core.errors import ConfigError, ErlifError, OutputError
 from erlif.core.progress import ShowProgress, choose_progress
 from erlif.io import files as stored
@@ -170,6 +170,13 @@ class FigureSource:
             files.append(self.fixture_dir / "calibration.nc")
         return files
 
+    @cached_property
+    def fixture(self) -> tuple[str, Profile]:
+        """Name and CMM profile of the fixture; raises ErlifError."""
+        assert self.fixture_dir is not None
+        fixture = read_fixture_settings(self.fixture_dir).fixture
+        return fixture.name, read_profile(self.fixture_dir / fixture.profile)
+
     def group(self, name: str) -> xr.Dataset:
         """Read a group of the film into memory, once."""
         if name not in self._groups:
@@ -187,15 +194,12 @@ def _draw_speed(source: FigureSource) -> AnyFigure:
 
 @styled
 def _draw_fixture(source: FigureSource) -> AnyFigure:
-    assert source.fixture_dir is not None
-    settings = read_fixture_settings(source.fixture_dir)
-    profile = read_profile(source.fixture_dir / settings.fixture.profile)
+    name, profile = source.fixture
     if profile.position.ndim == 2:
         figure = new_figure()
         fixture_profile(profile, calibration=source.calibration, ax=figure.add_subplot())
     else:
         figure = profile_figure(profile, calibration=source.calibration)
-    name = settings.fixture.name
     write_title(figure, name if "fixture" in name.lower() else f"fixture {name}")
     return figure
 
@@ -264,8 +268,7 @@ def reason_missing(name: str, source: FigureSource) -> str | None:
                 "run.toml names it"
             )
         try:
-            settings = read_fixture_settings(source.fixture_dir)
-            read_profile(source.fixture_dir / settings.fixture.profile)
+            source.fixture  # noqa: B018
         except ErlifError as error:
             return str(error)
     return None
