@@ -15,6 +15,7 @@ from matplotlib.axes import Axes
 
 from erlif.core.arrays import Array, Mask
 from erlif.core.errors import ConfigError
+from erlif.core.statistics import film_limits
 from erlif.io.files import settings_of
 from erlif.io.settings import SinusoidalSettings
 from erlif.kinematics import choose_link, joint_speed
@@ -240,7 +241,7 @@ def film_over_cycle(
     artists = [artist for name in names for artist in _draw_statistic(ax, film, name, along)]
     triggers.label_abscissa(ax, along)
     ax.set_ylabel("film thickness [µm]" if len(names) > 1 else f"{_LOOKS[names[0]][2]} film [µm]")
-    low, high = triggers.film_limits(np.concatenate([value - reach, value + reach]))
+    low, high = film_limits(np.concatenate([value - reach, value + reach]))
     ax.set_ylim(low, high)
     if not np.isfinite(value).any():
         triggers.state_no_film(ax, film)

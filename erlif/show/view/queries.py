@@ -14,6 +14,7 @@ import xarray as xr
 from erlif.core.arrays import Array, FlagImage, Image
 from erlif.core.errors import ErlifError
 from erlif.core.flags import FLAG_COLOURS, Flag, count_flags
+from erlif.core.statistics import film_limits
 from erlif.core.tables import read_table
 from erlif.io.files import axis_labels, driven_link, fastest_trigger, region_of
 from erlif.show.view import measures
@@ -414,6 +415,7 @@ def change_region(films: Sequence[FilmReader], body: bytes) -> dict[str, str]:
 
 
 _TABLES = read_table("erlif.show.view", "page.toml")
+_MEASURED = ("film_mean", "film_min")
 _DIGITS = 6  # significant ones of the numbers that are sent
 
 
@@ -428,9 +430,9 @@ def describe_cycle(film: xr.Dataset) -> dict[str, Any]:
     Returns
     -------
     dict
-        "axes" and "films": titles by name; "columns": a list of one number for each trigger by
-        name, None where it is not known; "units" of the columns; "stroke": +1, -1 or 0 where there
-        are no strokes.
+        "axes" and "films": titles by name; "limits" of an axis of the measured films [um];
+        "columns": a list of one number for each trigger by name, None where it is not known;
+        "units" of the columns; "stroke": +1, -1 or 0 where there are no strokes.
 
     Examples
     --------
@@ -450,6 +452,10 @@ def describe_cycle(film: xr.Dataset) -> dict[str, Any]:
         del axes["crank_angle"]
         axes = {"crank_angle": f"{link} angle [°]"} | axes
     stds = [f"{name}_std" for name in films if f"{name}_std" in film]
+    ends = []
+    for name in _MEASURED:
+        reach = np.nan_to_num(film.get(f"{name}_std", 0.0))
+        ends += [film[name].values - reach, film[name].values + reach]
     # numbers of triggers count from 0, whatever the film was cut from
     count = film.sizes["trigger"]
     columns = {name: to_list(film[name].values) for name in (*axes, *films, *stds)}
@@ -460,6 +466,7 @@ def describe_cycle(film: xr.Dataset) -> dict[str, Any]:
     return {
         "axes": axes,
         "films": films,
+        "limits": film_limits(np.concatenate(ends)),
         "columns": columns,
         "units": {name: film[name].attrs.get("units", "1") for name in columns if name in film},
         "stroke": np.nan_to_num(stroke).astype(int).tolist(),
