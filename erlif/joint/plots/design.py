@@ -80,8 +80,8 @@ def design_margins(design: BearingDesign, *, ax: Axes | None = None) -> list[Art
     return bars
 
 
-@styled
-def design_pressure(design: BearingDesign, *, ax: Axes | None = None) -> list[Artist]:
+@style.panel
+def design_pressure(design: BearingDesign, *, ax: Axes = style.NEW) -> list[Artist]:
     """Draw the pressure over the arc after eqs. 6 to 9. Arguments as in `design_margins`.
 
     Returns
@@ -95,7 +95,6 @@ def design_pressure(design: BearingDesign, *, ax: Axes | None = None) -> list[Ar
     >>> [line.get_label() for line in design_pressure(example_design())][:2]
     ['eq. 9, Persson', 'eq. 7, cosine']
     """
-    ax = style.given_or_new(ax)
     assessment, state = design.assessment, JointState(design.joint)
     contact = state.contact
     reach = math.pi if contact is not None and contact.half_angle > math.pi / 2 else math.pi / 2
@@ -122,8 +121,8 @@ def design_pressure(design: BearingDesign, *, ax: Axes | None = None) -> list[Ar
     return style.draw_curves(ax, curves, "angle from the load [degree]", "pressure [MPa]", **limits)
 
 
-@styled
-def design_pv(design: BearingDesign, *, ax: Axes | None = None) -> list[Artist]:
+@style.panel
+def design_pv(design: BearingDesign, *, ax: Axes = style.NEW) -> list[Artist]:
     """Draw pressure and speed of the joint with the limits of the bushing.
 
     Arguments as in `design_margins`.
@@ -140,7 +139,6 @@ def design_pv(design: BearingDesign, *, ax: Axes | None = None) -> list[Artist]:
     >>> [point.get_label() for point in design_pv(example_design())]
     ['largest load', 'mean load']
     """
-    ax = style.given_or_new(ax)
     joint, ring = design.joint, design.joint.bushing
     speed = design.assessment.step("speed").present
     labels = "projected pressure [MPa]", "sliding speed [mm/s]"
@@ -184,8 +182,8 @@ def design_pv(design: BearingDesign, *, ax: Axes | None = None) -> list[Artist]:
     return style.draw_curves(ax, points, *labels, **scales)
 
 
-@styled
-def design_temperature(design: BearingDesign, *, ax: Axes | None = None) -> list[Artist]:
+@style.panel
+def design_temperature(design: BearingDesign, *, ax: Axes = style.NEW) -> list[Artist]:
     """Draw the temperature of the surface against friction.
 
     Arguments as in `design_margins`.
@@ -201,7 +199,6 @@ def design_temperature(design: BearingDesign, *, ax: Axes | None = None) -> list
     >>> len(design_temperature(example_design()))
     2
     """
-    ax = style.given_or_new(ax)
     joint, step = design.joint, design.assessment.step("temperature")
     labels = "friction", "temperature [°C]"
     if step.missing:
@@ -222,8 +219,8 @@ def design_temperature(design: BearingDesign, *, ax: Axes | None = None) -> list
     return style.draw_curves(ax, curves, *labels, xlim=friction, ymargin=0.1)
 
 
-@styled
-def design_wear(design: BearingDesign, *, ax: Axes | None = None) -> list[Artist]:
+@style.panel
+def design_wear(design: BearingDesign, *, ax: Axes = style.NEW) -> list[Artist]:
     """Draw the worn depth over the life. Arguments as in `design_margins`.
 
     Returns
@@ -237,7 +234,6 @@ def design_wear(design: BearingDesign, *, ax: Axes | None = None) -> list[Artist
     >>> [line.get_label() for line in design_wear(example_design())]
     ['worn depth']
     """
-    ax = style.given_or_new(ax)
     step = design.assessment.step("wear")
     labels = "time in motion [h]", "worn depth [mm]"
     if step.missing:

@@ -34,10 +34,8 @@ _FEW_RUNS = 0.01  # least p-value from which it is stated
 DESIGNS = "designs.png"
 
 
-@styled
-def quantity_over_test(
-    result: EnduranceResult, name: str, *, ax: Axes | None = None
-) -> list[Artist]:
+@style.panel
+def quantity_over_test(result: EnduranceResult, name: str, *, ax: Axes = style.NEW) -> list[Artist]:
     """Draw one quantity over time, with the onset of galling. Figs. 4-2 to 4-11.
 
     The load has the numbers of the stages; friction is known within the stages only.
@@ -61,7 +59,7 @@ def quantity_over_test(
     >>> line.axes.get_ylabel()
     'vibration [g]'
     """
-    ax, values = style.given_or_new(ax), result.test[name].values
+    values = result.test[name].values
     if name == "friction":  # without a load it has no meaning
         values = _in_stages(result, name)
     time = result.test["time"].values / _MINUTE
@@ -295,13 +293,13 @@ def _in_stages(result: EnduranceResult, name: str) -> Array:
     return kept
 
 
-@styled
+@style.panel
 def loads_of_designs(
     compared: DesignComparison,
     first: Sequence[FailureLoad],
     second: Sequence[FailureLoad],
     *,
-    ax: Axes | None = None,
+    ax: Axes = style.NEW,
 ) -> list[Artist]:
     """Draw the loads at failure of the runs of two designs.
 
@@ -327,7 +325,6 @@ def loads_of_designs(
     >>> survived.get_xdata().tolist()
     [40.0]
     """
-    ax = style.given_or_new(ax)
     artists: list[Artist] = []
     ticks, row = [], 0
     for runs, colour in ((first, OUTWARD), (second, RETURN)):

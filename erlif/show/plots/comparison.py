@@ -196,9 +196,9 @@ def _outline(ax: Axes, cells: xr.Dataset) -> None:
     ax.plot(left + x * dx, top + y * dy, color="black", linewidth=0.8, label=label)
 
 
-@styled
+@style.panel
 def control_chart_of(
-    comparison: xr.Dataset, quantity: str, *, ax: Axes | None = None
+    comparison: xr.Dataset, quantity: str, *, ax: Axes = style.NEW
 ) -> list[Artist | Container]:
     """Draw a control chart: values with their bars, centre and limits.
 
@@ -232,7 +232,6 @@ def control_chart_of(
             f"Expected a comparison with a control chart of the {quantity}; this one has none. "
             "Compare runs with a reference patch, or name several calibrations."
         )
-    ax = style.given_or_new(ax)
     value, std = (comparison[f"{quantity}_{name}"].values for name in ("ratio", "ratio_std"))
     centre, limit = (float(comparison[f"{quantity}_{name}"]) for name in ("centre", "limit"))
     place = np.arange(value.size)

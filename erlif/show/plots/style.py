@@ -6,6 +6,7 @@ Colours of lines after Okabe and Ito (2008), of images after Crameri (2018).
 from __future__ import annotations
 
 import functools
+import inspect
 import io
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -96,6 +97,10 @@ _KEYS: dict[str, Any] = {"handleheight": 1.0, "columnspacing": 1.2, "labelspacin
 # level 6, the default, takes half as long again for 2 % smaller files
 _PNG_COMPRESSION = 4
 
+# default of the axes of a panel, which `panel` makes, and first parameters that its figure names
+NEW: Any = None
+_NAMED = ("film", "found")
+
 AnyFigure = Figure | SubFigure
 Limits = tuple[float, float] | tuple[None, None]  # None: of the values themselves
 
@@ -122,6 +127,31 @@ def styled(draw: Callable[P, R]) -> Callable[P, R]:
         # the first figure of a notebook loads its backend, whose choice must outlast this call
         matplotlib.interactive(interactive)
         return drawn
+
+    return drawing
+
+
+def panel(draw: Callable[P, R]) -> Callable[P, R]:
+    """Decorate a function of one panel as `styled`; without ``ax`` it has those of a new figure.
+
+    The figure names the film that is drawn. It is closed where the function refuses to draw.
+    """
+    first = next(iter(inspect.signature(draw).parameters))
+
+    @styled
+    @functools.wraps(draw)
+    def drawing(*args: P.args, **kwargs: P.kwargs) -> R:
+        if kwargs.get("ax") is not None:
+            return draw(*args, **kwargs)
+        shown: Any = args[0] if args else kwargs.get(first)
+        ax = kwargs["ax"] = given_or_new(None, shown if first in _NAMED else None)
+        try:
+            return draw(*args, **kwargs)
+        except Exception:
+            from matplotlib import pyplot
+
+            pyplot.close(ax.get_figure(root=True))
+            raise
 
     return drawing
 

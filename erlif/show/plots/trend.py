@@ -54,8 +54,8 @@ def speed_over_load(film: xr.Dataset) -> Array:
     return np.asarray(np.abs(film[_speed_name(film)].values) / film["joint_load"].values)
 
 
-@styled
-def film_against_speed(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
+@style.panel
+def film_against_speed(film: xr.Dataset, *, ax: Axes = style.NEW) -> list[Artist]:
     """Draw mean and minimum film thickness against speed over load, with the fitted powers.
 
     Bars are one standard deviation, random and shared. What the fit leaves out is grey: triggers
@@ -82,7 +82,6 @@ def film_against_speed(film: xr.Dataset, *, ax: Axes | None = None) -> list[Arti
     >>> float(np.polyfit(x, y, 1)[0].round(6))
     0.6
     """
-    ax = style.given_or_new(ax, film)
     ax.set(xscale="log", yscale="log")
     artists: list[Artist] = []
     lines: list[Line2D] = []
