@@ -55,8 +55,7 @@ def displacement_map(
     mean = float(np.nanmean(field))
 
     # white is the mean, so the scale is as long on either side
-    reach = max(float(np.nanmax(np.abs(field - mean))), _LEAST_REACH)
-    limits = (-reach, reach)
+    limits = style.even_limits(field - mean, within=100, least=_LEAST_REACH)
     image = style.draw_image(ax, field - mean, limits, colours="vik", bad="none")
     style.hatch_missing(ax)
     _outline_masks(ax, registration)

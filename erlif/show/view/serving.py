@@ -115,7 +115,14 @@ def serving(*, port: int, **shared: Any) -> Iterator[str]:
     from erlif.show.view.handlers import Shared, make_application
 
     # the port is known once the socket is open, and the address names it
-    listening = open_port(port)
+    try:
+        listening = socket.create_server(("127.0.0.1", port))
+    except OSError as error:
+        raise ErlifError(
+            f"Expected port {port} of this machine to be free ({reason_of(error)}). Choose another "
+            "one with --port, or leave it out."
+        ) from error
+    listening.setblocking(False)
     access = AccessRule(int(listening.getsockname()[1]))
     server = HTTPServer(make_application(Shared(access, **shared)), max_body_size=2**16)
     started: Future[Callable[[], object]] = Future()
@@ -135,19 +142,3 @@ def serving(*, port: int, **shared: Any) -> Iterator[str]:
     finally:
         end()
         thread.join()
-
-
-def open_port(port: int) -> socket.socket:
-    """Listen at a port of this machine; 0 takes a free one.
-
-    Raises ErlifError where the port is taken.
-    """
-    try:
-        listening = socket.create_server(("127.0.0.1", port))
-    except OSError as error:
-        raise ErlifError(
-            f"Expected port {port} of this machine to be free ({reason_of(error)}). Choose another "
-            "one with --port, or leave it out."
-        ) from error
-    listening.setblocking(False)
-    return listening

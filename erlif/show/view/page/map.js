@@ -36,7 +36,7 @@ export class MapPanel {
     this.figure = figure;
     this.canvas = figure.querySelector("canvas");
     this.text = figure.querySelector("figcaption");
-    this.use = use;
+    this.use = { moved: () => this.refresh().catch(() => {}), ...use };
     this.shown = null; // description, values and flags on the screen
     this.pictures = document.createElement("canvas");
     this.colours = {};
@@ -290,7 +290,7 @@ export class MapPanel {
     canvas.addEventListener("pointermove", (event) => {
       if (!fingers.has(event.pointerId)) {
         const place = this.fromScreen(event);
-        this.use.pointed(place.inside ? place : null);
+        this.use.pointed?.(place.inside ? place : null);
         return;
       }
       fingers.set(event.pointerId, event);
@@ -342,7 +342,7 @@ export class MapPanel {
         state.region = [Math.min(from.x, to.x), Math.max(from.x, to.x), Math.min(from.y, to.y),
           Math.max(from.y, to.y)];
       }
-      this.use.drawn(phase === "going" ? "going" : state.tool);
+      this.use.drawn?.(phase === "going" ? "going" : state.tool);
     }
   }
 
