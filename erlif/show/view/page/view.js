@@ -116,8 +116,7 @@ function showLimits() {
 }
 
 const refreshMaps = guarded(async () => {
-  const shown = state.two ? ["a", "b", "d"] : ["a"];
-  await Promise.all(shown.map((name) => panels[name].refresh()));
+  await Promise.all(Object.values(panels).map((panel) => panel.refresh()));
   if (byId("status").classList.contains("bad")) report(""); // the reason has gone
 });
 
@@ -311,6 +310,10 @@ function chooseRow(place) {
   drawn("line");
 }
 
+const WANTED = {
+  line: "The line needs four numbers: x and y of both ends.",
+  region: "The region needs four numbers: x and y, each from low to high.",
+};
 const FORMS = { line: ["x0", "y0", "x1", "y1"], region: ["x0", "x1", "y0", "y1"] };
 
 function fillForms() {
@@ -319,11 +322,6 @@ function fillForms() {
       byId(`${form}-form`).elements[names[n]].value = +value.toFixed(4);
     });
   }
-}
-
-function readForm(form) {
-  const found = FORMS[form].map((name) => byId(`${form}-form`).elements[name].valueAsNumber);
-  return found.every(Number.isFinite) ? found : null;
 }
 
 // the second map
@@ -607,23 +605,18 @@ function connect() {
   on("two", "change", () => showTwo(byId("two").checked));
   on("axis", "change", () => cycleChart.build());
   on("zero", "change", () => cycleChart.build());
-  on("line-form", "submit", (event) => {
-    event.preventDefault();
-    const found = readForm("line");
-    if (!found) throw new Error("The line needs four numbers: x and y of both ends.");
-    state.line = found;
-    state.width = Math.max(1, byId("line-form").elements.width.valueAsNumber || 1);
-    drawn("line");
-  });
-  on("region-form", "submit", (event) => {
-    event.preventDefault();
-    const found = readForm("region");
-    if (!found || found[0] >= found[1] || found[2] >= found[3]) {
-      throw new Error("The region needs four numbers: x and y, each from low to high.");
-    }
-    state.region = found;
-    drawn("region");
-  });
+  for (const [form, names] of Object.entries(FORMS)) {
+    on(`${form}-form`, "submit", (event) => {
+      event.preventDefault();
+      const { elements } = byId(`${form}-form`);
+      const found = names.map((name) => elements[name].valueAsNumber);
+      const falls = form === "region" && (found[0] >= found[1] || found[2] >= found[3]);
+      if (falls || !found.every(Number.isFinite)) throw new Error(WANTED[form]);
+      state[form] = found;
+      if (form === "line") state.width = Math.max(1, elements.width.valueAsNumber || 1);
+      drawn(form);
+    });
+  }
   on("what", "change", allowExports);
   on("png", "click", exportPicture);
   on("csv", "click", () => exportData("csv"));
