@@ -340,13 +340,13 @@ def missing_figures(
     ['fixture_profile', 'processed_images', 'ratio_image']
     """
     with stored.open_film(film_path) as film:
-        source = find_source(Path(film_path), film, None, run_dir, fixture_dir)
+        source = find_source(film_path, film, None, run_dir, fixture_dir)
         reasons = {name: reason_missing(name, source) for name in DRAWN}
     return {name: reason for name, reason in reasons.items() if reason is not None}
 
 
 def find_source(
-    film_path: Path,
+    film_path: str | Path,
     film: xr.Dataset,
     trigger: int | None,
     run_dir: str | Path | None,
@@ -358,9 +358,10 @@ def find_source(
     if trigger is None:
         trigger = stored.fastest_trigger(film)
     stored.check_trigger(film, trigger)
-    run = find_run(film_path, film) if run_dir is None else Path(run_dir)
+    path = Path(film_path)
+    run = find_run(path, film) if run_dir is None else Path(run_dir)
     fixture = find_fixture(film, run) if fixture_dir is None else Path(fixture_dir)
-    return FigureSource(film_path, film, trigger, run, fixture, allow_outside)
+    return FigureSource(path, film, trigger, run, fixture, allow_outside)
 
 
 def write_figures(
@@ -445,9 +446,8 @@ def write_figures(
     out_dir = Path(out_dir)
     written: list[Path] = []
     with stored.reading_film(film_path), stored.open_film(film_path) as film, looks.in_style(style):
-        directories = (run_dir, fixture_dir)
         source = find_source(
-            Path(film_path), film, trigger, *directories, allow_outside=allow_outside
+            film_path, film, trigger, run_dir, fixture_dir, allow_outside=allow_outside
         )
         wanted = [name for name in DRAWN if only is None or name in only]
         reasons = {name: reason_missing(name, source) for name in wanted}
