@@ -183,11 +183,9 @@ def in_style(style: str | Path | None) -> Iterator[None]:
         )
     named = f"erlif.show.plots.{style}" if str(style) in STYLES else style
 
-    kept: dict[Any, Any] = {
-        name: value for name, value in matplotlib.rcParamsDefault.items() if name != "backend"
-    }
     with matplotlib.rc_context():
-        matplotlib.rcParams.update(kept)
+        matplotlib.rcdefaults()
+        matplotlib.interactive(False)
         if named is not None:
             sheets.use(named)
         yield
