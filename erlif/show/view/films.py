@@ -60,8 +60,7 @@ class FilmReader:
     def __init__(self, path: Path, run_dir: Path | None = None) -> None:
         self.path = path
         self.film: xr.Dataset = files.open_film(path)
-        settings = files.settings_of(self.film)
-        self.name = settings.name
+        self.name = files.settings_of(self.film).name
         self.run_dir = _find_run(path, run_dir)
         # the few numbers of a description, in memory: to select from the film takes much longer
         names = [name for name in _DESCRIBING if name in self.film]
