@@ -15,6 +15,7 @@ SAMPLED = 200_000
 MAD_TO_STD = 1.4826
 
 _WITHIN = (0.5, 99.5)  # percentiles at the ends of a colour scale
+_LEAST_SPAN, _ROOM = 0.02, 0.05  # of the film: least range of an axis; room at its ends
 
 
 def robust_std(values: AnyArray) -> float:
@@ -105,6 +106,42 @@ def central_range(values: AnyArray) -> tuple[float, float]:
         return 0.0, 1.0
     low, high = np.percentile(known, _WITHIN)
     return float(low), float(high)
+
+
+def film_limits(values: Array) -> tuple[float, float]:
+    """Ends of an axis of film thickness, from the films with their error bands.
+
+    Parameters
+    ----------
+    values : array
+        Lower and upper ends of the bands, NaN where unknown. [um]
+
+    Returns
+    -------
+    (float, float)
+        From zero where the films vary by more than their smallest value, else with a little room.
+        [um]
+
+    Examples
+    --------
+    A film that varies by a few per cent, and one that comes close to contact:
+
+    >>> low, high = film_limits(np.array([7.0, 8.0]))
+    >>> print(f"{low:.2f} to {high:.2f}")
+    6.95 to 8.05
+    >>> low, high = film_limits(np.array([1.0, 8.0]))
+    >>> print(f"{low:.2f} to {high:.2f}")
+    0.00 to 8.35
+    """
+    known = values[np.isfinite(values)]
+    if known.size == 0:
+        return 0.0, 1.0
+    low, high = float(known.min()), float(known.max())
+
+    # a range below that of the noise of a film would make noise look like a cycle
+    span = max(high - low, _LEAST_SPAN * abs(high)) or 1.0
+    middle, room = (low + high) / 2, (0.5 + _ROOM) * span
+    return (0.0 if 0 <= low < span else middle - room), middle + room
 
 
 def covariance_root(covariance: Array) -> Array:

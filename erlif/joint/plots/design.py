@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from erlif.joint.sizing import FRICTION, BearingDesign, JointState
 from erlif.show.plots import style
@@ -81,8 +80,8 @@ def design_margins(design: BearingDesign, *, ax: Axes | None = None) -> list[Art
     return bars
 
 
-@styled
-def design_pressure(design: BearingDesign, *, ax: Axes | None = None) -> list[Artist]:
+@style.panel
+def design_pressure(design: BearingDesign, *, ax: Axes = style.NEW) -> list[Artist]:
     """Draw the pressure over the arc after eqs. 6 to 9. Arguments as in `design_margins`.
 
     Returns
@@ -96,36 +95,34 @@ def design_pressure(design: BearingDesign, *, ax: Axes | None = None) -> list[Ar
     >>> [line.get_label() for line in design_pressure(example_design())][:2]
     ['eq. 9, Persson', 'eq. 7, cosine']
     """
-    ax = style.given_or_new(ax)
     assessment, state = design.assessment, JointState(design.joint)
     contact = state.contact
     reach = math.pi if contact is not None and contact.half_angle > math.pi / 2 else math.pi / 2
     angle = np.linspace(-reach, reach, 721)
-    curves: list[tuple[Any, str, str, str]] = []
+    degrees = np.degrees(angle)
+    curves: list[Curve] = []
     if contact is not None:
         persson = state.pressure_over_arc(angle) / 1e6
-        curves.append((persson, OUTWARD, "eq. 9, Persson", "-"))
+        curves.append(Curve(degrees, persson, OUTWARD, "eq. 9, Persson", {"form": "-"}))
         if contact.hertz_half_angle < _FLAT:
             edge = math.sin(contact.hertz_half_angle)
             inside = np.clip(1 - (np.sin(angle) / edge) ** 2, 0, None)
             flat = contact.hertz_peak / 1e6 * np.sqrt(inside) * (np.abs(angle) < math.pi / 2)
-            curves.append((flat, RETURN, "eq. 8, Hertz", ":"))
+            curves.append(Curve(degrees, flat, RETURN, "eq. 8, Hertz", {"form": ":"}))
 
     cosine = assessment.step("pressure_cosine")
     mean = assessment.step("pressure_projected").present * (np.abs(angle) <= math.pi / 2)
     over_arc = cosine.present * np.clip(np.cos(angle), 0, None)
-    curves.append((over_arc, MEAN, "eq. 7, cosine", "--"))
-    curves.append((mean, MUTED, "eq. 6, projected", "-."))
-    if cosine.allowed[1] < _NEAR * max(values.max() for values, *_ in curves):
+    curves.append(Curve(degrees, over_arc, MEAN, "eq. 7, cosine", {"form": "--"}))
+    curves.append(Curve(degrees, mean, MUTED, "eq. 6, projected", {"form": "-."}))
+    if cosine.allowed[1] < _NEAR * max(np.max(one.y) for one in curves):
         ax.axhline(cosine.allowed[1], label="hardness / safety", **_LIMIT)
-    degrees = np.degrees(angle)
     limits = {"xticks": np.linspace(degrees[0], degrees[-1], 5), "xmargin": 0, "ylim": (0, None)}
-    drawn = [Curve(degrees, y, colour, name, {"form": form}) for y, colour, name, form in curves]
-    return style.draw_curves(ax, drawn, "angle from the load [degree]", "pressure [MPa]", **limits)
+    return style.draw_curves(ax, curves, "angle from the load [degree]", "pressure [MPa]", **limits)
 
 
-@styled
-def design_pv(design: BearingDesign, *, ax: Axes | None = None) -> list[Artist]:
+@style.panel
+def design_pv(design: BearingDesign, *, ax: Axes = style.NEW) -> list[Artist]:
     """Draw pressure and speed of the joint with the limits of the bushing.
 
     Arguments as in `design_margins`.
@@ -142,7 +139,6 @@ def design_pv(design: BearingDesign, *, ax: Axes | None = None) -> list[Artist]:
     >>> [point.get_label() for point in design_pv(example_design())]
     ['largest load', 'mean load']
     """
-    ax = style.given_or_new(ax)
     joint, ring = design.joint, design.joint.bushing
     speed = design.assessment.step("speed").present
     labels = "projected pressure [MPa]", "sliding speed [mm/s]"
@@ -186,8 +182,8 @@ def design_pv(design: BearingDesign, *, ax: Axes | None = None) -> list[Artist]:
     return style.draw_curves(ax, points, *labels, **scales)
 
 
-@styled
-def design_temperature(design: BearingDesign, *, ax: Axes | None = None) -> list[Artist]:
+@style.panel
+def design_temperature(design: BearingDesign, *, ax: Axes = style.NEW) -> list[Artist]:
     """Draw the temperature of the surface against friction.
 
     Arguments as in `design_margins`.
@@ -203,7 +199,6 @@ def design_temperature(design: BearingDesign, *, ax: Axes | None = None) -> list
     >>> len(design_temperature(example_design()))
     2
     """
-    ax = style.given_or_new(ax)
     joint, step = design.joint, design.assessment.step("temperature")
     labels = "friction", "temperature [°C]"
     if step.missing:
@@ -224,8 +219,8 @@ def design_temperature(design: BearingDesign, *, ax: Axes | None = None) -> list
     return style.draw_curves(ax, curves, *labels, xlim=friction, ymargin=0.1)
 
 
-@styled
-def design_wear(design: BearingDesign, *, ax: Axes | None = None) -> list[Artist]:
+@style.panel
+def design_wear(design: BearingDesign, *, ax: Axes = style.NEW) -> list[Artist]:
     """Draw the worn depth over the life. Arguments as in `design_margins`.
 
     Returns
@@ -239,7 +234,6 @@ def design_wear(design: BearingDesign, *, ax: Axes | None = None) -> list[Artist
     >>> [line.get_label() for line in design_wear(example_design())]
     ['worn depth']
     """
-    ax = style.given_or_new(ax)
     step = design.assessment.step("wear")
     labels = "time in motion [h]", "worn depth [mm]"
     if step.missing:
@@ -260,7 +254,7 @@ def design_wear(design: BearingDesign, *, ax: Axes | None = None) -> list[Artist
 
 
 @styled
-def design_figure(design: BearingDesign) -> Figure:
+def design_figure(design: BearingDesign) -> style.AnyFigure:
     """Combine pressure over the arc, pv diagram, temperature and wear of a joint.
 
     Arguments as in `design_margins`.
@@ -283,7 +277,7 @@ def design_figure(design: BearingDesign) -> Figure:
 
 
 @styled
-def design_margins_figure(design: BearingDesign) -> Figure:
+def design_margins_figure(design: BearingDesign) -> style.AnyFigure:
     """Draw the margins in a figure of their own. Arguments as in `design_margins`.
 
     Returns

@@ -14,7 +14,7 @@ from matplotlib.patches import StepPatch
 
 from erlif.core.arrays import Array
 from erlif.show.plots import style
-from erlif.show.plots.style import MEAN, MINIMUM, MUTED, OUTWARD, RETURN, Curve, pt, styled
+from erlif.show.plots.style import MEAN, MINIMUM, MUTED, OUTWARD, RETURN, Curve, pt
 
 _MEGA, _MILLI = 1e-6, 1e3
 
@@ -24,8 +24,8 @@ _REST = 1e-3  # of the largest pressure, below which a cell counts as free
 _LOW = 0.02  # of the largest stress, below which the ends of a section are left out
 
 
-@styled
-def contact_pressure_map(found: xr.Dataset, *, ax: Axes | None = None) -> QuadMesh:
+@style.panel
+def contact_pressure_map(found: xr.Dataset, *, ax: Axes = style.NEW) -> QuadMesh:
     """Draw the pressure of a contact over its surface.
 
     Parameters
@@ -48,7 +48,6 @@ def contact_pressure_map(found: xr.Dataset, *, ax: Axes | None = None) -> QuadMe
     >>> contact_pressure_map(contact).axes.get_xlabel()
     'axial place z [mm]'
     """
-    ax = style.given_or_new(ax)
     across = "angle" if "angle" in found.dims else "x"
     pressure = found.pressure.transpose(across, "z").values * _MEGA
     place = np.degrees(found[across].values) if across == "angle" else found.x.values * _MILLI
@@ -69,9 +68,9 @@ def contact_pressure_map(found: xr.Dataset, *, ax: Axes | None = None) -> QuadMe
     return mesh
 
 
-@styled
+@style.panel
 def axial_pressure(
-    contacts: Mapping[str, xr.Dataset], *, hertz: float | None = None, ax: Axes | None = None
+    contacts: Mapping[str, xr.Dataset], *, hertz: float | None = None, ax: Axes = style.NEW
 ) -> list[StepPatch | Line2D]:
     """Draw the largest pressure round or across the contact along the axis, from cell to cell.
 
@@ -99,7 +98,6 @@ def axial_pressure(
     >>> line.get_label()
     "Hertz's line contact"
     """
-    ax = style.given_or_new(ax)
     artists: list[StepPatch | Line2D] = []
     for k, (label, contact) in enumerate(contacts.items()):
         across = "angle" if "angle" in contact.dims else "x"
@@ -114,8 +112,8 @@ def axial_pressure(
     return artists
 
 
-@styled
-def stress_section(stress: xr.Dataset, *, ax: Axes | None = None) -> PolyCollection:
+@style.panel
+def stress_section(stress: xr.Dataset, *, ax: Axes = style.NEW) -> PolyCollection:
     """Draw the von Mises stress in the plane of the load.
 
     Parameters
@@ -141,7 +139,6 @@ def stress_section(stress: xr.Dataset, *, ax: Axes | None = None) -> PolyCollect
     >>> stress_section(stress).axes.get_ylabel()
     'depth [mm]'
     """
-    ax = style.given_or_new(ax)
     section = "point" in stress.dims
     if section:
         place, width = stress.z.values * _MILLI, stress.width_z.values * _MILLI
@@ -176,8 +173,8 @@ def stress_section(stress: xr.Dataset, *, ax: Axes | None = None) -> PolyCollect
     return patches
 
 
-@styled
-def undercut_pressure(found: xr.Dataset, *, ax: Axes | None = None) -> list[Line2D]:
+@style.panel
+def undercut_pressure(found: xr.Dataset, *, ax: Axes = style.NEW) -> list[Line2D]:
     """Draw the pressure against the thickness of the lip, for each depth of the undercut.
 
     Parameters
@@ -215,7 +212,6 @@ def undercut_pressure(found: xr.Dataset, *, ax: Axes | None = None) -> list[Line
     curves.append(Curve(found.best_lip * _MILLI, best * _MEGA, MINIMUM, None, look))
     patch = float(found.patch_pressure.attrs["patch"]) * _MILLI
     labels = "lip D3 [mm]", f"largest mean over {patch:g} mm [MPa]"
-    ax = style.given_or_new(ax)
     lines = style.draw_curves(ax, curves, *labels)
     style.legend_above(ax, title="depth D1 [mm]")
     return lines

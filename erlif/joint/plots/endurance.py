@@ -34,10 +34,8 @@ _FEW_RUNS = 0.01  # least p-value from which it is stated
 DESIGNS = "designs.png"
 
 
-@styled
-def quantity_over_test(
-    result: EnduranceResult, name: str, *, ax: Axes | None = None
-) -> list[Artist]:
+@style.panel
+def quantity_over_test(result: EnduranceResult, name: str, *, ax: Axes = style.NEW) -> list[Artist]:
     """Draw one quantity over time, with the onset of galling. Figs. 4-2 to 4-11.
 
     The load has the numbers of the stages; friction is known within the stages only.
@@ -61,7 +59,7 @@ def quantity_over_test(
     >>> line.axes.get_ylabel()
     'vibration [g]'
     """
-    ax, values = style.given_or_new(ax), result.test[name].values
+    values = result.test[name].values
     if name == "friction":  # without a load it has no meaning
         values = _in_stages(result, name)
     time = result.test["time"].values / _MINUTE
@@ -133,7 +131,7 @@ def endurance_figure(result: EnduranceResult, *, figure: AnyFigure | None = None
     5
     """
     names = [name for name in _LABELS if name in result.test]
-    figure = style.given_figure(figure, TWO_COLUMNS, _ROW * len(names) + 0.2, text=0.6)
+    figure = style.new_figure(TWO_COLUMNS, _ROW * len(names) + 0.2, given=figure, text=0.6)
     figure.suptitle(result.name)
     panels = style.rows_or_columns(figure, len(names), sharex=True)
     for ax, name in zip(panels, names, strict=True):
@@ -176,7 +174,7 @@ def failure_figure(result: EnduranceResult, *, figure: AnyFigure | None = None) 
             f"Expected a test with an onset of galling to draw; {result.name} survived. Draw "
             "endurance_figure in its place."
         )
-    figure = style.given_figure(figure, height=_ROW * 2.4, text=0.4)
+    figure = style.new_figure(given=figure, height=_ROW * 2.4, text=0.4)
     figure.suptitle(f"{result.name}: galling {_PAUSE if onset.pause else f'at {onset.time:.1f} s'}")
     stage = result.whole[onset.stage]
     time = result.test["time"].values[stage.samples]
@@ -295,13 +293,13 @@ def _in_stages(result: EnduranceResult, name: str) -> Array:
     return kept
 
 
-@styled
+@style.panel
 def loads_of_designs(
     compared: DesignComparison,
     first: Sequence[FailureLoad],
     second: Sequence[FailureLoad],
     *,
-    ax: Axes | None = None,
+    ax: Axes = style.NEW,
 ) -> list[Artist]:
     """Draw the loads at failure of the runs of two designs.
 
@@ -327,7 +325,6 @@ def loads_of_designs(
     >>> survived.get_xdata().tolist()
     [40.0]
     """
-    ax = style.given_or_new(ax)
     artists: list[Artist] = []
     ticks, row = [], 0
     for runs, colour in ((first, OUTWARD), (second, RETURN)):
@@ -382,7 +379,7 @@ def designs_figure(
     """
     rows = table_of_designs(compared)
     height, lines = _RUN_ROW * (len(first) + len(second) + 6), _TABLE_ROW * len(rows)
-    figure = style.given_figure(figure, height=height + lines, text=lines)
+    figure = style.new_figure(given=figure, height=height + lines, text=lines)
     figure.suptitle(f"{compared.second} against {compared.first}")
     panels = figure.subplots(2, 1, height_ratios=(height - 4 * _TABLE_ROW, pt(lines)))
     loads_of_designs(compared, first, second, ax=panels[0])

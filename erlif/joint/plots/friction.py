@@ -10,14 +10,14 @@ from matplotlib.axes import Axes
 
 from erlif.joint.friction import ReversalSeries
 from erlif.show.plots import style
-from erlif.show.plots.style import ONE_COLUMN, OUTWARD, RETURN, pt, styled
+from erlif.show.plots.style import ONE_COLUMN, OUTWARD, RETURN, pt
 
 _MINUTE = 60.0
 _HEIGHT = 3.0  # inch
 
 
-@styled
-def friction_over_reversals(series: ReversalSeries, *, ax: Axes | None = None) -> list[Artist]:
+@style.panel
+def friction_over_reversals(series: ReversalSeries, *, ax: Axes = style.NEW) -> list[Artist]:
     """Draw the apparent coefficient of each pair of stretches with its mean. Colbert et al. fig. 8.
 
     Bars are one standard deviation of the scatter of a pair, the band one of the mean from all
@@ -45,7 +45,6 @@ def friction_over_reversals(series: ReversalSeries, *, ax: Axes | None = None) -
     >>> points.axes.get_xlabel()
     'time [min]'
     """
-    ax = style.given_or_new(ax)
     pairs = series.pairs
     known = "sliding_distance" in pairs
     x = (pairs["sliding_distance"] if known else pairs["time"] / _MINUTE).values

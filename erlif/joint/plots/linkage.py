@@ -70,9 +70,9 @@ class LinkageView:
             mark.set_xdata([degrees, degrees])
 
 
-@styled
+@style.panel
 def linkage_positions(
-    design: LinkageDesign, *, crank_angle: float | None = None, ax: Axes | None = None
+    design: LinkageDesign, *, crank_angle: float | None = None, ax: Axes = style.NEW
 ) -> LinkageView:
     """Draw a crank-rocker with both limits, the paths of its pins and of the coupler.
 
@@ -95,7 +95,6 @@ def linkage_positions(
     >>> len(view.links.get_xdata())
     4
     """
-    ax = style.given_or_new(ax)
     linkage = design.linkage
     places = 1e3 * pin_places(linkage, _TURN)
     middle = places[:, 1:3].mean(axis=1)
@@ -136,8 +135,8 @@ def _rising(linkage: CrankRocker) -> float:
     return (at_smallest + at_largest + 2 * np.pi) / 2
 
 
-@styled
-def transmission_over_crank(design: LinkageDesign, *, ax: Axes | None = None) -> list[Artist]:
+@style.panel
+def transmission_over_crank(design: LinkageDesign, *, ax: Axes = style.NEW) -> list[Artist]:
     """Draw the transmission angle over a turn of the crank. Arguments as in `linkage_positions`.
 
     Returns
@@ -151,7 +150,6 @@ def transmission_over_crank(design: LinkageDesign, *, ax: Axes | None = None) ->
     >>> print(np.round(extremes.get_ydata(), 2))
     [ 76.3  104.69]
     """
-    ax = style.given_or_new(ax)
     degrees = np.degrees(np.asarray(design.linkage.transmission_angle(_TURN)))
     line = ax.plot(np.degrees(_TURN), degrees, color=MINIMUM)
     extremes = ax.plot([0, 180], np.degrees(design.transmission), "o", color=RETURN)
@@ -171,8 +169,8 @@ def transmission_over_crank(design: LinkageDesign, *, ax: Axes | None = None) ->
     return [*line, *extremes]
 
 
-@styled
-def rocker_over_crank(design: LinkageDesign, *, ax: Axes | None = None) -> list[Artist]:
+@style.panel
+def rocker_over_crank(design: LinkageDesign, *, ax: Axes = style.NEW) -> list[Artist]:
     """Draw the rocker speed over a turn of the crank. Arguments as in `linkage_positions`.
 
     Returns
@@ -186,7 +184,6 @@ def rocker_over_crank(design: LinkageDesign, *, ax: Axes | None = None) -> list[
     >>> line.axes.get_ylabel()
     'rocker speed [rpm]'
     """
-    ax = style.given_or_new(ax)
     known = np.isfinite(design.crank_speed)
     rate = np.asarray(design.linkage.rocker_speed(_TURN, crank_speed=1.0))
     speed = rate * (design.crank_speed * 30 / np.pi if known else 1.0)
@@ -216,7 +213,7 @@ def linkage_view(design: LinkageDesign, *, figure: AnyFigure | None = None) -> L
     >>> drawn = linkage_view(example_linkage())
     >>> drawn.show(np.pi)
     """
-    figure = style.given_figure(figure, style.TWO_COLUMNS, _HEIGHT * style.TWO_COLUMNS)
+    figure = style.new_figure(style.TWO_COLUMNS, _HEIGHT * style.TWO_COLUMNS, given=figure)
     panels = figure.subplot_mosaic("pp;st", height_ratios=(1.5, 1))
     view = linkage_positions(design, ax=panels["p"])
     rocker_over_crank(design, ax=panels["s"])

@@ -13,7 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
 from erlif.show.plots import style
-from erlif.show.plots.style import MEAN, MINIMUM, MUTED, OUTWARD, RETURN, Curve, styled
+from erlif.show.plots.style import MEAN, MINIMUM, MUTED, OUTWARD, RETURN, Curve
 
 _DASHES = ("-", "--", "-.", ":", (0, (5, 1)))
 _LOOKS = tuple(zip((MINIMUM, OUTWARD, RETURN, MEAN, MUTED), _DASHES, strict=True))
@@ -21,8 +21,8 @@ _LOOKS = tuple(zip((MINIMUM, OUTWARD, RETURN, MEAN, MUTED), _DASHES, strict=True
 _PROFILES = 4  # in a figure of wear, evenly over the cycles and with the last
 
 
-@styled
-def joint_force(simulations: Mapping[str, xr.Dataset], *, ax: Axes | None = None) -> list[Line2D]:
+@style.panel
+def joint_force(simulations: Mapping[str, xr.Dataset], *, ax: Axes = style.NEW) -> list[Line2D]:
     """Draw the force in the crank-pin joint over the crank angle, one line for each simulation.
 
     Mukras et al. (2008), figures 6 and 8. Arguments that are not listed are those of `erlif.plots`.
@@ -49,12 +49,12 @@ def joint_force(simulations: Mapping[str, xr.Dataset], *, ax: Axes | None = None
         Curve(np.degrees(one.crank_angle), one.force, colour, name, {"form": dashes, "width": 0.9})
         for (name, one), (colour, dashes) in looks
     ]
-    ax, limits = style.given_or_new(ax), {"ylim": (0, None), "xmargin": 0}
+    limits = {"ylim": (0, None), "xmargin": 0}
     return style.draw_curves(ax, curves, "crank angle [°]", "joint force [N]", **limits)
 
 
-@styled
-def joint_wear(worn: xr.Dataset, *, ax: Axes | None = None) -> list[Line2D]:
+@style.panel
+def joint_wear(worn: xr.Dataset, *, ax: Axes = style.NEW) -> list[Line2D]:
     """Draw the worn depth round the bushing after several numbers of cycles, and that of the pin.
 
     Mukras et al. (2008), figures 13b and 14b.
@@ -94,12 +94,12 @@ def joint_wear(worn: xr.Dataset, *, ax: Axes | None = None) -> list[Line2D]:
         curves.append(Curve(degrees, 1e3 * worn.pin_depth.values[-1], RETURN, "pin"))
     labels = "place on the bushing, 0 in tension [°]", "worn depth [mm]"
     limits: dict[str, Any] = {"xlim": (-180, 180), "xticks": range(-180, 181, 90)}
-    return style.draw_curves(style.given_or_new(ax), curves, *labels, ylim=(0, None), **limits)
+    return style.draw_curves(ax, curves, *labels, ylim=(0, None), **limits)
 
 
-@styled
+@style.panel
 def extrapolation_error(
-    found: xr.Dataset, *, fine: xr.Dataset | None = None, ax: Axes | None = None
+    found: xr.Dataset, *, fine: xr.Dataset | None = None, ax: Axes = style.NEW
 ) -> list[Artist]:
     """Draw the error of worn volume and depth over the extrapolation factor, with its bound.
 
@@ -127,7 +127,6 @@ def extrapolation_error(
     >>> lines[0].axes.get_xlabel()
     'extrapolation factor [cycles]'
     """
-    ax = style.given_or_new(ax)
     factors = found.extrapolation.values
     curves = []
     for name, label, colour, mark, dash, size in (

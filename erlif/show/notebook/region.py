@@ -9,12 +9,14 @@ from erlif.calibration import RunCurve, calibration_of
 from erlif.core.errors import ConfigError, ErlifError
 from erlif.core.products import RatioImages, ThicknessMaps
 from erlif.core.tables import read_table
+from erlif.core.variables import FILM
 from erlif.io.files import settings_of, takes
 from erlif.trend import FilmStatistics, GapShape, Region, find_region, summarise_film
 
 Interval = tuple[float, float]
 
-_COLUMNS = read_table("erlif.show.notebook", "region.toml")
+# Unit and title of the numbers that no film has.
+_OWN = read_table("erlif.show.notebook", "region.toml")
 
 
 @takes(film="film")
@@ -73,9 +75,10 @@ def summarise_region(
         row["share_valid"] = row["pixels"] / one.flags.size
         rows.append(row)
 
-    columns = {
-        name: ("trigger", [row[name] for row in rows], attrs) for name, attrs in _COLUMNS.items()
-    }
+    columns = {}
+    for name in rows[0]:
+        attrs = _OWN.get(name) or {key: FILM[name].attrs[key] for key in ("units", "long_name")}
+        columns[name] = "trigger", [row[name] for row in rows], attrs
     low_x, *_, high_x = film.x.values[region.columns]
     low_y, *_, high_y = film.y.values[region.rows]
     bounds = f"x {low_x:.2f} to {high_x:.2f} mm, y {low_y:.2f} to {high_y:.2f} mm"

@@ -42,9 +42,9 @@ def _draw_range(calibration: Calibration, shade: Callable[..., Artist], **look: 
     return shade(*calibration.thickness_range, linewidth=pt(0.5), **_SHADE, **look)
 
 
-@styled
+@style.panel
 def fixture_profile(
-    profile: Profile, *, calibration: Calibration | None = None, ax: Axes | None = None
+    profile: Profile, *, calibration: Calibration | None = None, ax: Axes = style.NEW
 ) -> list[Artist]:
     """Draw the profile of a fixture by the coordinate measuring machine (CMM).
 
@@ -69,7 +69,6 @@ def fixture_profile(
     >>> points.axes.get_xlabel(), points.axes.get_ylabel()
     ('profile x [mm]', 'thickness by CMM [µm]')
     """
-    ax = style.given_or_new(ax)
     if profile.position.ndim == 2:
         look: dict[str, Any] = {"cmap": style.colour_map("batlow"), "s": 6, "linewidths": 0}
         x, y = profile.position.T
@@ -90,7 +89,7 @@ def fixture_profile(
 
 
 @styled
-def profile_figure(profile: Profile, *, calibration: Calibration | None = None) -> style.Picture:
+def profile_figure(profile: Profile, *, calibration: Calibration | None = None) -> style.AnyFigure:
     """Draw the profile of a line, and what it departs from a straight line below.
 
     Arguments as in `fixture_profile`.
@@ -130,8 +129,8 @@ def _grid(calibration: Calibration) -> Array:
     return np.linspace(low, high, _GRID)
 
 
-@styled
-def ratio_against_thickness(calibration: Calibration, *, ax: Axes | None = None) -> list[Artist]:
+@style.panel
+def ratio_against_thickness(calibration: Calibration, *, ax: Axes = style.NEW) -> list[Artist]:
     """Draw ratio against thickness: the points of the fixture and the fit with its band of one s.d.
 
     Parameters
@@ -151,7 +150,6 @@ def ratio_against_thickness(calibration: Calibration, *, ax: Axes | None = None)
     >>> fit.axes.get_xlabel(), fit.axes.get_ylabel()
     ('thickness [µm]', 'ratio 610 nm / 580 nm [1]')
     """
-    ax = style.given_or_new(ax)
 
     # the band is symmetric in the logarithm of the ratio, in which the fit was made
     t = _grid(calibration)
@@ -195,8 +193,8 @@ def _parameters(calibration: Calibration) -> str:
     return "\n".join(lines)
 
 
-@styled
-def ratio_residuals(calibration: Calibration, *, ax: Axes | None = None) -> list[Artist]:
+@style.panel
+def ratio_residuals(calibration: Calibration, *, ax: Axes = style.NEW) -> list[Artist]:
     """Draw the residuals of the fit in per cent of the ratio, with its band of one s.d.
 
     Where a spline corrects the reabsorption model, the model alone is the dashed line.
@@ -217,7 +215,6 @@ def ratio_residuals(calibration: Calibration, *, ax: Axes | None = None) -> list
     >>> float(abs(points.get_ydata()).max())
     0.0
     """
-    ax = style.given_or_new(ax)
     t = _grid(calibration)
     percent = 100 * calibration.log_ratio_std(t)
     _draw_range(calibration, ax.axvspan)
@@ -260,7 +257,7 @@ def calibration_figure(calibration: Calibration, *, figure: AnyFigure | None = N
     >>> calibration_figure(example_calibration()).get_suptitle()
     'calibration with example wedge'
     """
-    figure = style.given_figure(figure, ONE_COLUMN, style.STACK * ONE_COLUMN)
+    figure = style.new_figure(ONE_COLUMN, style.STACK * ONE_COLUMN, given=figure)
     panels = style.rows_or_columns(figure, 2, sharex=True, ratios=_PANELS)
     style.draw_panels(panels, (ratio_against_thickness, ratio_residuals), calibration)
     style.legend_of_figure(figure)

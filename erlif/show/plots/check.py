@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from erlif.core.arrays import Array
 from erlif.core.statistics import central_range
@@ -23,7 +22,7 @@ _BARS = 256  # of a histogram at most
 
 
 @styled
-def pair_figure(picture: PairPicture) -> Figure:
+def pair_figure(picture: PairPicture) -> style.AnyFigure:
     """Draw the light of both cameras on the pixels of camera 1."""
     rows, columns = picture.light[0].shape
     figure = style.new_figure(TWO_COLUMNS, 0.38 * TWO_COLUMNS * rows / columns + _AROUND)
@@ -38,7 +37,7 @@ def pair_figure(picture: PairPicture) -> Figure:
 
 
 @styled
-def difference_figure(picture: PairPicture) -> Figure:
+def difference_figure(picture: PairPicture) -> style.AnyFigure:
     """Draw what remains between the cameras once they are aligned and the film is taken out."""
     rows, columns = picture.difference.shape
     figure = style.new_figure(ONE_COLUMN, 0.76 * ONE_COLUMN * rows / columns + _AROUND)
@@ -53,7 +52,7 @@ def difference_figure(picture: PairPicture) -> Figure:
 
 
 @styled
-def histogram_figure(survey: CountSurvey) -> Figure:
+def histogram_figure(survey: CountSurvey) -> style.AnyFigure:
     """Draw the number of pixels by count of both cameras."""
     figure = style.new_figure()
     ax = figure.add_subplot()
@@ -72,7 +71,7 @@ def histogram_figure(survey: CountSurvey) -> Figure:
 
 
 @styled
-def light_figure(survey: CountSurvey, darks: tuple[float, float]) -> Figure:
+def light_figure(survey: CountSurvey, darks: tuple[float, float]) -> style.AnyFigure:
     """Draw light and fine structure of the frames that were read."""
     figure = style.new_figure(height=1.0 * ONE_COLUMN)
     upper, lower = figure.subplots(2, 1, sharex=True)
@@ -93,7 +92,7 @@ def light_figure(survey: CountSurvey, darks: tuple[float, float]) -> Figure:
 
 
 @styled
-def steps_figure(steps: Steps) -> Figure | None:
+def steps_figure(steps: Steps) -> style.AnyFigure | None:
     """Draw angle and time of the log, and their steps."""
     logged = ((steps.angle, "angle", "deg"), (steps.time, "time step", "ms"))
     shown = [

@@ -12,7 +12,6 @@ import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.container import Container
-from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
 
 from erlif.core.arrays import Array
@@ -197,9 +196,9 @@ def _outline(ax: Axes, cells: xr.Dataset) -> None:
     ax.plot(left + x * dx, top + y * dy, color="black", linewidth=0.8, label=label)
 
 
-@styled
+@style.panel
 def control_chart_of(
-    comparison: xr.Dataset, quantity: str, *, ax: Axes | None = None
+    comparison: xr.Dataset, quantity: str, *, ax: Axes = style.NEW
 ) -> list[Artist | Container]:
     """Draw a control chart: values with their bars, centre and limits.
 
@@ -233,7 +232,6 @@ def control_chart_of(
             f"Expected a comparison with a control chart of the {quantity}; this one has none. "
             "Compare runs with a reference patch, or name several calibrations."
         )
-    ax = style.given_or_new(ax)
     value, std = (comparison[f"{quantity}_{name}"].values for name in ("ratio", "ratio_std"))
     centre, limit = (float(comparison[f"{quantity}_{name}"]) for name in ("centre", "limit"))
     place = np.arange(value.size)
@@ -267,7 +265,7 @@ def control_chart_of(
 
 
 @styled
-def comparison_figure(comparison: xr.Dataset) -> Figure:
+def comparison_figure(comparison: xr.Dataset) -> style.AnyFigure:
     """Draw film against duty parameter and the differences of all pairs, as `film_against_duty`.
 
     Returns

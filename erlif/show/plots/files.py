@@ -11,9 +11,8 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from matplotlib.figure import Figure
 
-from erlif.calibration import Calibration, calibration_of, open_calibration, read_profile
+from erlif.calibration import Calibration, Profile, calibration_of, open_calibration, read_profile
 from erlif.core.errors import ConfigError, ErlifError, OutputError
 from erlif.core.progress import ShowProgress, choose_progress
 from erlif.io import files as stored
@@ -29,7 +28,7 @@ from erlif.show.plots.orbit import has_position, pin_figure
 from erlif.show.plots.prediction import has_prediction, prediction_figure, prediction_map_figure
 from erlif.show.plots.registration import registration_figure
 from erlif.show.plots.sheet import map_sheet_figure
-from erlif.show.plots.style import ONE_COLUMN, AnyFigure, given_figure, new_figure, styled
+from erlif.show.plots.style import ONE_COLUMN, AnyFigure, new_figure, styled
 from erlif.show.plots.trend import speed_figure, speed_over_load
 from erlif.show.plots.triggers import has_varying_speed
 
@@ -171,6 +170,13 @@ class FigureSource:
             files.append(self.fixture_dir / "calibration.nc")
         return files
 
+    @cached_property
+    def fixture(self) -> tuple[str, Profile]:
+        """Name and CMM profile of the fixture; raises ErlifError."""
+        assert self.fixture_dir is not None
+        fixture = read_fixture_settings(self.fixture_dir).fixture
+        return fixture.name, read_profile(self.fixture_dir / fixture.profile)
+
     def group(self, name: str) -> xr.Dataset:
         """Read a group of the film into memory, once."""
         if name not in self._groups:
@@ -181,22 +187,19 @@ class FigureSource:
 
 @styled
 def _draw_speed(source: FigureSource) -> AnyFigure:
-    figure = given_figure(None, film=source.film)
+    figure = new_figure(named=source.film)
     speed_against_angle(source.film, ax=figure.add_subplot())
     return figure
 
 
 @styled
-def _draw_fixture(source: FigureSource) -> Figure:
-    assert source.fixture_dir is not None
-    settings = read_fixture_settings(source.fixture_dir)
-    profile = read_profile(source.fixture_dir / settings.fixture.profile)
+def _draw_fixture(source: FigureSource) -> AnyFigure:
+    name, profile = source.fixture
     if profile.position.ndim == 2:
         figure = new_figure()
         fixture_profile(profile, calibration=source.calibration, ax=figure.add_subplot())
     else:
         figure = profile_figure(profile, calibration=source.calibration)
-    name = settings.fixture.name
     write_title(figure, name if "fixture" in name.lower() else f"fixture {name}")
     return figure
 
@@ -204,7 +207,7 @@ def _draw_fixture(source: FigureSource) -> Figure:
 @styled
 def _draw_ratio(source: FigureSource) -> AnyFigure:
     height = image_height(source.film, _RATIO_WIDTH * ONE_COLUMN) + _LABELS
-    figure = given_figure(None, ONE_COLUMN, height, text=_LABELS)
+    figure = new_figure(ONE_COLUMN, height, text=_LABELS)
     ratio_image(source.images, source.film, ax=figure.add_subplot())
     lines = run_line(source.film), stored.describe_trigger(source.film, source.trigger)
     write_title(figure, "\n".join(filter(None, lines)))
@@ -265,8 +268,7 @@ def reason_missing(name: str, source: FigureSource) -> str | None:
                 "run.toml names it"
             )
         try:
-            settings = read_fixture_settings(source.fixture_dir)
-            read_profile(source.fixture_dir / settings.fixture.profile)
+            source.fixture  # noqa: B018
         except ErlifError as error:
             return str(error)
     return None
@@ -338,13 +340,13 @@ def missing_figures(
     ['fixture_profile', 'processed_images', 'ratio_image']
     """
     with stored.open_film(film_path) as film:
-        source = find_source(Path(film_path), film, None, run_dir, fixture_dir)
+        source = find_source(film_path, film, None, run_dir, fixture_dir)
         reasons = {name: reason_missing(name, source) for name in DRAWN}
     return {name: reason for name, reason in reasons.items() if reason is not None}
 
 
 def find_source(
-    film_path: Path,
+    film_path: str | Path,
     film: xr.Dataset,
     trigger: int | None,
     run_dir: str | Path | None,
@@ -356,9 +358,10 @@ def find_source(
     if trigger is None:
         trigger = stored.fastest_trigger(film)
     stored.check_trigger(film, trigger)
-    run = find_run(film_path, film) if run_dir is None else Path(run_dir)
+    path = Path(film_path)
+    run = find_run(path, film) if run_dir is None else Path(run_dir)
     fixture = find_fixture(film, run) if fixture_dir is None else Path(fixture_dir)
-    return FigureSource(film_path, film, trigger, run, fixture, allow_outside)
+    return FigureSource(path, film, trigger, run, fixture, allow_outside)
 
 
 def write_figures(
@@ -443,9 +446,8 @@ def write_figures(
     out_dir = Path(out_dir)
     written: list[Path] = []
     with stored.reading_film(film_path), stored.open_film(film_path) as film, looks.in_style(style):
-        directories = (run_dir, fixture_dir)
         source = find_source(
-            Path(film_path), film, trigger, *directories, allow_outside=allow_outside
+            film_path, film, trigger, run_dir, fixture_dir, allow_outside=allow_outside
         )
         wanted = [name for name in DRAWN if only is None or name in only]
         reasons = {name: reason_missing(name, source) for name in wanted}

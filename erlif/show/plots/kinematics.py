@@ -15,6 +15,7 @@ from matplotlib.axes import Axes
 
 from erlif.core.arrays import Array, Mask
 from erlif.core.errors import ConfigError
+from erlif.core.statistics import film_limits
 from erlif.io.files import settings_of
 from erlif.io.settings import SinusoidalSettings
 from erlif.kinematics import choose_link, joint_speed
@@ -78,8 +79,8 @@ def linkage_cycle(film: xr.Dataset) -> LinkageCycle:
     return LinkageCycle(np.degrees(_CYCLE), reading, joint_speed(mechanism, _CYCLE, omega))
 
 
-@styled
-def speed_against_angle(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
+@style.panel
+def speed_against_angle(film: xr.Dataset, *, ax: Axes = style.NEW) -> list[Artist]:
     """Draw joint speed against encoder angle, and sliding speed on a second axis.
 
     Without a linkage, the sliding speed is drawn against the position of the slider, or against
@@ -106,7 +107,6 @@ def speed_against_angle(film: xr.Dataset, *, ax: Axes | None = None) -> list[Art
     >>> float(np.ptp(curve.get_xdata()).round(2))
     24.43
     """
-    ax = style.given_or_new(ax, film)
     if settings_of(film).linkage is None:
         return _draw_sliding_speed(ax, film, against_position=True)
     artists = _draw_joint_speed(ax, film, "encoder_angle")
@@ -173,8 +173,8 @@ def _draw_sliding_speed(ax: Axes, film: xr.Dataset, *, against_position: bool) -
     return artists
 
 
-@styled
-def speed_over_cycle(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
+@style.panel
+def speed_over_cycle(film: xr.Dataset, *, ax: Axes = style.NEW) -> list[Artist]:
     """Draw joint speed against crank angle, and sliding speed on a second axis.
 
     Without a linkage, the sliding speed is drawn against angle or time.
@@ -192,7 +192,6 @@ def speed_over_cycle(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist
     >>> curve.axes.get_xlabel(), curve.axes.get_ylabel()
     ('crank angle [°]', 'joint speed [rad/s]')
     """
-    ax = style.given_or_new(ax, film)
     if settings_of(film).linkage is None:
         return _draw_sliding_speed(ax, film, against_position=False)
     artists = _draw_joint_speed(ax, film, "crank_angle")
@@ -200,9 +199,9 @@ def speed_over_cycle(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist
     return artists
 
 
-@styled
+@style.panel
 def film_over_cycle(
-    film: xr.Dataset, *, ax: Axes | None = None, statistic: str | None = None
+    film: xr.Dataset, *, ax: Axes = style.NEW, statistic: str | None = None
 ) -> list[Artist]:
     """Draw mean and minimum film thickness against crank angle, with bands of one s.d.
 
@@ -232,7 +231,6 @@ def film_over_cycle(
     >>> film_over_cycle(example_film(), statistic="film_min")[0].axes.get_ylabel()
     'minimum film [µm]'
     """
-    ax = style.given_or_new(ax, film)
     along = triggers.choose_abscissa(film)
     names = [name for name in _LOOKS if statistic in (None, name)]
     value = np.array([film[name].values for name in names])
@@ -240,7 +238,7 @@ def film_over_cycle(
     artists = [artist for name in names for artist in _draw_statistic(ax, film, name, along)]
     triggers.label_abscissa(ax, along)
     ax.set_ylabel("film thickness [µm]" if len(names) > 1 else f"{_LOOKS[names[0]][2]} film [µm]")
-    low, high = triggers.film_limits(np.concatenate([value - reach, value + reach]))
+    low, high = film_limits(np.concatenate([value - reach, value + reach]))
     ax.set_ylim(low, high)
     if not np.isfinite(value).any():
         triggers.state_no_film(ax, film)
@@ -311,7 +309,7 @@ def cycle_figure(film: xr.Dataset, *, figure: AnyFigure | None = None) -> AnyFig
     """
     varies = triggers.has_varying_speed(film)
     count = 2 + varies
-    figure = style.given_figure(figure, ONE_COLUMN, count * _PANEL * ONE_COLUMN, film=film)
+    figure = style.new_figure(ONE_COLUMN, count * _PANEL * ONE_COLUMN, given=figure, named=film)
     panels = style.rows_or_columns(figure, count, sharex=True)
     for ax, name in zip(panels, ("film_min", "film_mean"), strict=False):
         film_over_cycle(film, ax=ax, statistic=name)

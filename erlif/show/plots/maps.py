@@ -13,7 +13,7 @@ from matplotlib.colors import ListedColormap
 from matplotlib.image import AxesImage
 
 from erlif.core.arrays import AnyArray, Array, FlagImage
-from erlif.core.flags import Flag, describe_share
+from erlif.core.flags import describe_share
 from erlif.core.statistics import central_range
 from erlif.io.files import axis_labels as axis_labels
 from erlif.io.files import check_trigger, describe_trigger, region_of, settings_of
@@ -147,7 +147,7 @@ def figure_of_maps(
     `around` the maps and the `least` height are in inches.
     """
     height = max(image_height(film, width * TWO_COLUMNS) + around, least)
-    return style.given_figure(figure, TWO_COLUMNS, height, text=around, film=film, more=more)
+    return style.new_figure(TWO_COLUMNS, height, given=figure, text=around, named=film, more=more)
 
 
 def state_reason(ax: Axes, flags: FlagImage, *, narrow: bool = True) -> None:
@@ -226,11 +226,6 @@ def first_flag(flags: FlagImage) -> FlagImage:
     for n, flag in reversed(list(enumerate(style.FLAG_COLOURS, 1))):
         shown[(flags & int(flag)) != 0] = n
     return shown
-
-
-def flag_swatch(flag: Flag) -> str:
-    """Colour of a flag as web pages write it."""
-    return style.FLAG_COLOURS[flag].lower()
 
 
 def _draw_flags(ax: Axes, flags: FlagImage, film: xr.Dataset) -> None:

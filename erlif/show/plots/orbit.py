@@ -31,8 +31,8 @@ def has_position(film: xr.Dataset) -> bool:
     return int(np.isfinite(film.pin_displacement.values).all(axis=1).sum()) > 1
 
 
-@styled
-def pin_orbit(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
+@style.panel
+def pin_orbit(film: xr.Dataset, *, ax: Axes = style.NEW) -> list[Artist]:
     """Draw the displacement of the pin at every trigger, with the load downwards.
 
     Ellipses are one standard deviation of the random error, new at every trigger. The grey line is
@@ -56,7 +56,6 @@ def pin_orbit(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
     (6, 6)
     """
     load, side, known = _displacements(film)
-    ax = style.given_or_new(ax, film)
     clearance = float(film.pin_displacement.attrs["clearance"])
 
     # sideways no larger scale than along the load, which would make noise look like an orbit
@@ -76,8 +75,8 @@ def pin_orbit(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
     return artists
 
 
-@styled
-def closest_film(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
+@style.panel
+def closest_film(film: xr.Dataset, *, ax: Axes = style.NEW) -> list[Artist]:
     """Draw the film where pin and bore are closest, against the angle of this place.
 
     This is the orbit unrolled: the angle counts from the load line, and the film is the clearance
@@ -100,7 +99,6 @@ def closest_film(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
     array([0., 0., 0.])
     """
     load, side, known = _displacements(film)
-    ax = style.given_or_new(ax, film)
     distance = np.hypot(load, side)
     angle = np.degrees(np.arctan2(side, load))
     closest = float(film.pin_displacement.attrs["clearance"]) - distance
@@ -126,8 +124,8 @@ def closest_film(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
     return artists
 
 
-@styled
-def gap_curvature(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
+@style.panel
+def gap_curvature(film: xr.Dataset, *, ax: Axes = style.NEW) -> list[Artist]:
     """Draw the curvature of the gap along sliding beside that of the radii, as `pin_orbit`.
 
     Returns
@@ -142,7 +140,6 @@ def gap_curvature(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
     'circles of the radii; bars: 1 s.d.'
     """
     _require_position(film)
-    ax = style.given_or_new(ax, film)
     names = ("film_curvature", "film_curvature_std", "film_curvature_expected")
     values, std, circles = (film[name].values for name in names)
     line: dict[str, Any] = {"colour": MINIMUM, "form": _DASHES, "zorder": 1.5}
@@ -172,7 +169,7 @@ def pin_figure(film: xr.Dataset, *, figure: AnyFigure | None = None) -> AnyFigur
     >>> len(pin_figure(example_film()).axes)
     3
     """
-    figure = style.given_figure(figure, ONE_COLUMN, _TALL * ONE_COLUMN, film=film)
+    figure = style.new_figure(ONE_COLUMN, _TALL * ONE_COLUMN, given=figure, named=film)
     panels = style.rows_or_columns(figure, 3)
     style.draw_panels(panels, (pin_orbit, closest_film, gap_curvature), film)
     style.legend_of_figure(figure)

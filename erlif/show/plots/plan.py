@@ -11,7 +11,6 @@ import numpy as np
 import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from erlif.core.units import count_of
 from erlif.io.settings import PlanSettings
@@ -26,7 +25,7 @@ _TALL = 0.74  # height by width of the figure
 
 def _draw(
     plan: xr.Dataset,
-    ax: Axes | None,
+    ax: Axes,
     curves: Sequence[tuple[xr.DataArray, str, str, str]],
     quantity: str,
     *,
@@ -34,7 +33,6 @@ def _draw(
     **options: Any,
 ) -> list[Any]:
     """Draw values, colours, forms and names of curves over the thickness, with its ranges."""
-    ax = style.given_or_new(ax)
     for bounds, colour, name, zorder in (
         (plan.calibrated_range, _CALIBRATED, ranges[0], -2),
         (plan.measurable_range, _MEASURABLE, ranges[1], -1),
@@ -52,8 +50,8 @@ def _draw(
     return style.draw_curves(ax, drawn, "film thickness [µm]", quantity, **axes)
 
 
-@styled
-def plan_ratio(plan: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
+@style.panel
+def plan_ratio(plan: xr.Dataset, *, ax: Axes = style.NEW) -> list[Artist]:
     """Draw the expected ratio against thickness, with the ranges shaded.
 
     Parameters
@@ -80,9 +78,9 @@ def plan_ratio(plan: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
     return _draw(plan, ax, curves, "ratio camera 2 / camera 1", ranges=ranges)
 
 
-@styled
+@style.panel
 def plan_precision(
-    plan: xr.Dataset, *, relative: bool = False, ax: Axes | None = None
+    plan: xr.Dataset, *, relative: bool = False, ax: Axes = style.NEW
 ) -> list[Artist]:
     """Draw the standard deviation of a film against thickness.
 
@@ -105,7 +103,6 @@ def plan_precision(
     >>> [line.get_label() for line in lines]
     ['1 pixel, 1 frame', '1 pixel, 1 frame, best conc.']
     """
-    ax = style.given_or_new(ax)
     scale = 100 / plan.thickness if relative else xr.ones_like(plan.thickness)
     frames, average = int(plan.attrs["frames"]), int(plan.attrs["average"])
     pixels = "1 pixel" if average == 1 else f"{average} × {average} pixels"
@@ -129,8 +126,8 @@ def plan_precision(
     return _draw(plan, ax, curves, label, yscale="log", ylim=(low / 1.3, high * 1.3))
 
 
-@styled
-def plan_signal(plan: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
+@style.panel
+def plan_signal(plan: xr.Dataset, *, ax: Axes = style.NEW) -> list[Artist]:
     """Draw the mean signal of both cameras against thickness and full scale, as `plan_ratio`.
 
     Returns
@@ -143,7 +140,6 @@ def plan_signal(plan: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
     >>> [line.get_label() for line in plan_signal(example_plan_results())]
     ['camera 1', 'camera 2']
     """
-    ax = style.given_or_new(ax)
     one, two = (plan.signal.sel(camera=number) / 1e3 for number in (1, 2))
     full: dict[str, Any] = {"color": "black", "linestyle": (0, (1, 1)), "label": "full scale"}
     for value in sorted(set(plan.full_scale.values)):
@@ -153,7 +149,7 @@ def plan_signal(plan: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
 
 
 @styled
-def plan_figure(plan: xr.Dataset) -> Figure:
+def plan_figure(plan: xr.Dataset) -> style.AnyFigure:
     """Combine ratio, standard deviation, relative error and signal of a rig, as `plan_ratio`.
 
     Returns

@@ -43,8 +43,8 @@ def has_prediction(film: xr.Dataset) -> bool:
     return "film_predicted_min" in film
 
 
-@styled
-def film_and_prediction(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
+@style.panel
+def film_and_prediction(film: xr.Dataset, *, ax: Axes = style.NEW) -> list[Artist]:
     """Draw measured and predicted minimum film against crank angle.
 
     `ConfigError` is raised where the film has no prediction.
@@ -67,7 +67,6 @@ def film_and_prediction(film: xr.Dataset, *, ax: Axes | None = None) -> list[Art
     'predicted, pin free sideways'
     """
     _require_prediction(film)
-    ax = style.given_or_new(ax, film)
     held = str(film.film_predicted_min.attrs["regime"]).removeprefix("transient Reynolds, ")
     bars, line = triggers.bars_of(film), _PREDICTED | {"label": f"predicted, {held}"}
     columns = film.film_min.values, bars.std, film.film_predicted_min.values
@@ -76,8 +75,8 @@ def film_and_prediction(film: xr.Dataset, *, ax: Axes | None = None) -> list[Art
     return artists
 
 
-@styled
-def film_over_run(film: xr.Dataset, frames: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
+@style.panel
+def film_over_run(film: xr.Dataset, frames: xr.Dataset, *, ax: Axes = style.NEW) -> list[Artist]:
     """Draw measured and predicted minimum film against the turns of the crank since the start.
 
     Arguments that are not listed are those of `film_and_prediction`.
@@ -101,7 +100,6 @@ def film_over_run(film: xr.Dataset, frames: xr.Dataset, *, ax: Axes | None = Non
     'turns of the crank [1]'
     """
     _require_prediction(film)
-    ax = style.given_or_new(ax, film)
     turns, trigger = frames.elapsed_cycles.values, frames.trigger.values
     number = film.sizes["trigger"]
     count = np.maximum(np.bincount(trigger, minlength=number)[:number], 1)
@@ -117,8 +115,8 @@ def film_over_run(film: xr.Dataset, frames: xr.Dataset, *, ax: Axes | None = Non
     return artists
 
 
-@styled
-def film_less_prediction(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
+@style.panel
+def film_less_prediction(film: xr.Dataset, *, ax: Axes = style.NEW) -> list[Artist]:
     """Draw measured less predicted minimum film against crank angle.
 
     Arguments as in `film_and_prediction`.
@@ -136,7 +134,6 @@ def film_less_prediction(film: xr.Dataset, *, ax: Axes | None = None) -> list[Ar
     'measured − predicted [µm]'
     """
     _require_prediction(film)
-    ax = style.given_or_new(ax, film)
     bars = triggers.bars_of(film)
     difference = film.film_min.values - film.film_predicted_min.values
     along = triggers.choose_abscissa(film)
@@ -168,7 +165,7 @@ def prediction_figure(
     >>> [ax.get_xlabel() for ax in figure.axes]
     ['crank angle [°]', 'crank angle [°]']
     """
-    figure = style.given_figure(figure, TWO_COLUMNS, _TALL * TWO_COLUMNS, film=film)
+    figure = style.new_figure(TWO_COLUMNS, _TALL * TWO_COLUMNS, given=figure, named=film)
     left, right = figure.subplots(1, 2)
     film_and_prediction(film, ax=left)
     if np.ptp(frames.elapsed_cycles.values) < 1:

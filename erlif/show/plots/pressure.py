@@ -25,8 +25,8 @@ _LEAST_HEIGHT = 2.2  # inch
 _PEAK = {"x": "peak_place", "y": "peak_pressure"}
 
 
-@styled
-def pressure_map(found: xr.Dataset, *, trigger: int, ax: Axes | None = None) -> AxesImage:
+@style.panel
+def pressure_map(found: xr.Dataset, *, trigger: int, ax: Axes = style.NEW) -> AxesImage:
     """Draw the pressure over the image at one trigger.
 
     Parameters
@@ -47,7 +47,6 @@ def pressure_map(found: xr.Dataset, *, trigger: int, ax: Axes | None = None) -> 
     'trigger 0'
     """
     check_trigger(found, trigger)
-    ax = style.given_or_new(ax, found)
     image = joint_image(ax, found, found.pressure.isel(trigger=trigger).values, (None, None))
     # nodes lie on the first and last pixel: their outer halves are beyond the image
     x, y = found.x.values, found.y.values
@@ -57,9 +56,9 @@ def pressure_map(found: xr.Dataset, *, trigger: int, ax: Axes | None = None) -> 
     return image
 
 
-@styled
+@style.panel
 def pressure_profile(
-    found: xr.Dataset, *, trigger: int, ax: Axes | None = None
+    found: xr.Dataset, *, trigger: int, ax: Axes = style.NEW
 ) -> list[Artist | Container]:
     """Draw the pressure along sliding in the axial middle of the image, with its band of one s.d.
 
@@ -78,7 +77,6 @@ def pressure_profile(
     'pressure [kPa]'
     """
     check_trigger(found, trigger)
-    ax = style.given_or_new(ax, found)
     one = found.isel(trigger=trigger)
     place, value = one.place.values, one.pressure_profile.values
     std = one.pressure_profile_std.values
@@ -96,8 +94,8 @@ def pressure_profile(
     return [band, line, peak]
 
 
-@styled
-def load_balance(found: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
+@style.panel
+def load_balance(found: xr.Dataset, *, ax: Axes = style.NEW) -> list[Artist]:
     """Draw the load that the pressure makes against crank angle, with the logged one.
 
     Arguments as in `pressure_map`.
@@ -113,7 +111,6 @@ def load_balance(found: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
     >>> load_balance(example_pressure())[-1].get_label()
     'logged'
     """
-    ax = style.given_or_new(ax, found)
     names = ("load_from_pressure", "load_from_pressure_std", "joint_load")
     load, std, logged = (found[name].values for name in names)
     line: dict[str, Any] = {"colour": MUTED, "label": "logged", "zorder": 1}

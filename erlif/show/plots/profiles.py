@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from erlif.core.arrays import Array
 from erlif.io.files import axis_labels, settings_of
 from erlif.show.plots import style
-from erlif.show.plots.style import MINIMUM, MUTED, OUTWARD, RETURN, pt, styled
+from erlif.show.plots.style import MINIMUM, MUTED, OUTWARD, RETURN, pt
 from erlif.trend import (
     GapShape,
     average_across_sliding,
@@ -25,8 +25,8 @@ _LINE = 0.7  # width of a profile [point]
 _ROOM = 0.08  # above a profile, in heights of the profile
 
 
-@styled
-def sliding_profile(film: xr.Dataset, *, trigger: int, ax: Axes | None = None) -> list[Artist]:
+@style.panel
+def sliding_profile(film: xr.Dataset, *, trigger: int, ax: Axes = style.NEW) -> list[Artist]:
     """Draw the profile along sliding with the gap of rigid bodies.
 
     The profile is the average over the axial extent of the region of interest; that of a point
@@ -47,7 +47,6 @@ def sliding_profile(film: xr.Dataset, *, trigger: int, ax: Axes | None = None) -
     >>> line.axes.get_xlabel(), line.axes.get_ylabel()
     ('x (sliding) [mm]', 'film thickness [µm]')
     """
-    ax = style.given_or_new(ax, film)
     profile = _profile_of(film, trigger)
     x, h = profile.position.values, profile.thickness.values
     artists = _draw_profile(ax, film, profile, np.zeros_like(x))
@@ -74,8 +73,8 @@ def sliding_profile(film: xr.Dataset, *, trigger: int, ax: Axes | None = None) -
     return artists
 
 
-@styled
-def profile_residual(film: xr.Dataset, *, trigger: int, ax: Axes | None = None) -> list[Artist]:
+@style.panel
+def profile_residual(film: xr.Dataset, *, trigger: int, ax: Axes = style.NEW) -> list[Artist]:
     """Draw the difference of the profile along sliding and the gap of rigid bodies.
 
     Arguments as in `sliding_profile`.
@@ -95,7 +94,6 @@ def profile_residual(film: xr.Dataset, *, trigger: int, ax: Axes | None = None) 
     >>> bool(0.5 < np.nanstd(line.get_ydata()) / (0.05 / 17**0.5) < 1.5)
     True
     """
-    ax = style.given_or_new(ax, film)
     profile = _profile_of(film, trigger)
     gap = rigid_gap(profile, film)
     x = profile.position.values

@@ -26,9 +26,9 @@ _DRIFT, _AROUND = 1.7, 1.3  # inch for the drift, and for titles and labels
 _MARKER, _MANY = 2.4, 100  # point; frame pairs above which the markers are half as large
 
 
-@styled
+@style.panel
 def displacement_map(
-    registration: xr.Dataset, *, component: str, ax: Axes | None = None
+    registration: xr.Dataset, *, component: str, ax: Axes = style.NEW
 ) -> AxesImage:
     """Draw one component of the displacement of camera 2 against camera 1, less its mean.
 
@@ -51,13 +51,11 @@ def displacement_map(
     >>> image.axes.get_title()
     'mean Δx = +3.00 px'
     """
-    ax = style.given_or_new(ax)
     field = registration[f"displacement_{component}"].values.astype(float)
     mean = float(np.nanmean(field))
 
     # white is the mean, so the scale is as long on either side
-    reach = max(float(np.nanmax(np.abs(field - mean))), _LEAST_REACH)
-    limits = (-reach, reach)
+    limits = style.even_limits(field - mean, within=100, least=_LEAST_REACH)
     image = style.draw_image(ax, field - mean, limits, colours="vik", bad="none")
     style.hatch_missing(ax)
     _outline_masks(ax, registration)
@@ -77,8 +75,8 @@ def _outline_masks(ax: Axes, registration: xr.Dataset) -> None:
             style.legend_below(ax)
 
 
-@styled
-def drift_of_frames(frames: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
+@style.panel
+def drift_of_frames(frames: xr.Dataset, *, ax: Axes = style.NEW) -> list[Artist]:
     """Draw the drift of camera 2 in each frame.
 
     Parameters
@@ -98,7 +96,6 @@ def drift_of_frames(frames: xr.Dataset, *, ax: Axes | None = None) -> list[Artis
     >>> along_x.get_label()
     'along x, rms 0.10 px'
     """
-    ax = style.given_or_new(ax)
     number = frames.frame.values
     # frame pairs that were left out break the line
     stretches = np.split(np.arange(number.size), np.flatnonzero(np.diff(number) > 1) + 1)
@@ -155,7 +152,7 @@ def registration_figure(
     height, width = registration.displacement_x.shape
     tall = _WIDE * TWO_COLUMNS * height / width
     whole = tall + _DRIFT + _AROUND
-    figure = style.given_figure(figure, TWO_COLUMNS, whole, text=_AROUND, film=film)
+    figure = style.new_figure(TWO_COLUMNS, whole, given=figure, text=_AROUND, named=film)
     panels = figure.subplot_mosaic("xy;dd", height_ratios=(tall, _DRIFT))
     for component in "xy":
         displacement_map(registration, component=component, ax=panels[component])

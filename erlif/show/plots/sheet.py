@@ -73,7 +73,7 @@ def map_sheet_figure(
     left, right, bottom, top = pixel_edges(film)
     height = (TWO_COLUMNS - _BAR) / columns * (bottom - top) / (right - left) + _TITLE
     text = sum(rows) * _TITLE + _FOOT
-    figure = style.given_figure(figure, TWO_COLUMNS, sum(rows) * height + _FOOT, text=text)
+    figure = style.new_figure(TWO_COLUMNS, sum(rows) * height + _FOOT, given=figure, text=text)
     panels = figure.subplots(sum(rows), columns, squeeze=False)
 
     chosen = np.sort(np.concatenate([members for _, members in groups]))

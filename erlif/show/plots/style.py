@@ -6,6 +6,7 @@ Colours of lines after Okabe and Ito (2008), of images after Crameri (2018).
 from __future__ import annotations
 
 import functools
+import inspect
 import io
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -96,6 +97,10 @@ _KEYS: dict[str, Any] = {"handleheight": 1.0, "columnspacing": 1.2, "labelspacin
 # level 6, the default, takes half as long again for 2 % smaller files
 _PNG_COMPRESSION = 4
 
+# default of the axes of a panel, which `panel` makes, and first parameters that its figure names
+NEW: Any = None
+_NAMED = ("film", "found")
+
 AnyFigure = Figure | SubFigure
 Limits = tuple[float, float] | tuple[None, None]  # None: of the values themselves
 
@@ -122,6 +127,31 @@ def styled(draw: Callable[P, R]) -> Callable[P, R]:
         # the first figure of a notebook loads its backend, whose choice must outlast this call
         matplotlib.interactive(interactive)
         return drawn
+
+    return drawing
+
+
+def panel(draw: Callable[P, R]) -> Callable[P, R]:
+    """Decorate a function of one panel as `styled`; without ``ax`` it has those of a new figure.
+
+    The figure names the film that is drawn. It is closed where the function refuses to draw.
+    """
+    first = next(iter(inspect.signature(draw).parameters))
+
+    @styled
+    @functools.wraps(draw)
+    def drawing(*args: P.args, **kwargs: P.kwargs) -> R:
+        if kwargs.get("ax") is not None:
+            return draw(*args, **kwargs)
+        shown: Any = args[0] if args else kwargs.get(first)
+        ax = kwargs["ax"] = given_or_new(None, shown if first in _NAMED else None)
+        try:
+            return draw(*args, **kwargs)
+        except Exception:
+            from matplotlib import pyplot
+
+            pyplot.close(ax.get_figure(root=True))
+            raise
 
     return drawing
 
@@ -153,11 +183,9 @@ def in_style(style: str | Path | None) -> Iterator[None]:
         )
     named = f"erlif.show.plots.{style}" if str(style) in STYLES else style
 
-    kept: dict[Any, Any] = {
-        name: value for name, value in matplotlib.rcParamsDefault.items() if name != "backend"
-    }
     with matplotlib.rc_context():
-        matplotlib.rcParams.update(kept)
+        matplotlib.rcdefaults()
+        matplotlib.interactive(False)
         if named is not None:
             sheets.use(named)
         yield
@@ -202,29 +230,23 @@ def colour_map(name: str, *, bad: str | None = None) -> Colormap:
 
 @styled
 def new_figure(
-    width: float = ONE_COLUMN, height: float = 0.72 * ONE_COLUMN, *, text: float = 0.0
-) -> Picture:
-    """Make an empty figure whose panels and labels do not overlap. Sizes in inches.
-
-    Of the height, `text` is lines of text; it follows the size of the text, the rest the width of a
-    column of the style. A style for slides has one size for every figure.
-    """
-    return Picture(**_figure_options(width, height, text))
-
-
-def given_figure(
-    given: AnyFigure | None,
     width: float = ONE_COLUMN,
     height: float = 0.72 * ONE_COLUMN,
     *,
     text: float = 0.0,
-    film: xr.Dataset | None = None,
+    given: AnyFigure | None = None,
+    named: xr.Dataset | None = None,
     more: str = "",
 ) -> AnyFigure:
-    """Take the given figure, or a new one; it names the film, and `more` that its panels share."""
-    figure = new_figure(width, height, text=text) if given is None else given
-    if film is not None:
-        name_film(figure, film, more)
+    """Make an empty figure whose panels and labels do not overlap, or take the given one.
+
+    Sizes in inches. Of the height, `text` is lines of text; it follows the size of the text, the
+    rest the width of a column of the style. A style for slides has one size for every figure. The
+    figure names the film `named`, and `more` that its panels share.
+    """
+    figure = Picture(**_figure_options(width, height, text)) if given is None else given
+    if named is not None:
+        name_film(figure, named, more)
     return figure
 
 

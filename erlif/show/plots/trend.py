@@ -54,8 +54,8 @@ def speed_over_load(film: xr.Dataset) -> Array:
     return np.asarray(np.abs(film[_speed_name(film)].values) / film["joint_load"].values)
 
 
-@styled
-def film_against_speed(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
+@style.panel
+def film_against_speed(film: xr.Dataset, *, ax: Axes = style.NEW) -> list[Artist]:
     """Draw mean and minimum film thickness against speed over load, with the fitted powers.
 
     Bars are one standard deviation, random and shared. What the fit leaves out is grey: triggers
@@ -82,7 +82,6 @@ def film_against_speed(film: xr.Dataset, *, ax: Axes | None = None) -> list[Arti
     >>> float(np.polyfit(x, y, 1)[0].round(6))
     0.6
     """
-    ax = style.given_or_new(ax, film)
     ax.set(xscale="log", yscale="log")
     artists: list[Artist] = []
     lines: list[Line2D] = []
@@ -253,10 +252,12 @@ def speed_figure(film: xr.Dataset, *, figure: AnyFigure | None = None) -> AnyFig
     ['film thickness [µm]', 'film thickness [µm]']
     """
     if "film_theory" not in film:
-        figure = style.given_figure(figure, film=film)
+        figure = style.new_figure(given=figure, named=film)
         film_against_speed(film, ax=figure.add_subplot())
         return figure
 
-    figure = style.given_figure(figure, style.TWO_COLUMNS, _TALL * style.TWO_COLUMNS, film=film)
+    figure = style.new_figure(
+        style.TWO_COLUMNS, _TALL * style.TWO_COLUMNS, given=figure, named=film
+    )
     style.draw_panels(figure.subplots(1, 2), (film_against_speed, film_and_theory), film)
     return figure

@@ -7,13 +7,13 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from markupsafe import Markup
-from matplotlib.figure import Figure
 
 from erlif.core.notes import Level
 from erlif.core.units import count_of
 from erlif.core.version import __version__
 from erlif.review.check import Examination
 from erlif.show.plots import check as pictures
+from erlif.show.plots.style import AnyFigure
 from erlif.show.report import layout
 from erlif.show.report.captions import CAPTIONS
 
@@ -95,7 +95,7 @@ def _pair_table(found: Examination) -> Markup:
     )
 
 
-def _figures(found: Examination) -> Iterator[tuple[str, Figure]]:
+def _figures(found: Examination) -> Iterator[tuple[str, AnyFigure]]:
     """Name and figure of each picture that the audit allows."""
     # an audit that ends early has no later pictures
     if found.cameras is not None:

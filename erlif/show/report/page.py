@@ -110,9 +110,8 @@ def write_report(
     with files.reading_film(film_path), files.open_film(film_path) as film:
         chosen = _check_range(film, triggers)
         opening = chosen[files.fastest_trigger(film.isel(trigger=slice(chosen[0], chosen[-1] + 1)))]
-        directories = (run_dir, fixture_dir)
         source = find_source(
-            Path(film_path), film, opening, *directories, allow_outside=allow_outside
+            film_path, film, opening, run_dir, fixture_dir, allow_outside=allow_outside
         )
         text = _make_page(source, chosen, max_size, report)
     return files.write_file(out_path, text)

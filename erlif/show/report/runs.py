@@ -157,9 +157,8 @@ def _compare_runs(paths: list[Path]) -> Markup:
         return Markup("<p>The runs are not compared: {}</p>").format(error)
     with in_style(None):
         figure = comparison_figure(comparison)
-        return layout.arrange_figures(
-            [layout.embed_figure("compared", figure, CAPTIONS["compared"])]
-        )
+        part = layout.embed_figure("compared", figure, CAPTIONS["compared"])
+    return layout.arrange_figures([part])
 
 
 def _map_section(
@@ -172,8 +171,12 @@ def _map_section(
     """Maps of the runs on one colour scale, as many as there is room for."""
     parts: list[layout.PageFigure] = []
     for done, path in enumerate(paths):
-        with files.reading_film(path), files.open_film(path) as film:
-            part = _draw_map(film, labels[done], done, limits)
+        with files.reading_film(path), files.open_film(path) as film, in_style(None):
+            trigger = files.fastest_trigger(film)
+            image = thickness_map(film, trigger=trigger, limits=limits)
+            text = f"{files.describe_trigger(film, trigger).capitalize()}."
+            caption = Caption(labels[done], text, "png", 110)
+            part = layout.embed_figure(f"run-{done + 1}", image.axes.figure, caption)
         room -= len((part.source + part.text).encode())
         if room < 0:
             left = len(paths) - done
@@ -187,15 +190,3 @@ def _map_section(
         parts.append(part)
         progress("maps", done + 1, len(paths))
     return layout.arrange_figures(parts)
-
-
-def _draw_map(
-    film: xr.Dataset, label: str, number: int, limits: tuple[float, float]
-) -> layout.PageFigure:
-    """The map of a run at its fastest trigger."""
-    trigger = files.fastest_trigger(film)
-    text = f"{files.describe_trigger(film, trigger).capitalize()}."
-    with in_style(None):
-        image = thickness_map(film, trigger=trigger, limits=limits)
-        caption = Caption(label, text, "png", 110)
-        return layout.embed_figure(f"run-{number + 1}", image.axes.figure, caption)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Mapping
 
 import numpy as np
 import xarray as xr
@@ -90,16 +89,15 @@ def summarise_briefly(film: xr.Dataset) -> str:
     example: 6 triggers from 6 frame pairs of 64 x 24 pixels
       film      min 2.51 ± 0.03 to 3.49 ± 0.03, mean 3.27 ± 0.02 to 4.54 ± 0.02 um
     """
-    shares = flag_shares(film)
-    rows = describe_film(film, shares)
     lines: list[str] = []
-    for title, text in _shorten(film, shares, rows).items():
+    for title, text in describe_briefly(film, flag_shares(film)).items():
         short = text if title == "exponent" else _first_sentence(text)
         lines += _wrapped(title, short, most=2 if title == "theory" else 1)
 
     # warnings come first and take what is left, two lines at least; one line counts the rest
     first = [_first_line(film, columns=_COLUMNS)]
-    warnings = rows.get("warnings", "").splitlines()
+    warned, noted = _split_notes(film)
+    warnings = warned.splitlines()
     for shown, text in enumerate(warnings):
         wrapped = _wrapped("" if shown else "warning", _first_sentence(text))
         if len(first) + len(lines) + len(wrapped) >= _LINES:
@@ -108,7 +106,7 @@ def summarise_briefly(film: xr.Dataset) -> str:
         first += wrapped
     else:
         warnings = []
-    counts = (len(warnings), "warning"), (len(rows.get("notes", "").splitlines()), "note")
+    counts = (len(warnings), "warning"), (len(noted.splitlines()), "note")
     more = " and ".join(count_of(count, word) for count, word in counts if count)
     return "\n".join(first + lines + _wrapped("more", f"{more}: -v, or the report" if more else ""))
 
@@ -127,20 +125,15 @@ def describe_briefly(film: xr.Dataset, shares: Array) -> dict[str, str]:
     dict of str to str
         Text by title, of those that are known.
     """
-    return _shorten(film, shares, describe_film(film, shares))
-
-
-def _shorten(film: xr.Dataset, shares: Array, rows: Mapping[str, str]) -> dict[str, str]:
-    """The rows that a reader wants first, of all rows of a film."""
     at_speed = _describe_theory(film).split("\n")[0]
     theory = f"at the highest speed {at_speed}" if at_speed else ""
     lost = ", ".join(_list_flags(shares, largest=True)[:2])
     texts = {
         "film": _describe_films(film),
-        "valid": f"{rows['valid pixels']} of the pixels{lost and '; '}{lost}",
-        "exponent": rows.get("power of speed over load", ""),
-        "theory": rows.get("what carries the film", "") or theory,
-        "error": rows.get("largest error", ""),
+        "valid": f"{shares[:, 0].mean():.1%} of the pixels{lost and '; '}{lost}",
+        "exponent": _describe_trend(film),
+        "theory": str(film.attrs.get("physics", "")) or theory,
+        "error": str(film.attrs.get("largest_error", "")),
     }
     return {title: text for title, text in texts.items() if text}
 
@@ -191,11 +184,7 @@ def _describe_films(film: xr.Dataset) -> str:
 
 def describe_film(film: xr.Dataset, shares: Array) -> dict[str, str]:
     """Describe a film row by row, for the terminal and for the report."""
-    notes = split_notes(str(film.attrs.get("notes", "")))
-    warned, noted = (
-        "\n".join(text for level, text in notes if (level is Level.NOTE) is plain)
-        for plain in (False, True)
-    )
+    warned, noted = _split_notes(film)
     # the order is that of reading: what is wrong, films, what limits and moves them, remarks
     rows = {
         "warnings": warned,
@@ -213,6 +202,16 @@ def describe_film(film: xr.Dataset, shares: Array) -> dict[str, str]:
         "notes": noted,
     }
     return {title: text for title, text in rows.items() if text}
+
+
+def _split_notes(film: xr.Dataset) -> tuple[str, str]:
+    """Warnings and plain notes of a film, each on its line."""
+    notes = split_notes(str(film.attrs.get("notes", "")))
+    warned, noted = (
+        "\n".join(text for level, text in notes if (level is Level.NOTE) is plain)
+        for plain in (False, True)
+    )
+    return warned, noted
 
 
 def summarise_in_a_line(film: xr.Dataset) -> str:

@@ -10,11 +10,10 @@ import xarray as xr
 from markupsafe import Markup
 
 from erlif.core.arrays import AnyArray, Array
-from erlif.core.flags import Flag, describe_share
+from erlif.core.flags import FLAG_COLOURS, Flag, describe_share
 from erlif.io.conversion import table_csv, trigger_columns
 from erlif.io.files import applicable_theory, motion_of, settings_of
 from erlif.show.plots.files import FigureSource
-from erlif.show.plots.maps import flag_swatch
 from erlif.show.report.layout import (
     TABLES,
     PageTable,
@@ -168,7 +167,7 @@ def flag_table(shares: Array) -> PageTable:
     rows = []
     for flag, share in zip(Flag, shares, strict=True):
         if share > 0:
-            name = swatch.format(flag_swatch(flag), flag.title)
+            name = swatch.format(FLAG_COLOURS[flag].lower(), flag.title)
             rows.append((name, TABLES["flags"][flag.name], describe_share(float(share))))
     caption = "Flagged pixels (one pixel may have several flags)"
     return PageTable(rows, ("Flag", "Reason", "Share"), caption, numbers=[2])

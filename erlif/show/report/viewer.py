@@ -26,7 +26,7 @@ _SAMPLES = 12  # maps that the limits of the colour scales are taken from
 _WITHIN = 99.0  # percent of the differences of a sample that have colours of their own
 _LEAST_REACH = 1e-3  # um, of a colour scale
 _MEASURED = ["thickness", "thickness_std", "thickness_std_shared"]
-_STYLES = {"uPlot.css": "uPlot.min.css", "view.css": "view.css"}
+_STYLES = ("uPlot.min.css", "view.css")
 _MODULES = ("draw.js", "map.js", "charts.js", "view.js")
 
 
@@ -69,16 +69,16 @@ def viewer_page() -> Markup:
         return read_resource(f"page/{name}", of="erlif.show.view")
 
     page = str(read("view.html"))
-    for name, file in _STYLES.items():
+    for name in _STYLES:
         link = f'<link rel="stylesheet" href="{name}">'
-        page = page.replace(link, f"<style>{read(file)}</style>")
+        page = page.replace(link, f"<style>{read(name)}</style>")
     drawing = f"<script>{read('uPlot.iife.min.js')}</script>"
-    page = page.replace('<script src="uPlot.js" defer></script>', drawing)
+    page = page.replace('<script src="uPlot.iife.min.js" defer></script>', drawing)
 
     # modules become one text, in which nothing is imported
     *modules, last = map(read, _MODULES)
     script = "\n".join([*modules, read_resource("replies.js"), last])
-    script = re.sub(r"^import .*\n|^export ", "", script, flags=re.MULTILINE)
+    script = re.sub(r"^import [^;]*;\n|^export ", "", script, flags=re.MULTILINE)
     page = page.replace(' src="view.js"></script>', f">{script}</script>")
     return escape(page)
 

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections import OrderedDict
 from collections.abc import Sequence
+from contextlib import ExitStack, closing
+from functools import lru_cache
+from itertools import zip_longest
 from pathlib import Path
 from threading import Lock
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -16,8 +18,9 @@ from erlif.core.errors import ErlifError, FrameError
 from erlif.io import files
 from erlif.show.view.layers import LAYERS
 
-# Size of the maps that stay in memory. [byte]
-KEPT = 96 * 2**20
+# Size of the maps that stay in memory, as 4 bytes a pixel, and at least so many of them. [byte]
+KEPT, _FEWEST = 96 * 2**20, 4
+_RESTORED = 2  # triggers whose images stay in memory
 
 _OF_THEORY = ("predicted", "residual")  # layers of a film with a prediction
 _IMAGES = ("log_ratio", "camera1", "camera2")  # layers of `erlif.pipeline.restore_images`
@@ -57,14 +60,14 @@ class FilmReader:
     def __init__(self, path: Path, run_dir: Path | None = None) -> None:
         self.path = path
         self.film: xr.Dataset = files.open_film(path)
-        settings = files.settings_of(self.film)
-        self.name = settings.name
+        self.name = files.settings_of(self.film).name
         self.run_dir = _find_run(path, run_dir)
         # the few numbers of a description, in memory: to select from the film takes much longer
         names = [name for name in _DESCRIBING if name in self.film]
         self._numbers = self.film[names].load()
-        self._kept: OrderedDict[tuple[str, int], AnyArray] = OrderedDict()
-        self._lock = Lock()
+        kept = max(KEPT // (4 * self.shape[0] * self.shape[1]), _FEWEST)
+        self._read = lru_cache(kept)(self._load)
+        self._images = lru_cache(_RESTORED)(self._restore)
         self._computing = Lock()
 
     @property
@@ -106,69 +109,42 @@ class FilmReader:
             If there is no such layer or trigger, or if the run cannot be read.
         """
         files.check_trigger(self.film, trigger)
-        if layer in _IMAGES:
-            return self._restore(layer, trigger)
         if layer not in LAYERS:
             raise ErlifError(
                 f"Expected a layer of {', '.join(LAYERS)}; got {layer!a}. Choose one of them."
             )
-        flags = self._read(("flags", trigger))
+        flags = self._read("flags", trigger)
+        if layer in _IMAGES:
+            # one computation at a time: a second request for the same trigger finds it finished
+            with self._computing:
+                image = self._images(trigger)[layer]
+            return image, flags if layer == "log_ratio" else np.zeros_like(flags)
         if layer in _OF_THEORY:
             from erlif.show.plots.prediction import predicted_map  # loads matplotlib
 
             predicted = predicted_map(self.film, trigger=trigger).astype(np.float32)
             if layer == "predicted":
                 return predicted, np.zeros_like(flags)
-            return self._read(("thickness", trigger)) - predicted, flags
-        return self._read((layer, trigger)), flags
+            return self._read("thickness", trigger) - predicted, flags
+        return self._read(layer, trigger), flags
 
-    def _read(self, key: tuple[str, int]) -> AnyArray:
-        """A map of the film, from memory where it is there."""
-        image = self._find(key)
-        if image is None:
-            name, trigger = key
-            with files.reading_film(self.path):
-                image = self.film[name].isel(trigger=trigger).values
-            self._keep(key, image)
-        return image
+    def _load(self, name: str, trigger: int) -> AnyArray:
+        """A map of the film."""
+        with files.reading_film(self.path):
+            return self.film[name].isel(trigger=trigger).values
 
-    def _restore(self, layer: str, trigger: int) -> tuple[Image, FlagImage]:
-        """A layer that is computed from the frames."""
+    def _restore(self, trigger: int) -> dict[str, Image]:
+        """The layers that are computed from the frames."""
         if self.run_dir is None:
             raise FrameError(
                 f"Expected the run of {self.path.name} to compute its images; there is no run.toml "
                 "beside it. Name its directory with --run-dir."
             )
-        # one computation at a time: a second request for the same trigger finds it finished
-        with self._computing:
-            kept = self._find((layer, trigger))
-            if kept is None:
-                from erlif.pipeline import restore_images
+        from erlif.pipeline import restore_images
 
-                images = restore_images(self.path, self.run_dir, trigger=trigger)
-                computed = images.log_ratio.values, *images.light.values
-                for name, values in zip(_IMAGES, computed, strict=True):
-                    self._keep((name, trigger), values.astype(np.float32))
-                kept = self._find((layer, trigger))
-        flags = self._read(("flags", trigger))
-        if layer != "log_ratio":
-            flags = np.zeros_like(flags)
-        return cast(Image, kept), flags
-
-    def _find(self, key: tuple[str, int]) -> AnyArray | None:
-        with self._lock:
-            if key in self._kept:
-                self._kept.move_to_end(key)
-            return self._kept.get(key)
-
-    def _keep(self, key: tuple[str, int], values: AnyArray) -> None:
-        """Keep a map, and let go of those that were used longest ago."""
-        with self._lock:
-            self._kept[key] = values
-            size = sum(one.nbytes for one in self._kept.values())
-            while size > KEPT and len(self._kept) > len(_IMAGES) + 1:
-                _, old = self._kept.popitem(last=False)
-                size -= old.nbytes
+        images = restore_images(self.path, self.run_dir, trigger=trigger)
+        computed = images.log_ratio.values, *images.light.values
+        return dict(zip(_IMAGES, (one.astype(np.float32) for one in computed), strict=True))
 
     def close(self) -> None:
         """Release the file."""
@@ -226,15 +202,12 @@ def open_films(paths: Sequence[Path], run_dirs: Sequence[Path] = ()) -> list[Fil
             "films. Name them in the order of the films."
         )
     # films that are open are closed again where a later one cannot be opened
-    readers: list[FilmReader] = []
-    known: list[Path | None] = [*run_dirs, *[None] * (len(paths) - len(run_dirs))]
-    try:
-        for path, run_dir in zip(paths, known, strict=True):
-            readers.append(FilmReader(path, run_dir))
-    except BaseException:
-        for reader in readers:
-            reader.close()
-        raise
+    with ExitStack() as opened:
+        readers = [
+            opened.enter_context(closing(FilmReader(path, run_dir)))
+            for path, run_dir in zip_longest(paths, run_dirs)
+        ]
+        opened.pop_all()
     labels = files.label_films([one.name for one in readers], paths)
     for reader, label in zip(readers, labels, strict=True):
         reader.name = label

@@ -15,15 +15,17 @@ import tornado.web
 from tornado.httputil import HTTPServerRequest
 
 from erlif.core.errors import ErlifError
-from erlif.core.tables import read_table
 from erlif.show.view import queries
 from erlif.show.view.access import HEADERS, AccessRule
 from erlif.show.view.films import FilmReader
 
 _logger = logging.getLogger(__name__)
 
-# Files of the pages by their names in the address, with their kinds.
-FILES: dict[str, list[str]] = read_table("erlif.show.view", "page.toml")["files"]
+_PAGES = files("erlif.show.view").joinpath("page")
+_KINDS = {"html": "html", "css": "css", "js": "javascript"}  # of text, by the suffix of a file
+
+# Files of the pages by their names in the address.
+FILES = {file.name: file for file in _PAGES.iterdir() if file.name.split(".")[-1] in _KINDS}
 
 # What can be read, by its name in the address.
 READING: dict[str, Callable[[queries.Request], queries.Found]] = {
@@ -119,9 +121,8 @@ class _PageFile(_Guarded):
         name = name or self.shared.page
         if name not in FILES:
             raise tornado.web.HTTPError(404)
-        file, kind = FILES[name]
-        content = files("erlif.show.view").joinpath("page", file).read_bytes()
-        self.send(content, f"text/{kind}; charset=utf-8")
+        kind = _KINDS[name.split(".")[-1]]
+        self.send(FILES[name].read_bytes(), f"text/{kind}; charset=utf-8")
 
 
 class _Reading(_Guarded):
@@ -132,9 +133,6 @@ class _Reading(_Guarded):
         request = queries.Request(self.shared.films, values)
         # reading maps would block the other requests of the page
         found = await self.run(self.shared.reading[name], request)
-        if isinstance(found, queries.MapExport):
-            self.set_header("Content-Disposition", f'attachment; filename="{found.name}"')
-            found = found.content
         if isinstance(found, bytes):
             self.send(found, "application/octet-stream")
         else:

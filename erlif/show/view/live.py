@@ -6,7 +6,6 @@ import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
-from functools import partial
 from typing import Any, Protocol
 
 from erlif.core.arrays import FlagImage, Image
@@ -104,13 +103,10 @@ def live_page(source: LiveSource, *, page: str = "live.html", port: int = 0) -> 
         If the port is taken, or the packages of the viewer are missing.
     """
     require_library()
-    from erlif.show.view.handlers import Shared
-
     executor = ThreadPoolExecutor(_THREADS)
-    about: dict[str, Any] = {"page": page, "reading": readings_of(source)}
+    shared = {"films": [], "executor": executor, "page": page, "reading": readings_of(source)}
     try:
-        make = partial(Shared, films=[], executor=executor, **about)
-        with serving(make, port=port) as address:
+        with serving(port=port, **shared) as address:
             yield address
     finally:
         executor.shutdown(wait=False, cancel_futures=True)

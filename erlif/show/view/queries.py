@@ -14,18 +14,13 @@ import xarray as xr
 from erlif.core.arrays import Array, FlagImage, Image
 from erlif.core.errors import ErlifError
 from erlif.core.flags import FLAG_COLOURS, Flag, count_flags
+from erlif.core.statistics import film_limits
 from erlif.core.tables import read_table
 from erlif.io.files import axis_labels, driven_link, fastest_trigger, region_of
 from erlif.show.view import measures
 from erlif.show.view.exports import map_csv, map_tiff
 from erlif.show.view.films import FilmReader, axis_of, check_one_grid
-from erlif.show.view.layers import (
-    DIFFERENCE,
-    LAYERS,
-    SIGNIFICANCE,
-    Layer,
-    describe_layers,
-)
+from erlif.show.view.layers import DIFFERENCE, LAYERS, SIGNIFICANCE, Layer, describe_layers
 from erlif.show.view.levels import choose_step, cover, reduce_map
 from erlif.show.view.run_settings import propose_region, write_region
 
@@ -169,19 +164,13 @@ class _Chosen:
     flags: FlagImage
     text: str
 
-    def std(self, request: Request) -> Image:
-        """Random standard deviation of the pixels; NaN where the layer has none."""
-        if self.layer == DIFFERENCE:
+    def std(self, request: Request, *, shared: bool = False) -> Image:
+        """Random or shared standard deviation of the pixels; NaN where the layer has none."""
+        if self.layer == DIFFERENCE and not shared:
             return _subtract(request)[1]
-        return self._stored("thickness_std", request)
-
-    def std_shared(self, request: Request) -> Image:
-        """Shared standard deviation of the pixels; NaN where the layer has none."""
-        return self._stored("thickness_std_shared", request)
-
-    def _stored(self, name: str, request: Request) -> Image:
         if self.layer.name != "thickness":
             return np.full(self.values.shape, np.nan, np.float32)
+        name = "thickness_std_shared" if shared else "thickness_std"
         return self.reader.read(name, request.whole("trigger"))[0]
 
 
@@ -221,6 +210,8 @@ def pack_values(
     step = choose_step(window, (int(width), int(height)), coarse=coarse)
     shown, reasons = reduce_map(values[window], flags[window], step=step)
     rows, columns = window
+    _, *counts = count_flags(flags[flags != 0])  # mostly few
+    share = {flag: count / flags.size for flag, count in zip(Flag, counts, strict=True)}
 
     described = {
         **about,
@@ -228,44 +219,12 @@ def pack_values(
         "window": [columns.start, rows.start, columns.stop, rows.stop],
         "step": step,
         "shape": shown.shape,
-        "shares": _flag_shares(flags),
+        "shares": [share[flag] for flag in FLAG_COLOURS],
     }
-    return join_parts(described, shown, reasons)
-
-
-def _flag_shares(flags: FlagImage) -> list[float]:
-    """Share of each flag in a map, in the order of FLAG_COLOURS."""
-    _, *counts = count_flags(flags[flags != 0])  # mostly few
-    share = {flag: count / flags.size for flag, count in zip(Flag, counts, strict=True)}
-    return [share[flag] for flag in FLAG_COLOURS]
-
-
-def join_parts(about: Mapping[str, Any], values: Image, flags: FlagImage) -> bytes:
-    """Join a description and a map to one message.
-
-    Parameters
-    ----------
-    about : mapping
-        Description, written as JSON.
-    values : array of float32, (y, x)
-        Values.
-    flags : array of uint16, (y, x)
-        Flags.
-
-    Returns
-    -------
-    bytes
-        The values begin at a multiple of four bytes.
-
-    Examples
-    --------
-    >>> message = join_parts({}, np.ones((1, 2), np.float32), np.zeros((1, 2), np.uint16))
-    >>> len(message), message[:6]
-    (20, b'\\x04\\x00\\x00\\x00{}')
-    """
-    text = json.dumps(about, separators=(",", ":")).encode()
+    # the values begin at a multiple of four bytes
+    text = json.dumps(described, separators=(",", ":")).encode()
     text += b" " * (-len(text) % 4)
-    parts = np.ascontiguousarray(values, "<f4"), np.ascontiguousarray(flags, np.uint16)
+    parts = np.ascontiguousarray(shown, "<f4"), np.ascontiguousarray(reasons, np.uint16)
     return b"".join([struct.pack("<I", len(text)), text, *(part.tobytes() for part in parts)])
 
 
@@ -334,7 +293,7 @@ def send_region(request: Request) -> dict[str, Any]:
     x0, x1, y0, y1 = request.numbers("region", 4)
     film = chosen.reader.film
     part = measures.select_region(film.x.values, film.y.values, (x0, x1, y0, y1))
-    std, shared = chosen.std(request)[part], chosen.std_shared(request)[part]
+    std, shared = chosen.std(request)[part], chosen.std(request, shared=True)[part]
     values = measures.region_statistics(chosen.values[part], chosen.flags[part], std, shared)
     numbers = {name: None if value != value else value for name, value in values.items()}
     return {**numbers, "unit": chosen.layer.unit}
@@ -365,7 +324,7 @@ def send_pixel(request: Request) -> dict[str, Any]:
     maps = {
         "value": chosen.values,
         "std": chosen.std(request),
-        "std_shared": chosen.std_shared(request),
+        "std_shared": chosen.std(request, shared=True),
         "predicted": _read_theory(request, chosen),
     }
     found = {name: _value_at(one, row, column) for name, one in maps.items()}
@@ -378,27 +337,11 @@ def _value_at(values: Image | None, row: int, column: int) -> float | None:
     return None if values is None else to_list(values[row, [column]].astype(float))[0]
 
 
-@dataclass(frozen=True)
-class MapExport:
-    """A file for the user.
-
-    Attributes
-    ----------
-    name : str
-        What it is saved as.
-    content : bytes
-        All of it.
-    """
-
-    name: str
-    content: bytes
-
-
 # What a request is served.
-Found: TypeAlias = Mapping[str, Any] | bytes | MapExport
+Found: TypeAlias = Mapping[str, Any] | bytes
 
 
-def export(request: Request) -> MapExport:
+def export(request: Request) -> bytes:
     """Write a map as a file; what the page holds in numbers, it writes itself.
 
     Parameters
@@ -408,8 +351,8 @@ def export(request: Request) -> MapExport:
 
     Returns
     -------
-    MapExport
-        All pixels of the visible window, whatever the detail on the screen.
+    bytes
+        The file: all pixels of the visible window, whatever the detail on the screen.
 
     Raises
     ------
@@ -426,15 +369,10 @@ def export(request: Request) -> MapExport:
     unit = layer.unit.replace("µ", "u")
     if kind == "csv":
         x, y = film.x.values[columns], film.y.values[rows]
-        content = map_csv(values, flags, name=f"{layer.name} [{unit}]", x=x, y=y)
-    else:
-        title = f"{chosen.reader.name}, {layer.title}, {chosen.text}"
-        pitch = (axis_of(film, "x")[1], axis_of(film, "y")[1])
-        content = map_tiff(values, flags, title=title, unit=unit, pitch=pitch)
-    # no characters that a system refuses
-    run = "".join(c if c.isascii() and c.isalnum() else "_" for c in chosen.reader.name)
-    name = f"{run[:40]}_{layer.name}_{request.whole('trigger')}.{kind}"
-    return MapExport(name, content)
+        return map_csv(values, flags, name=f"{layer.name} [{unit}]", x=x, y=y)
+    title = f"{chosen.reader.name}, {layer.title}, {chosen.text}"
+    pitch = (axis_of(film, "x")[1], axis_of(film, "y")[1])
+    return map_tiff(values, flags, title=title, unit=unit, pitch=pitch)
 
 
 def change_region(films: Sequence[FilmReader], body: bytes) -> dict[str, str]:
@@ -477,6 +415,7 @@ def change_region(films: Sequence[FilmReader], body: bytes) -> dict[str, str]:
 
 
 _TABLES = read_table("erlif.show.view", "page.toml")
+_MEASURED = ("film_mean", "film_min")
 _DIGITS = 6  # significant ones of the numbers that are sent
 
 
@@ -491,9 +430,9 @@ def describe_cycle(film: xr.Dataset) -> dict[str, Any]:
     Returns
     -------
     dict
-        "axes" and "films": titles by name; "columns": a list of one number for each trigger by
-        name, None where it is not known; "units" of the columns; "stroke": +1, -1 or 0 where there
-        are no strokes.
+        "axes" and "films": titles by name; "limits" of an axis of the measured films [um];
+        "columns": a list of one number for each trigger by name, None where it is not known;
+        "units" of the columns; "stroke": +1, -1 or 0 where there are no strokes.
 
     Examples
     --------
@@ -513,6 +452,10 @@ def describe_cycle(film: xr.Dataset) -> dict[str, Any]:
         del axes["crank_angle"]
         axes = {"crank_angle": f"{link} angle [°]"} | axes
     stds = [f"{name}_std" for name in films if f"{name}_std" in film]
+    ends = []
+    for name in _MEASURED:
+        reach = np.nan_to_num(film.get(f"{name}_std", 0.0))
+        ends += [film[name].values - reach, film[name].values + reach]
     # numbers of triggers count from 0, whatever the film was cut from
     count = film.sizes["trigger"]
     columns = {name: to_list(film[name].values) for name in (*axes, *films, *stds)}
@@ -523,6 +466,7 @@ def describe_cycle(film: xr.Dataset) -> dict[str, Any]:
     return {
         "axes": axes,
         "films": films,
+        "limits": film_limits(np.concatenate(ends)),
         "columns": columns,
         "units": {name: film[name].attrs.get("units", "1") for name in columns if name in film},
         "stroke": np.nan_to_num(stroke).astype(int).tolist(),

@@ -98,18 +98,12 @@ def _set_region(path: Path, before: bytes, region: list[float]) -> bytes:
         text = before.decode()
         document: Any = tomlkit.parse(text)
         expected = tomllib.loads(text)
-        table = document.get("thickness")
-        if table is None:
-            text += ("" if text.endswith("\n") or not text else "\n") + "\n[thickness]\n"
-            document = tomlkit.parse(text)
-            table = document["thickness"]
-        roi = table.get("roi")
-        if roi is None:
-            roi = tomlkit.inline_table()
-            roi.update(wanted)
-            table["roi"] = roi
-        else:
-            roi["x"], roi["y"] = wanted["x"], wanted["y"]
+        if "thickness" not in document:
+            document = tomlkit.parse(f"{text.rstrip()}\n\n[thickness]\n".lstrip())
+        table = document["thickness"]
+        if "roi" not in table:
+            table["roi"] = tomlkit.inline_table()
+        table["roi"].update(wanted)
         after = tomlkit.dumps(document).encode()
         settings = tomllib.loads(after.decode())
     except (TOMLKitError, ValueError, AttributeError, TypeError) as error:

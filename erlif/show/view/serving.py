@@ -12,14 +12,11 @@ from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
 from threading import Thread
-from typing import TYPE_CHECKING
+from typing import Any
 
 from erlif.core.errors import ErlifError, reason_of
 from erlif.show.view.access import AccessRule
 from erlif.show.view.films import open_films
-
-if TYPE_CHECKING:
-    from erlif.show.view.handlers import Shared
 
 _THREADS = 2  # that read: a map is on its way while a profile is computed
 
@@ -78,31 +75,30 @@ def serve_films(
     erlif.core.errors.OutputError: Expected a film file; no such film.nc does not exist. ...
     """
     require_library()
-    from erlif.show.view.handlers import Shared
-
     films = open_films(paths, run_dirs)
     try:
-        with ThreadPoolExecutor(_THREADS) as executor:
-            make = partial(Shared, films=films, executor=executor)
-            with serving(make, port=port) as address:
-                ready(address)
-                while True:  # until it is interrupted
-                    time.sleep(1.0)
+        with (
+            ThreadPoolExecutor(_THREADS) as executor,
+            serving(port=port, films=films, executor=executor) as address,
+        ):
+            ready(address)
+            while True:  # until it is interrupted
+                time.sleep(1.0)
     finally:
         for film in films:
             film.close()
 
 
 @contextmanager
-def serving(make: Callable[[AccessRule], Shared], *, port: int) -> Iterator[str]:
+def serving(*, port: int, **shared: Any) -> Iterator[str]:
     """Serve a page from a thread while the block runs.
 
     Parameters
     ----------
-    make : callable
-        Makes what the requests share.
     port : int
         Port on 127.0.0.1; 0 takes a free one.
+    **shared
+        What the requests share, as for `erlif.show.view.handlers.Shared`, without the access.
 
     Yields
     ------
@@ -116,12 +112,19 @@ def serving(make: Callable[[AccessRule], Shared], *, port: int) -> Iterator[str]
     """
     from tornado.httpserver import HTTPServer
 
-    from erlif.show.view.handlers import make_application
+    from erlif.show.view.handlers import Shared, make_application
 
     # the port is known once the socket is open, and the address names it
-    listening = open_port(port)
+    try:
+        listening = socket.create_server(("127.0.0.1", port))
+    except OSError as error:
+        raise ErlifError(
+            f"Expected port {port} of this machine to be free ({reason_of(error)}). Choose another "
+            "one with --port, or leave it out."
+        ) from error
+    listening.setblocking(False)
     access = AccessRule(int(listening.getsockname()[1]))
-    server = HTTPServer(make_application(make(access)), max_body_size=2**16)
+    server = HTTPServer(make_application(Shared(access, **shared)), max_body_size=2**16)
     started: Future[Callable[[], object]] = Future()
 
     async def run() -> None:
@@ -139,19 +142,3 @@ def serving(make: Callable[[AccessRule], Shared], *, port: int) -> Iterator[str]
     finally:
         end()
         thread.join()
-
-
-def open_port(port: int) -> socket.socket:
-    """Listen at a port of this machine; 0 takes a free one.
-
-    Raises ErlifError where the port is taken.
-    """
-    try:
-        listening = socket.create_server(("127.0.0.1", port))
-    except OSError as error:
-        raise ErlifError(
-            f"Expected port {port} of this machine to be free ({reason_of(error)}). Choose another "
-            "one with --port, or leave it out."
-        ) from error
-    listening.setblocking(False)
-    return listening

@@ -4,11 +4,13 @@ import subprocess
 import sys
 
 import matplotlib
+import matplotlib.pyplot as plt
 import matplotlib.style
 import numpy.testing as npt
 import pytest
 from matplotlib.figure import Figure
 
+from erlif.core.errors import ConfigError
 from erlif.show import plots
 from erlif.show.plots.style import figure_bytes, letter, new_figure
 
@@ -73,3 +75,10 @@ def test_figure_of_several_panels_shows_itself_and_fits_into_another(film):
     assert plots.pin_figure(film, figure=right) is right
     assert figure_bytes(right, kind="png", dpi=50)[:4] == b"\x89PNG"
     assert len(whole.axes) == 6
+
+
+def test_a_panel_that_is_not_drawn_leaves_no_figure(film):
+    before = plt.get_fignums()
+    with pytest.raises(ConfigError):
+        plots.pin_orbit(film.drop_vars("pin_displacement", errors="ignore"))
+    assert plt.get_fignums() == before

@@ -417,7 +417,8 @@ def test_what_is_seen_is_exported(page):
         assert name.endswith(".png")
         assert "script_alert" in name  # the run
         assert content.startswith(b"\x89PNG")
-    _, content = download(page, "a", "csv")
+    name, content = download(page, "a", "csv")
+    assert name == f"_script_alert_1_script__thickness_{FIRST}.csv"
     values = np.genfromtxt(io.BytesIO(content), delimiter=",", skip_header=1, usecols=2)
     npt.assert_allclose(values.reshape(SHAPE), stored(FIRST), atol=0.01)
     _, content = download(page, "cycle", "csv")

@@ -116,11 +116,9 @@ def test_the_first_profile_is_the_row_of_the_minimum():
     npt.assert_allclose(described["line"], [0.0, 1.0, 15.75, 1.0])
 
 
-def test_every_export_has_a_name_without_signs(ask):
+def test_maps_are_exported_in_two_formats_alone(ask):
     for kind in ("csv", "tiff"):
-        found = queries.export(ask(kind=kind))
-        assert found.name.replace("_", "").replace(".", "").isalnum()
-        assert len(found.content) > 40
+        assert len(queries.export(ask(kind=kind))) > 40
     with pytest.raises(ErlifError, match="Expected an export"):
         queries.export(ask(kind="exe"))
 
@@ -173,13 +171,16 @@ def test_the_numbers_are_those_of_the_film():
     cycle = json.loads(json.dumps(describe_cycle(film), allow_nan=False))
     for name in ("film_mean", "film_min_std", "joint_load", "film_predicted_min"):
         np.testing.assert_allclose(cycle["columns"][name], film[name].values, rtol=1e-5)
+    low, high = cycle["limits"]
+    assert low < float((film.film_min - film.film_min_std).min()) < 3
+    assert float((film.film_mean + film.film_mean_std).max()) < high < 5
     assert (cycle["units"]["joint_load"], cycle["units"]["film_mean"]) == ("N", "um")
     assert cycle["stroke"] == film.stroke.values.astype(int).tolist()
 
 
 def test_a_film_at_rest_has_the_number_of_its_triggers():
     cycle = describe_cycle(
-        example_film()[["film_mean"]].reset_coords(drop=True).drop_vars("trigger")
+        example_film()[["film_mean", "film_min"]].reset_coords(drop=True).drop_vars("trigger")
     )
     assert cycle["axes"] == {"trigger": "trigger"}
     assert cycle["columns"]["trigger"] == [0, 1, 2, 3, 4, 5]

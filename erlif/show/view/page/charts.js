@@ -112,8 +112,8 @@ export class ProfileChart extends Chart {
 
 // blue for means, orange for minima; lines are theory, and their dashes distinguish them
 const LOOKS = {
-  film_mean: { colour: "--first", mark: true, data: true },
-  film_min: { colour: "--second", mark: true, data: true },
+  film_mean: { colour: "--first", mark: true },
+  film_min: { colour: "--second", mark: true },
   film_theory: { colour: "--second", dash: [], border: "solid" },
   film_hamrock_dowson: { colour: "--theory", dash: [2, 3], border: "dotted" },
   film_predicted_min: { colour: "--second", dash: [8, 4], border: "dashed" },
@@ -124,23 +124,6 @@ const LOOKS = {
 const ALONG = ["encoder_angle", "crank_angle", "time", "position", "trigger"];
 const TIMES = ["time", "trigger"]; // of these, also over several turns of the drive
 const GAP = 1.75; // step over the longer steps of a line above which nothing was measured
-
-// Limits of the film: those of the data with one standard deviation, from zero where they come close.
-function filmLimits(films) {
-  let [low, high] = [Infinity, -Infinity];
-  for (const [values, std] of films) {
-    values.forEach((value, n) => {
-      if (value === null) return;
-      const reach = std?.[n] ?? 0;
-      low = Math.min(low, value - reach);
-      high = Math.max(high, value + reach);
-    });
-  }
-  if (low > high) return [0, 1];
-  const span = Math.max(high - low, 0.02 * Math.abs(high)) || 1;
-  const [middle, room] = [(low + high) / 2, 0.55 * span];
-  return [low >= 0 && low < span ? 0 : middle - room, middle + room];
-}
 
 // Steps of a line at which it is cut because nothing was measured in them: from, to.
 function cuts(places) {
@@ -246,10 +229,9 @@ export class CycleChart extends Chart {
         return LOOKS[one.film].mark || isCut(row) ? null : undefined;
       }));
     }
-    const measured = columns.filter(({ film }) => LOOKS[film].data)
-      .map(({ number, film }) => [cycles.get(number).columns[film],
-        cycles.get(number).columns[`${film}_std`]]);
-    const [least, most] = filmLimits(measured);
+    const limits = numbers.map((number) => cycles.get(number).limits);
+    const least = Math.min(...limits.map(([low]) => low));
+    const most = Math.max(...limits.map(([, high]) => high));
     const fromZero = this.use.zero();
     const outside = ({ number, film }) => !fromZero
       && !cycles.get(number).columns[film].some((v) => v !== null && v >= least && v <= most);

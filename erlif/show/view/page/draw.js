@@ -17,6 +17,24 @@ export function showKey(flags, texts) {
   }));
 }
 
+// one call at a time; of those that come meanwhile, the last one is made after it
+export function latest(action) {
+  let busy = null;
+  let next = null;
+  const run = async () => {
+    while (next) {
+      const values = next;
+      next = null;
+      await action(...values);
+    }
+  };
+  return (...values) => {
+    next = values;
+    busy ??= run().finally(() => { busy = null; });
+    return busy;
+  };
+}
+
 export const css = (name) => getComputedStyle(document.documentElement).getPropertyValue(name);
 export const signed = (value) => `${value}`.replace("-", "\u2212");
 

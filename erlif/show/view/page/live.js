@@ -6,6 +6,7 @@ import { fixed, follow, pause, percent, showAge, showFaults } from "./news.js";
 import { get } from "./server.js";
 
 const MOST = 2000; // pairs that a chart shows, the latest
+const SINCE = "time since the first pair [s]";
 const QUICK = 200; // maps that follow each other in less have half the detail, in milliseconds
 
 let about = null;
@@ -45,7 +46,6 @@ function makePanel() {
       document.body.dataset.shown = found.text;
       document.body.dataset.time = Date.now() / 1000;
     },
-    drawn: () => {}, moved: () => panel.refresh().catch(() => {}), pointed: () => {},
   });
 }
 
@@ -59,6 +59,7 @@ class RunChart extends Chart {
   }
 
   show(places, columns, across) {
+    const data = [places, ...columns.map(({ value }) => value)];
     if (!this.plot || this.across !== across) {
       this.across = across;
       this.make({
@@ -70,10 +71,10 @@ class RunChart extends Chart {
         cursor: { drag: { x: true, y: false }, points: { show: false } },
         legend: { live: false, markers: { fill: (u, k) => u.series[k].stroke(u, k) } },
         hooks: { draw: [(u) => this.drawBars(u)] },
-      }, [places, ...columns.map(({ value }) => value)]);
+      }, data);
     }
     this.columns = columns;
-    this.plot.setData([places, ...columns.map(({ value }) => value)]);
+    this.plot.setData(data);
   }
 
   drawBars(u) {
@@ -85,32 +86,31 @@ class RunChart extends Chart {
 const charts = {
   film: new RunChart(byId("film"), 240, "film thickness [µm]", [
     { label: "minimum", colour: "--second" }, { label: "mean", colour: "--first" }]),
-  lights: new RunChart(byId("lights"), 170, "mean count [DN]", [
+  light: new RunChart(byId("lights"), 170, "mean count [DN]", [
     { label: "camera 1", colour: "--first" }, { label: "camera 2", colour: "--second" }]),
-  drifts: new RunChart(byId("drifts"), 170, "drift [px]", [
+  drift: new RunChart(byId("drifts"), 170, "drift [px]", [
     { label: "x", colour: "--first" }, { label: "y", colour: "--second" }]),
 };
 
 function showCharts() {
   const shown = pairs.slice(-MOST).sort((one, two) => one.place - two.place);
   if (!shown.length) return;
-  const begun = Math.min(...shown.map((pair) => pair.time), first);
-  first = begun;
+  first = Math.min(...shown.map((pair) => pair.time), first);
   const byAngle = byId("axis").value === "angle";
   const rows = byAngle
     ? shown.filter((pair) => angles[pair.place] !== undefined)
       .sort((one, two) => angles[one.place] - angles[two.place])
     : shown;
-  const places = rows.map((pair) => (byAngle ? angles[pair.place] : pair.time - begun));
+  const places = rows.map((pair) => (byAngle ? angles[pair.place] : pair.time - first));
   charts.film.show(places, [
     { value: rows.map((p) => p.film_min), std: rows.map((p) => p.film_min_std) },
     { value: rows.map((p) => p.film_mean), std: rows.map((p) => p.film_mean_std) },
-  ], byAngle ? "encoder angle [°]" : "time since the first pair [s]");
-  const times = shown.map((pair) => pair.time - begun);
-  charts.lights.show(times, [0, 1].map((k) => ({ value: shown.map((p) => p.light[k]) })),
-    "time since the first pair [s]");
-  charts.drifts.show(times, [0, 1].map((k) => ({ value: shown.map((p) => p.drift[k]) })),
-    "time since the first pair [s]");
+  ], byAngle ? "encoder angle [°]" : SINCE);
+  const times = shown.map((pair) => pair.time - first);
+  for (const name of ["light", "drift"]) {
+    const columns = [0, 1].map((k) => ({ value: shown.map((pair) => pair[name][k]) }));
+    charts[name].show(times, columns, SINCE);
+  }
 }
 
 // the numbers

@@ -1,5 +1,7 @@
 // A map on a canvas: colours, axes, colour bar, and what is drawn over it.
-import { css, drawBar, lengthOf, signed, strokeOver, ticks, triples, write, writeUpwards } from "./draw.js";
+import {
+  css, drawBar, latest, lengthOf, signed, strokeOver, ticks, triples, write, writeUpwards,
+} from "./draw.js";
 
 const EDGE = { left: 50, right: 82, top: 8, bottom: 38 }; // for axes and colour bar
 const LOW_SCREEN = 300; // pixels that a map may always have in height
@@ -34,11 +36,9 @@ export class MapPanel {
     this.figure = figure;
     this.canvas = figure.querySelector("canvas");
     this.text = figure.querySelector("figcaption");
-    this.use = use;
+    this.use = { moved: () => this.refresh().catch(() => {}), ...use };
     this.shown = null; // description, values and flags on the screen
     this.pictures = document.createElement("canvas");
-    this.busy = false;
-    this.again = false;
     this.colours = {};
     this.palettes = {};
     for (const [name, text] of Object.entries(use.about.palettes)) {
@@ -50,42 +50,25 @@ export class MapPanel {
       const first = use.about.flags.find((flag) => bits & flag.bit);
       [this.flagColours[bits]] = first ? packed(triples(first.colour.slice(1))) : [0];
     }
+    this.refresh = latest(() => this.load());
     this.listen();
   }
 
-  // loading
-
-  async refresh() {
+  async load() {
     if (this.figure.hidden) return;
-    if (this.busy) {
-      this.again = true; // the newest wish is loaded when the one under way is there
-      return this.busy;
-    }
-    this.busy = this.loadAll();
+    let data;
+    const busy = setTimeout(() => this.figure.classList.add("busy"), 400); // most are faster
     try {
-      await this.busy;
+      data = await this.use.load(this.view());
+    } catch (error) {
+      this.shown = null;
+      this.draw();
+      throw error;
     } finally {
-      this.busy = false;
+      clearTimeout(busy);
+      this.figure.classList.remove("busy");
     }
-  }
-
-  async loadAll() {
-    do {
-      this.again = false;
-      let data;
-      const busy = setTimeout(() => this.figure.classList.add("busy"), 400); // most are faster
-      try {
-        data = await this.use.load(this.view());
-      } catch (error) {
-        this.shown = null;
-        this.draw();
-        throw error;
-      } finally {
-        clearTimeout(busy);
-        this.figure.classList.remove("busy");
-      }
-      this.show(data);
-    } while (this.again);
+    this.show(data);
   }
 
   // the part of the map that is to be shown, and its size on the screen
@@ -210,7 +193,7 @@ export class MapPanel {
     const [low, high] = this.use.state.limits[this.use.layer()] ?? this.shown.limits;
     const scale = 256 / (high - low);
     const [blank] = packed(triples(css("--raised").trim().slice(1)));
-    const [picture] = [new ImageData(shape[1], shape[0])];
+    const picture = new ImageData(shape[1], shape[0]);
     const pixels = new Uint32Array(picture.data.buffer);
     for (let n = 0; n < pixels.length; n++) {
       const bits = flags[n];
@@ -245,12 +228,11 @@ export class MapPanel {
       const [x, y] = this.toScreen(...mark);
       pen.beginPath();
       pen.arc(x, y, 6, 0, 7);
-      pen.lineWidth = 4;
-      pen.strokeStyle = "#ffffff";
-      pen.stroke();
-      pen.lineWidth = 2;
-      pen.strokeStyle = "#000000";
-      pen.stroke();
+      for (const [wide, colour] of [[4, "#ffffff"], [2, "#000000"]]) {
+        pen.lineWidth = wide;
+        pen.strokeStyle = colour;
+        pen.stroke();
+      }
     }
   }
 
@@ -308,7 +290,7 @@ export class MapPanel {
     canvas.addEventListener("pointermove", (event) => {
       if (!fingers.has(event.pointerId)) {
         const place = this.fromScreen(event);
-        this.use.pointed(place.inside ? place : null);
+        this.use.pointed?.(place.inside ? place : null);
         return;
       }
       fingers.set(event.pointerId, event);
@@ -360,7 +342,7 @@ export class MapPanel {
         state.region = [Math.min(from.x, to.x), Math.max(from.x, to.x), Math.min(from.y, to.y),
           Math.max(from.y, to.y)];
       }
-      this.use.drawn(phase === "going" ? "going" : state.tool);
+      this.use.drawn?.(phase === "going" ? "going" : state.tool);
     }
   }
 

@@ -20,12 +20,7 @@ export const ask = {
   ...Object.fromEntries(["films", "cycle", "profile", "region", "pixel"].map((name) =>
     [name, read(name)])),
   map: async (values) => (await get("map", values)).arrayBuffer(),
-
-  async export(values) {
-    const response = await get("export", values);
-    const name = /filename="([^"]+)"/.exec(response.headers.get("Content-Disposition"))[1];
-    return { name, content: await response.blob() };
-  },
+  export: async (values) => (await get("export", values)).blob(),
 
   async settings(values) {
     const response = await fetch("settings", {

@@ -41,7 +41,6 @@ const panels = [1, 2].map((n) => new MapPanel(byId(`panel-${n}`), {
   shown: (found) => {
     views[n - 1].limits[`camera${n}`] = found.limits;
   },
-  drawn: () => {}, moved: () => panels[n - 1].refresh().catch(() => {}), pointed: () => {},
 }));
 
 const rows = [

@@ -2,7 +2,7 @@
 // address, within a report from the report itself; nothing is loaded from anywhere else.
 import { MapPanel } from "./map.js";
 import { CycleChart, ProfileChart } from "./charts.js";
-import { byId, element, showKey } from "./draw.js";
+import { byId, element, latest, showKey } from "./draw.js";
 import { ask } from "./server.js";
 
 const clamp = (value, low, high) => Math.min(Math.max(value, low), high);
@@ -50,14 +50,9 @@ function guarded(action) {
 
 const panels = {};
 
-const mapQuery = {
-  a: () => ({ film: state.a.film, trigger: state.a.trigger, layer: stored() }),
-  b: () => ({ film: state.b.film, trigger: state.b.trigger, layer: stored() }),
-  d: () => ({
-    film: state.a.film, trigger: state.a.trigger, layer: state.unit,
-    film2: state.b.film, trigger2: state.b.trigger,
-  }),
-};
+const mapQuery = (name) => (name === "d"
+  ? { ...state.a, layer: state.unit, film2: state.b.film, trigger2: state.b.trigger }
+  : { ...state[name], layer: stored() });
 
 const stored = () => (state.layer === "flags" ? "thickness" : state.layer);
 const layerOf = (panel) => (panel === "d" ? state.unit : state.layer);
@@ -67,7 +62,7 @@ function makePanels() {
     panels[name] = new MapPanel(byId(`panel-${name}`), {
       about, state, film: () => film("a"), layer: () => layerOf(name),
       load: async (view) => {
-        const query = mapQuery[name]();
+        const query = mapQuery(name);
         const slow = ["log_ratio", "camera1", "camera2"].includes(query.layer);
         if (slow) report("The images are computed from the frames …");
         const found = await ask.map({ ...query, ...view, coarse: state.playing ? 1 : 0 });
@@ -121,8 +116,7 @@ function showLimits() {
 }
 
 const refreshMaps = guarded(async () => {
-  const shown = state.two ? ["a", "b", "d"] : ["a"];
-  await Promise.all(shown.map((name) => panels[name].refresh()));
+  await Promise.all(Object.values(panels).map((panel) => panel.refresh()));
   if (byId("status").classList.contains("bad")) report(""); // the reason has gone
 });
 
@@ -234,49 +228,24 @@ function drawn(what) {
   if (what !== "going") refreshValues();
 }
 
-function latest(action) {
-  // one request at a time; the last one asked for is always made
-  let busy = false;
-  let again = false;
-  return guarded(async (...values) => {
-    if (busy) {
-      again = values;
-      return;
-    }
-    busy = true;
-    try {
-      await action(...values);
-    } finally {
-      busy = false;
-    }
-    if (again) {
-      const next = again;
-      again = false;
-      setTimeout(() => action(...next).catch((error) => report(error.message, true)));
-    }
-  });
-}
-
 const which = () => (state.two ? ["a", "b"] : ["a"]);
 
-const refreshValues = latest(async () => {
-  const layer = stored();
-  const one = (name) => ({ film: state[name].film, trigger: state[name].trigger, layer });
+const refreshValues = guarded(latest(async () => {
   if (state.line) {
     const line = { line: state.line.join(), width: state.width };
-    const found = await Promise.all(which().map((name) => ask.profile({ ...one(name), ...line })));
-    profileChart.show(found, axisTitle(layer));
+    const found = await Promise.all(which().map((name) =>
+      ask.profile({ ...mapQuery(name), ...line })));
+    profileChart.show(found, axisTitle(stored()));
   }
   if (state.region && ask.region) {
-    const rows = which().map((name) => [name === "a" ? "first" : "second", one(name)]);
-    if (state.two) rows.push(["second − first", mapQuery.d()]);
-    const found = await Promise.all(rows.map(async ([title, query]) =>
+    const rows = which().map((name) => [name === "a" ? "first" : "second", mapQuery(name)]);
+    if (state.two) rows.push(["second − first", mapQuery("d")]);
+    statistics = await Promise.all(rows.map(async ([title, query]) =>
       [title, await ask.region({ ...query, region: state.region.join() })]));
-    statistics = found;
-    showStatistics(found);
+    showStatistics(statistics);
     showMinimum();
   }
-});
+}));
 
 function axisTitle(name) {
   const layer = about.layers.find((one) => one.name === name);
@@ -315,12 +284,11 @@ function showMinimum() {
       + "The thinnest pixel is that with the most noise." : "";
 }
 
-const readPixel = latest(async (place) => {
+const readPixel = guarded(latest(async (place) => {
   if (!place) return;
-  const query = { film: state.a.film, trigger: state.a.trigger, layer: stored() };
-  const found = await ask.pixel({ ...query, place: `${place.x},${place.y}` });
+  const found = await ask.pixel({ ...mapQuery("a"), place: `${place.x},${place.y}` });
   byId("readout").textContent = describePixel(found);
-});
+}));
 
 function describePixel({ x, y, column, row, flags, unit, value, std, std_shared, predicted }) {
   const digits = (number, count = 4) =>
@@ -342,30 +310,27 @@ function chooseRow(place) {
   drawn("line");
 }
 
-function fillForms() {
-  const fill = (form, names, values) => values && names.forEach((name, n) => {
-    byId(form).elements[name].value = +values[n].toFixed(4);
-  });
-  fill("line-form", ["x0", "y0", "x1", "y1"], state.line);
-  fill("region-form", ["x0", "x1", "y0", "y1"], state.region);
-}
+const WANTED = {
+  line: "The line needs four numbers: x and y of both ends.",
+  region: "The region needs four numbers: x and y, each from low to high.",
+};
+const FORMS = { line: ["x0", "y0", "x1", "y1"], region: ["x0", "x1", "y0", "y1"] };
 
-function readForm(form, names) {
-  const found = names.map((name) => byId(form).elements[name].valueAsNumber);
-  return found.every(Number.isFinite) ? found : null;
+function fillForms() {
+  for (const [form, names] of Object.entries(FORMS)) {
+    state[form]?.forEach((value, n) => {
+      byId(`${form}-form`).elements[names[n]].value = +value.toFixed(4);
+    });
+  }
 }
 
 // the second map
 
-function isOneGrid() {
-  const place = (one) => [one.width, one.height, ...one.x, ...one.y];
-  const other = place(film("b"));
-  return place(film("a")).every((value, n) => Math.abs(value - other[n]) <= 1e-6 * Math.abs(value));
-}
-
 // Maps share axes, line and region, so that both films must lie on one grid.
 function matchGrids() {
-  if (isOneGrid()) return "";
+  const [one, other] = [film("a"), film("b")].map(({ width, height, x, y }) =>
+    [width, height, ...x, ...y]);
+  if (one.every((value, n) => Math.abs(value - other[n]) <= 1e-6 * Math.abs(value))) return "";
   const name = film("b").name || film("b").file;
   state.b = { ...state.a };
   fillOther();
@@ -412,7 +377,7 @@ function fillExports() {
 
 function allowExports() {
   const what = byId("what").value;
-  const kinds = what in mapQuery && !ask.export ? ["png"] : EXPORTS[what][1];
+  const kinds = what in panels && !ask.export ? ["png"] : EXPORTS[what][1];
   for (const kind of ["png", "csv", "tiff"]) byId(kind).disabled = !kinds.includes(kind);
 }
 
@@ -431,9 +396,8 @@ const exportData = guarded(async (kind) => {
     return;
   }
   // fetched first, so that a refusal is shown and not saved
-  const query = { ...mapQuery[what](), window: state.window.join(), kind };
-  const { name, content } = await ask.export(query);
-  download(content, name);
+  const query = { ...mapQuery(what), window: state.window.join(), kind };
+  download(await ask.export(query), nameOf(what, query.layer, kind));
 });
 
 // Columns of what is exported as a table, by their headings.
@@ -468,6 +432,12 @@ function writeTable(columns) {
 const runOf = (which) =>
   (film(which).name || film(which).file).replace(/[^\p{L}\p{N}-]+/gu, "_");
 
+function nameOf(what, layer, kind) {
+  const shown = what === "b" ? "b" : "a";
+  const trigger = what === "cycle" ? "" : `_${numberOf(shown)}`;
+  return `${runOf(shown)}_${layer}${trigger}.${kind}`;
+}
+
 const exportPicture = guarded(async () => {
   const what = byId("what").value;
   const source = what in panels ? panels[what].canvas
@@ -486,10 +456,7 @@ const exportPicture = guarded(async () => {
   pen.font = `${13 * ratio}px system-ui, "DejaVu Sans", sans-serif`;
   pen.fillText(caption, 8 * ratio, 17 * ratio, page.width - 16 * ratio);
   const blob = await new Promise((r) => page.toBlob(r, "image/png"));
-  const shown = what === "b" ? "b" : "a";
-  const layer = { a: layerOf("a"), b: layerOf("a"), d: state.unit }[what] ?? what;
-  const trigger = what === "cycle" ? "" : `_${numberOf(shown)}`;
-  download(blob, `${runOf(shown)}_${layer}${trigger}.png`);
+  download(blob, nameOf(what, what in panels ? layerOf(what) : what, "png"));
 });
 
 // region to run.toml
@@ -638,23 +605,18 @@ function connect() {
   on("two", "change", () => showTwo(byId("two").checked));
   on("axis", "change", () => cycleChart.build());
   on("zero", "change", () => cycleChart.build());
-  on("line-form", "submit", (event) => {
-    event.preventDefault();
-    const found = readForm("line-form", ["x0", "y0", "x1", "y1"]);
-    if (!found) throw new Error("The line needs four numbers: x and y of both ends.");
-    state.line = found;
-    state.width = Math.max(1, byId("line-form").elements.width.valueAsNumber || 1);
-    drawn("line");
-  });
-  on("region-form", "submit", (event) => {
-    event.preventDefault();
-    const found = readForm("region-form", ["x0", "x1", "y0", "y1"]);
-    if (!found || found[0] >= found[1] || found[2] >= found[3]) {
-      throw new Error("The region needs four numbers: x and y, each from low to high.");
-    }
-    state.region = found;
-    drawn("region");
-  });
+  for (const [form, names] of Object.entries(FORMS)) {
+    on(`${form}-form`, "submit", (event) => {
+      event.preventDefault();
+      const { elements } = byId(`${form}-form`);
+      const found = names.map((name) => elements[name].valueAsNumber);
+      const falls = form === "region" && (found[0] >= found[1] || found[2] >= found[3]);
+      if (falls || !found.every(Number.isFinite)) throw new Error(WANTED[form]);
+      state[form] = found;
+      if (form === "line") state.width = Math.max(1, elements.width.valueAsNumber || 1);
+      drawn(form);
+    });
+  }
   on("what", "change", allowExports);
   on("png", "click", exportPicture);
   on("csv", "click", () => exportData("csv"));
