@@ -1,7 +1,6 @@
 from .design import Band as Band
 from .design import Design as Design
 from .design import FilteredCamera as FilteredCamera
-from .design import ReferencePages as ReferencePages
 from .design import band_of as band_of
 from .design import emitted_light as emitted_light
 from .design import log_ratio as log_ratio
