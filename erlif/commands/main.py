@@ -77,11 +77,11 @@ class _Commands(click.Group):
             echo_refusal(f"erlif: {error}")
             ctx.exit(BAD_INPUT)
         except EndedBySignal as error:
-            name = signal.Signals(error.number).name
+            name = signal.Signals(error.args[0]).name
             echo_aside(
                 f"erlif: ended by {name}. The previous output is intact; the same command resumes."
             )
-            ctx.exit(BY_SIGNAL + error.number)
+            ctx.exit(BY_SIGNAL + error.args[0])
         except KeyboardInterrupt:
             echo_aside(
                 "erlif: interrupted. The previous output is intact; the same command resumes."
@@ -194,10 +194,8 @@ def show_log(verbosity: int) -> None:
         0 for warnings only, 1 for decisions and times of the stages, 2 for details.
     """
     logger = logging.getLogger("erlif")
-    for handler in logger.handlers:
-        if isinstance(handler, TerminalHandler):
-            logger.removeHandler(handler)
-            break
+    for earlier in [one for one in logger.handlers if isinstance(one, TerminalHandler)]:
+        logger.removeHandler(earlier)
 
     handler = TerminalHandler()
     handler.setFormatter(_ElapsedFormatter() if verbosity else logging.Formatter())
