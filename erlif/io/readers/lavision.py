@@ -198,9 +198,6 @@ def open_im7(path: Path) -> FrameFile:
             f"its compression {header.packing} is not read. Save the images without compression in "
             "DaVis."
         )
-    if header.frames < 1:
-        raise FrameError(f"the file is damaged: its header names {header.frames} frames")
-
     file: FrameFile
     if header.packing == _PLAIN:
         layout = FrameLayout((header.rows, header.columns), _TYPES[header.format])

@@ -342,33 +342,27 @@ def read_counts(source: Source, layout: FrameLayout, offset: int) -> AnyArray:
 
 
 class Packing(Enum):
-    """Order of the bits of packed pixels."""
+    """Bits of packed pixels, and their order."""
 
-    HIGH_12 = 0  #: 12 bits, the highest first
-    LOW_12 = 1  #: 12 bits, the lowest first: Mono12p
-    SPLIT_12 = 2  #: 12 bits, the low four of two pixels in a byte between: Mono12Packed
-    HIGH_10 = 3  #: 10 bits, the highest first
-    LOW_10 = 4  #: 10 bits, the lowest first: Mono10p
-    SPLIT_10 = 5  #: 10 bits, the low two of two pixels in a byte between: Mono10Packed
+    HIGH_12 = 12, "high"  #: the highest first
+    LOW_12 = 12, "low"  #: the lowest first: Mono12p
+    SPLIT_12 = 12, "split"  #: the low four of two pixels in a byte between: Mono12Packed
+    HIGH_10 = 10, "high"  #: the highest first
+    LOW_10 = 10, "low"  #: the lowest first: Mono10p
+    SPLIT_10 = 10, "split"  #: the low two of two pixels in a byte between: Mono10Packed
 
-    @property
-    def bits(self) -> int:
-        """Bits of a pixel."""
-        return 10 if self in (Packing.HIGH_10, Packing.LOW_10, Packing.SPLIT_10) else 12
+    def __init__(self, bits: int, order: str) -> None:
+        self.bits, self.order = bits, order
 
     @property
     def group(self) -> tuple[int, int]:
         """Bytes and pixels of the smallest part that can be decoded by itself."""
-        return (5, 4) if self in (Packing.HIGH_10, Packing.LOW_10) else (3, 2)
+        return (3, 2) if self.bits == 12 or self.order == "split" else (5, 4)
 
     def size(self, pixels: int) -> int:
         """Bytes that a number of pixels takes."""
         size, count = self.group
         return -(-pixels * size // count)
-
-
-_HIGH = (Packing.HIGH_12, Packing.HIGH_10)
-_SPLIT = (Packing.SPLIT_12, Packing.SPLIT_10)
 
 
 def unpack(
@@ -413,10 +407,10 @@ def unpack(
     counts = np.empty((groups, count), np.uint16)
     for pixel in range(count):
         byte, bit = divmod(pixel * bits, 8)
-        if packing in _SPLIT:
+        if packing.order == "split":
             low = stored[1] >> (4 * pixel) & ((1 << bits - 8) - 1)
             counts[:, pixel] = stored[2 * pixel] << (bits - 8) | low
-        elif packing in _HIGH:
+        elif packing.order == "high":
             word = stored[byte] << 8 | stored[byte + 1]
             counts[:, pixel] = word >> (16 - bit - bits) & ((1 << bits) - 1)
         else:
