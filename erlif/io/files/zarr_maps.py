@@ -7,6 +7,7 @@ import uuid
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import ClassVar
 
 import numpy as np
 import numpy.typing as npt
@@ -60,16 +61,13 @@ class ZarrMaps:
     variables: tuple[MapVariable, ...]
     shape: tuple[int, int, int]
     key: str = ""
+    any_order: ClassVar[bool] = True
+    """Triggers may be put in any order, by several threads and processes."""
 
     @property
     def path(self) -> Path:
         """The unfinished store."""
         return self.directory / "maps.zarr"
-
-    @property
-    def any_order(self) -> bool:
-        """True: triggers may be put in any order, by several threads and processes."""
-        return True
 
     def create(self) -> None:
         """Begin the store, in one step; the intact triggers of one that exists are kept.
