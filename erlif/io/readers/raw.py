@@ -83,9 +83,13 @@ class FrameLayout:
             return self.packing.size(rows * columns)
         return rows * (self.row_bytes or columns * np.dtype(self.dtype).itemsize)
 
-    def in_a_row(self, start: int, count: int, step: int = 0) -> range:
-        """Positions of consecutive frames, `step` apart or without a gap if it is 0. [byte]"""
-        step = step or max(self.size, 1)
+    def in_a_row(self, start: int, count: int, step: int | None = None) -> range:
+        """Positions of consecutive frames, `step` apart; default: without a gap. [byte]"""
+        if step is not None and step < self.size:
+            raise FrameError(
+                f"the header is damaged: frames of {self.size} bytes cannot lie {step} apart"
+            )
+        step = max(self.size if step is None else step, 1)
         return range(start, start + count * step, step)
 
 
@@ -268,7 +272,7 @@ def count_frames(size: int, *, start: int, step: int) -> int:
     >>> count_frames(16, start=0, step=8)
     2
     """
-    return max(0, -(-(size - start) // step))
+    return max(0, -(-(size - start) // max(step, 1)))
 
 
 def frame_interval(rate: float, *, step: int = 1) -> float | None:
