@@ -1,4 +1,3 @@
-from .design import Band as Band
 from .design import Design as Design
 from .design import FilteredCamera as FilteredCamera
 from .design import band_of as band_of
@@ -26,6 +25,5 @@ from .spectra import Spectrum as Spectrum
 from .spectra import normalise_emission as normalise_emission
 from .spectra import read_spectrum as read_spectrum
 from .spectra import synthetic_spectra as synthetic_spectra
-from .tolerances import TOLERANCES as TOLERANCES
 from .tolerances import ToleranceEffect as ToleranceEffect
 from .tolerances import vary_tolerances as vary_tolerances
