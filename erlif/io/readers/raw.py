@@ -149,14 +149,11 @@ class RawFrames(FrameFile):
         self.layout, self.offsets = layout, offsets
         self.bits, self.companions = bits, companions
         self._interval, self._find_times = interval, find_times
+        size = path.stat().st_size
+        self.kinds = self._find_kinds(size, before)
+        if described_by:
+            self._check_rest(size, described_by)
         self._source = Source(path)
-        try:
-            self.kinds = self._find_kinds(before)
-            if described_by:
-                self._check_rest(described_by)
-        except BaseException:
-            self.close()
-            raise
 
     # found when they are asked for: stamps lie between the frames, over the whole file
     @cached_property
@@ -167,9 +164,9 @@ class RawFrames(FrameFile):
             times = self._interval * np.arange(len(self.kinds), dtype=np.float64)
         return times
 
-    def _find_kinds(self, before: int) -> Sequence[FrameKind]:
+    def _find_kinds(self, size: int, before: int) -> Sequence[FrameKind]:
         """Kind of each frame; those behind the end of the file are truncated."""
-        size, kind = self._source.size, self.layout.kind
+        kind = self.layout.kind
         check_claim(1, kind, size, packing=_DENSEST)
         try:
             count = len(self.offsets)
@@ -188,18 +185,18 @@ class RawFrames(FrameFile):
             )
         return [kind if inside else TRUNCATED for inside in whole.tolist()]
 
-    def _check_rest(self, header: str) -> None:
+    def _check_rest(self, size: int, header: str) -> None:
         """Refuse counts behind the last frame.
 
         The header of another recording, or a wrong width, gives frames of shifted rows, which
         nothing else reveals.
         """
         end = int(self.offsets[-1]) + self.layout.size
-        if self._source.size > end:
-            count, each, held = len(self.offsets), self.layout.size, self._source.size
+        if size > end:
+            count, each = len(self.offsets), self.layout.size
             raise FrameError(
                 f"{header} describes {count} frames of {each} bytes, which end at byte {end}; the "
-                f"file of counts has {held} bytes. Put the header of this recording beside it, or "
+                f"file of counts has {size} bytes. Put the header of this recording beside it, or "
                 "correct the header."
             )
 
