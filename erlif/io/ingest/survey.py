@@ -352,7 +352,8 @@ def _separate(
     cameras = []
     for number, value in enumerate(shared.values):
         name = f"{label} {value}" if shared.key == "part" else value
-        camera = _describe_camera(name, group, directory, Selection(**{shared.key: value}))
+        selection = Selection(part=value) if shared.key == "part" else Selection(dataset=value)
+        camera = _describe_camera(name, group, directory, selection)
         if shared.key == "dataset":
             # darks and flats may lie in the file of the frames
             darks, flats = (

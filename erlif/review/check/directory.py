@@ -389,7 +389,8 @@ def tabulate_pairs(recording: Run | Fixture, *, odd: Iterable[int] = ()) -> list
 
 
 def _pair_row(recording: Run | Fixture, k: int) -> PairRow:
-    row = PairRow(k, *(pages[k].name for pages in recording.pairs.pages))
+    one, two = (pages[k].name for pages in recording.pairs.pages)
+    row = PairRow(k, one, two)
     if not isinstance(recording, Run):
         return row
     log, encoder = recording.log, recording.settings.encoder
