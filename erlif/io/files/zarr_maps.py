@@ -43,6 +43,8 @@ class ZarrMaps:
     key : str
         Identity of the work, as the file ``key`` of the directory holds it; empty: not compared. A
         process that returns late must not write into work that has taken the place of its own.
+    any_order : bool
+        True: triggers may be put in any order, by several threads and processes.
 
     Examples
     --------
@@ -62,7 +64,6 @@ class ZarrMaps:
     shape: tuple[int, int, int]
     key: str = ""
     any_order: ClassVar[bool] = True
-    """Triggers may be put in any order, by several threads and processes."""
 
     @property
     def path(self) -> Path:
