@@ -57,18 +57,7 @@ def refuse_little_memory() -> None:
 
 
 class EndedBySignal(KeyboardInterrupt):
-    """A signal asked the process to end.
-
-    Parameters
-    ----------
-    number : int
-        Number of the signal.
-    """
-
-    def __init__(self, number: int) -> None:
-        super().__init__(number)
-        self.number = number
-        """Number of the signal."""
+    """A signal asked the process to end; its number is the argument."""
 
 
 @contextmanager

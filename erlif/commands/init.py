@@ -5,8 +5,8 @@ from __future__ import annotations
 import sys
 import tomllib
 from collections.abc import Iterator
+from itertools import groupby
 from pathlib import Path
-from typing import Any
 
 import click
 
@@ -19,9 +19,6 @@ from erlif.core.speed.imports import large_imports
 KINDS = ("crank-rocker", "slider-crank", "rotation", "sinusoidal", "static")
 
 DEFAULT_KIND = "crank-rocker"
-
-# A value that is not known yet, with its unit behind it.
-_GAP = "??"
 
 
 def on_terminal() -> bool:
@@ -82,17 +79,10 @@ def init(directory: Path, fixture: bool, kind: str | None, full: bool, overwrite
 
 def _list_gaps(path: Path) -> Iterator[str]:
     """The keys that have no value yet, a line for each table."""
+    from erlif.io.settings.reading import find_gaps
 
-    def gaps(name: str, table: dict[str, Any]) -> Iterator[tuple[str, list[str]]]:
-        keys = [key for key, value in table.items() if str(value).startswith(_GAP)]
-        if keys:
-            yield name, keys
-        for key, value in table.items():
-            if isinstance(value, dict):
-                yield from gaps(f"{name}.{key}".lstrip("."), value)
-
-    found = list(gaps("", tomllib.loads(path.read_text(encoding="utf-8"))))
-    count = sum(len(keys) for _, keys in found)
-    yield f"{count} gaps are left, with their meaning in the file. Replace each {_GAP}:"
-    for name, keys in found:
-        yield f"  [{name}] {', '.join(keys)}" if name else f"  {', '.join(keys)}"
+    found = list(find_gaps(tomllib.loads(path.read_text(encoding="utf-8"))))
+    yield f"{len(found)} gaps are left, with their meaning in the file. Replace each ??:"
+    for table, gaps in groupby(found, key=lambda gap: ".".join(gap[:-1])):
+        keys = ", ".join(gap[-1] for gap in gaps)
+        yield f"  [{table}] {keys}" if table else f"  {keys}"

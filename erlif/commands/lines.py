@@ -22,7 +22,7 @@ _HANGING = 40  # column up to which a text stands under its beginning
 
 def verbosity() -> int:
     """Number of times that ``-v`` was given."""
-    return int(click.get_current_context().find_root().params.get("verbose", 0))
+    return int(click.get_current_context().meta.get("erlif.verbose", 0))
 
 
 def wrap(text: str) -> str:

@@ -30,6 +30,7 @@ from erlif.commands.ending import (
     signals_interrupt,
     silence,
 )
+from erlif.commands.lines import verbosity
 from erlif.core.errors import ErlifError
 from erlif.core.version import __version__
 
@@ -77,11 +78,11 @@ class _Commands(click.Group):
             echo_refusal(f"erlif: {error}")
             ctx.exit(BAD_INPUT)
         except EndedBySignal as error:
-            name = signal.Signals(error.number).name
+            name = signal.Signals(error.args[0]).name
             echo_aside(
                 f"erlif: ended by {name}. The previous output is intact; the same command resumes."
             )
-            ctx.exit(BY_SIGNAL + error.number)
+            ctx.exit(BY_SIGNAL + error.args[0])
         except KeyboardInterrupt:
             echo_aside(
                 "erlif: interrupted. The previous output is intact; the same command resumes."
@@ -111,15 +112,27 @@ class _Commands(click.Group):
             ctx.exit(DEFECT)
 
 
-@click.group(cls=_Commands, context_settings={"help_option_names": ["-h", "--help"]})
-@click.version_option(__version__, prog_name="erlif")
-@click.option(
+def _show_more(ctx: click.Context, option: click.Parameter, value: int) -> None:
+    """Raise the verbosity by ``-v`` given before or after the name of a command."""
+    if value:
+        ctx.meta["erlif.verbose"] = verbosity() + value
+        show_log(verbosity())
+
+
+_VERBOSE = click.option(
     "-v",
     "--verbose",
     count=True,
+    expose_value=False,
+    callback=_show_more,
     help="All notes, times and memory; -vv details.",
 )
-def main(verbose: int) -> None:
+
+
+@click.group(cls=_Commands, context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(__version__, prog_name="erlif")
+@_VERBOSE
+def main() -> None:
     """Oil-film thickness maps with error bars from two-camera fluorescence.
 
     \b
@@ -128,7 +141,7 @@ def main(verbose: int) -> None:
       erlif process rehearsal/run
       erlif figures rehearsal/run/film.nc
     """
-    show_log(verbose)
+    show_log(verbosity())
 
     # a terminal that lacks a character, such as the micro sign, shows a replacement for it
     for stream in (sys.stdout, sys.stderr):
@@ -136,28 +149,11 @@ def main(verbose: int) -> None:
             stream.reconfigure(errors="replace")
 
 
-def _show_more(ctx: click.Context, option: click.Parameter, value: int) -> None:
-    """Raise the verbosity by ``-v`` given after the name of a command."""
-    options = ctx.find_root().params
-    if value:
-        options["verbose"] = options.get("verbose", 0) + value
-        show_log(options["verbose"])
-
-
 # each module has the name of its command; what is heavy loads when a command runs
 for name in chain.from_iterable(COMMANDS.values()):
     folder = _JOINT if name in COMMANDS["Joint"] else "erlif.commands"
     command = getattr(import_module(f"{folder}.{name}"), name)
-    command.params.append(
-        click.Option(
-            ["-v", "--verbose"],
-            count=True,
-            expose_value=False,
-            callback=_show_more,
-            help="All notes, times and memory; -vv details.",
-        )
-    )
-    main.add_command(command)
+    main.add_command(_VERBOSE(command))
 
 
 # Level for no `-v`, one and two.
@@ -194,10 +190,8 @@ def show_log(verbosity: int) -> None:
         0 for warnings only, 1 for decisions and times of the stages, 2 for details.
     """
     logger = logging.getLogger("erlif")
-    for handler in logger.handlers:
-        if isinstance(handler, TerminalHandler):
-            logger.removeHandler(handler)
-            break
+    for earlier in [one for one in logger.handlers if isinstance(one, TerminalHandler)]:
+        logger.removeHandler(earlier)
 
     handler = TerminalHandler()
     handler.setFormatter(_ElapsedFormatter() if verbosity else logging.Formatter())

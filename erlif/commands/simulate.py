@@ -33,25 +33,14 @@ _DELAY = 10.0
 _SHARE_OUTSIDE = 0.01
 
 
-class PictureSize(click.ParamType):  # type: ignore[type-arg] # generic since click 8.4 only
-    """Columns x rows, such as 320x256."""
-
-    name = "WIDTHxHEIGHT"
-
-    def convert(
-        self, value: object, param: click.Parameter | None, ctx: click.Context | None
-    ) -> tuple[int, int]:
-        """Two numbers from the text of the option."""
-        if isinstance(value, tuple):
-            return value
-        width, _, height = str(value).lower().partition("x")
-        if not (_SIDE.fullmatch(width) and _SIDE.fullmatch(height)):
-            self.fail(
-                f"{value!r} is not a picture size; write columns x rows, for example 320x256.",
-                param,
-                ctx,
-            )
-        return int(width), int(height)
+def _picture_size(ctx: click.Context, option: click.Parameter, value: str) -> tuple[int, int]:
+    """Read columns and rows of a picture, "320x256"."""
+    width, _, height = value.lower().partition("x")
+    if not (_SIDE.fullmatch(width) and _SIDE.fullmatch(height)):
+        raise click.BadParameter(
+            f"{value!r} is not a picture size; write columns x rows, for example 320x256."
+        )
+    return int(width), int(height)
 
 
 # Help of the options that are settings of the rig, in the order of `--help`.
@@ -122,7 +111,8 @@ class _ShortHelp(click.Command):
     "--size",
     default=f"{DEFAULT.width}x{DEFAULT.height}",
     show_default=True,
-    type=PictureSize(),
+    callback=_picture_size,
+    metavar="WIDTHXHEIGHT",
     help="Columns x rows of both cameras; the field stays 19.2 mm wide.",
 )
 @together(*(_rig_option(*each) for each in RIG_OPTIONS.items()))

@@ -1,7 +1,5 @@
-from .design import Band as Band
 from .design import Design as Design
 from .design import FilteredCamera as FilteredCamera
-from .design import ReferencePages as ReferencePages
 from .design import band_of as band_of
 from .design import emitted_light as emitted_light
 from .design import log_ratio as log_ratio
@@ -27,6 +25,5 @@ from .spectra import Spectrum as Spectrum
 from .spectra import normalise_emission as normalise_emission
 from .spectra import read_spectrum as read_spectrum
 from .spectra import synthetic_spectra as synthetic_spectra
-from .tolerances import TOLERANCES as TOLERANCES
 from .tolerances import ToleranceEffect as ToleranceEffect
 from .tolerances import vary_tolerances as vary_tolerances

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 
 import numpy as np
@@ -10,6 +10,7 @@ import numpy.typing as npt
 from scipy import constants
 
 from erlif.core.arrays import Array
+from erlif.io.settings.planning import ReferencesOfPlan
 from erlif.models.fluorescence import band_signal
 from erlif.planning.spectra import SYNTHETIC, Dye, synthetic_spectra
 
@@ -54,24 +55,6 @@ class FilteredCamera:
         return min(self.full_well, self.counts * self.gain)
 
 
-@dataclass(frozen=True)
-class ReferencePages:
-    """Pages from which darks and flats are averaged.
-
-    Attributes
-    ----------
-    dark_pages : int
-    flat_pages : int
-        0: no flats are taken, and the response of the pixels is not part of the plan.
-    flat_level : float
-        Mean light of a flat page, share of full scale. [1]
-    """
-
-    dark_pages: int = 8
-    flat_pages: int = 12
-    flat_level: float = 0.5
-
-
 @dataclass(frozen=True, eq=False)
 class Design:
     """Design of a rig: everything on which light, ratio and their noise depend.
@@ -86,7 +69,7 @@ class Design:
         Wavelength. [nm]
     energy : float
         Pulse energy over the stated one. [1]
-    references : ReferencePages
+    references : ReferencesOfPlan
         Dark and flat pages.
     corner : float
         Light at the corners of the field over that in its middle, of beam and lens. [1]
@@ -96,7 +79,7 @@ class Design:
     cameras: tuple[FilteredCamera, ...]
     laser: float
     energy: float = 1.0
-    references: ReferencePages = ReferencePages()
+    references: ReferencesOfPlan = field(default_factory=ReferencesOfPlan)
     corner: float = 1.0
 
     def with_concentrations(self, concentrations: npt.ArrayLike) -> Design:

@@ -8,12 +8,11 @@ pin. The error of the calibration and the position of the fixture are not part o
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from erlif.calibration import Reabsorption, Systematics
 from erlif.core.arrays import Array
+from erlif.io.settings.planning import JointOfPlan
 from erlif.planning.design import Design, log_ratio, log_ratio_slope, mean_attenuation
 from erlif.planning.precision import WantedFilm, log_ratio_variance
 from erlif.ratio import cell_centres
@@ -34,28 +33,8 @@ FILMS = (1.0, 3.0, 10.0)
 """Films whose errors are stated. [um]"""
 
 
-@dataclass(frozen=True)
-class ImagedJoint:
-    """A pin in a bore, as its camera sees it.
-
-    Attributes
-    ----------
-    pin_radius, bushing_radius : float
-        [mm]
-    width : float
-        Extent of the image along sliding. [mm]
-    frames : int
-        Frame pairs of a run.
-    """
-
-    pin_radius: float
-    bushing_radius: float
-    width: float
-    frames: int
-
-
 def attainable_errors(
-    design: Design, film: WantedFilm, widths: dict[str, float], joint: ImagedJoint | None
+    design: Design, film: WantedFilm, widths: dict[str, float], joint: JointOfPlan | None
 ) -> tuple[Systematics, Array, Array]:
     """Errors of a run by their widths, and by the gap of a joint.
 
@@ -66,7 +45,7 @@ def attainable_errors(
         The minimum film of the joint moves through the wanted range.
     widths : dict of str to float
         Standard deviation of each term of `erlif.core.terms.TERMS`. [1]
-    joint : ImagedJoint or None
+    joint : JointOfPlan or None
         None: the form of the gap is not known.
 
     Returns
@@ -81,7 +60,8 @@ def attainable_errors(
     Examples
     --------
     >>> from erlif.planning.design import example_dye_design
-    >>> joint = ImagedJoint(33.36, 33.59, 19.2, frames=30)
+    >>> lengths = {"pin_radius": "33.36 mm", "bushing_radius": "33.59 mm", "width": "19.2 mm"}
+    >>> joint = JointOfPlan(**lengths, frames=30)
     >>> wanted = WantedFilm(2.0, 10.0, (0.1, 18.0))
     >>> found = attainable_errors(example_dye_design(), wanted, {"ratio": 0.01}, joint)
     >>> bool((found[2][1] < 0.5 * found[2][0]).all())
@@ -112,13 +92,15 @@ def _constrain(
     film: WantedFilm,
     model: Reabsorption,
     systematics: Systematics,
-    joint: ImagedJoint,
+    joint: JointOfPlan,
 ) -> Array:
     """Covariance of the errors under the condition that all frames show one gap."""
-    x, y = (joint.width / _SHAPE[1] * centre for centre in cell_centres(_SHAPE))
+    lengths = (joint.width, joint.pin_radius, joint.bushing_radius)
+    width, pin, bore = (1e3 * float(length) for length in lengths)  # mm
+    x, y = (width / _SHAPE[1] * centre for centre in cell_centres(_SHAPE))
     x, y = x - x.mean(), y - y.mean()
-    radius = float(np.sqrt(joint.pin_radius * joint.bushing_radius))
-    clearance = 1e3 * (joint.bushing_radius - joint.pin_radius)
+    radius = float(np.sqrt(pin * bore))
+    clearance = 1e3 * (bore - pin)
     gap = gap_of_pin(x, y, radius, clearance_std=CLEARANCE_STD * clearance)
 
     # the minimum film takes the part of the wanted range that the form of the gap leaves

@@ -30,7 +30,6 @@ from erlif.planning import (
     Dye,
     FilteredCamera,
     Optimum,
-    ReferencePages,
     Spectrum,
     WantedFilm,
     band_of,
@@ -54,7 +53,7 @@ from erlif.planning import (
     vary_tolerances,
 )
 from erlif.planning.limit import FILMS as FILMS_OF_LIMIT
-from erlif.planning.limit import ImagedJoint, attainable_errors
+from erlif.planning.limit import attainable_errors
 from erlif.rig import DyeSpectra, RigSettings
 from erlif.rig.settings import LIMITS
 
@@ -190,7 +189,6 @@ def design_of(settings: PlanSettings, folder: Path) -> Design:
     )
 
     # what cannot be planned is refused before the scale of the light is looked for
-    pages = settings.references
     design = Design(
         dyes=(
             _dye_of(settings.dye1, 1, folder, wavelengths),
@@ -198,7 +196,7 @@ def design_of(settings: PlanSettings, folder: Path) -> Design:
         ),
         cameras=cameras,
         laser=wavelengths[0],
-        references=ReferencePages(pages.dark_pages, pages.flat_pages, pages.flat_level),
+        references=settings.references,
         corner=settings.laser.corner,
     )
     _refuse_useless(design)
@@ -409,16 +407,7 @@ def _describe_limit(design: Design, film: WantedFilm, settings: PlanSettings) ->
     widths = {
         key: term.width / 100 for key, term in TERMS.items() if term.width and not term.of_two
     }
-    given = settings.joint
-    joint = None
-    if given is not None:
-        joint = ImagedJoint(
-            1e3 * float(given.pin_radius),
-            1e3 * float(given.bushing_radius),
-            1e3 * float(given.width),
-            given.frames,
-        )
-    systematics, covariance, std = attainable_errors(design, film, widths, joint)
+    systematics, covariance, std = attainable_errors(design, film, widths, settings.joint)
     terms = list(dict.fromkeys(systematics.terms))
     values = {"limit_std": systematics.covariance, "limit_std_gap": covariance}
     variables: dict[str, Array] = {
@@ -426,7 +415,7 @@ def _describe_limit(design: Design, film: WantedFilm, settings: PlanSettings) ->
         for name, each in values.items()
     }
     variables |= {"limit_film_std": std[0], "limit_film_std_gap": std[1]}
-    if joint is None:
+    if settings.joint is None:
         variables = {name: each for name, each in variables.items() if not name.endswith("gap")}
     films = ("limit_film", np.array(FILMS_OF_LIMIT), {"units": "um", "long_name": "film thickness"})
     return _as_variables(**variables).assign_coords(limit=terms, limit_film=films)

@@ -282,12 +282,11 @@ def _draft_camera(draft: _Draft, survey: Survey, number: int, camera: CameraSurv
 def _draft_recordings(draft: _Draft, table: str, camera: CameraSurvey) -> None:
     """Draft the choice among several recordings of a camera, or a gap that lists them."""
     names = list_some(f"{one.pattern} ({one.pages})" for one in camera.recordings)
-    if not camera.chosen:
-        draft.set(f"{table}.files", GAP, f"One of {names}.")
     count = f"{len(camera.recordings)} recordings"
     if camera.chosen:
         draft.note(table, f"{camera.frames.pattern} of {count} was taken by its name: {names}")
     else:
+        draft.set(f"{table}.files", GAP, f"One of {names}.")
         draft.warn(table, f"{count} look like frames: {names}; choose one as files")
 
 

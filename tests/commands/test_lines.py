@@ -23,7 +23,7 @@ def test_words_are_those_of_the_text():
 
 def shown(notes, verbose):
     with click.Context(click.Command("check")) as context:
-        context.params["verbose"] = verbose
+        context.meta["erlif.verbose"] = verbose
         return list(list_notes(notes, "-v"))
 
 

@@ -3,12 +3,14 @@
 import numpy as np
 import numpy.testing as npt
 
+from erlif.io.settings.planning import JointOfPlan
 from erlif.planning import WantedFilm, log_ratio
 from erlif.planning.design import example_dye_design
-from erlif.planning.limit import FILMS, ImagedJoint, attainable_errors
+from erlif.planning.limit import FILMS, attainable_errors
 
 DESIGN, WANTED = example_dye_design(), WantedFilm(2.0, 10.0, (0.1, 18.0))
-JOINT = ImagedJoint(33.36, 33.59, 19.2, frames=40)
+LENGTHS = {"pin_radius": "33.36 mm", "bushing_radius": "33.59 mm", "width": "19.2 mm"}
+JOINT = JointOfPlan(**LENGTHS, frames=40)
 
 
 def errors(joint=None, **widths):
@@ -34,7 +36,7 @@ def test_errors_add_in_quadrature_and_the_gap_lowers_them():
 
 def test_more_frames_lower_the_errors():
     widths = {"ratio": 0.01, "wall": 0.02, "linearity": 0.01, "background": 0.015}
-    few, many = (errors(ImagedJoint(33.36, 33.59, 19.2, n), **widths)[2][1] for n in (20, 200))
+    few, many = (errors(JointOfPlan(**LENGTHS, frames=n), **widths)[2][1] for n in (20, 200))
     assert (many < few).all()
 
 

@@ -6,8 +6,8 @@ import numpy as np
 import numpy.testing as npt
 import pytest
 
+from erlif.io.settings.planning import ReferencesOfPlan
 from erlif.planning import (
-    ReferencePages,
     WantedFilm,
     calibrated_range,
     frames_needed,
@@ -53,7 +53,7 @@ def test_light_that_falls_off_is_averaged_over_a_square_field(design):
 
 
 def test_pages_of_flats_are_a_part_that_frames_do_not_reduce(design):
-    few = replace(design, references=ReferencePages(flat_pages=4))
+    few = replace(design, references=ReferencesOfPlan(flat_pages=4))
     _, fixed = log_ratio_variance(few, 5.0)
     pages = 4 * 0.5 * design.cameras[0].full_scale
     reading = 81 + 4.4**2 / 12

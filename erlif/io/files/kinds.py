@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from os import PathLike
-from typing import Any, Literal
+from typing import Any
 
 import xarray as xr
 
@@ -22,9 +22,10 @@ class Kind:
     way : str
         How to get one.
     marks : tuple[str, ...]
-        Variables of which only a dataset of this kind has any.
-    form : str
-        "dataset" or "path" where an unknown one may be meant, else empty.
+        Variables of which only a dataset of this kind has any; one of an unknown kind may be a part
+        of it.
+    also : tuple[str, ...]
+        Further kinds that may be meant, "path" for any path.
     group : str | None
         Group of a film that is opened by its path, empty for the root; None: paths are not opened.
     opener : str
@@ -34,7 +35,7 @@ class Kind:
     words: str
     way: str = ""
     marks: tuple[str, ...] = ()
-    form: Literal["", "dataset", "path"] = ""
+    also: tuple[str, ...] = ()
     group: str | None = None
     opener: str = ""
 

@@ -70,11 +70,12 @@ class NetcdfMaps:
     (True, False)
     """
 
+    any_order = False
+    """Triggers are put in their order."""
+
     def __init__(self, directory: Path, grid: xr.Dataset, variables: Sequence[MapVariable]) -> None:
         self.variables = tuple(variables)
         """The maps."""
-        self.any_order = False
-        """Triggers are put in their order."""
         self._directory, self._grid = directory, grid
         self._numbers: list[dict[str, AnyArray]] = []
 
@@ -91,7 +92,7 @@ class NetcdfMaps:
 
     def __getstate__(self) -> dict[str, Any]:
         """A copy in another process encodes maps; it holds no file."""
-        return {"variables": self.variables, "any_order": False}
+        return {"variables": self.variables}
 
     def _create(self) -> None:
         """Begin the file: coordinates first, then the maps without chunks."""

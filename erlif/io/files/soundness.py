@@ -9,6 +9,7 @@ from __future__ import annotations
 import json
 import tomllib
 from collections.abc import Mapping
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
@@ -232,7 +233,9 @@ def _check_film_attributes(film: xr.Dataset) -> None:
     if settings.linkage is not None and "encoder_angle" in film and "rocker_speed" not in film:
         raise ValueError("it has a linkage and no variable rocker_speed")
     for name in ("calibration", "input_hashes"):
-        record = _read_json(film.attrs.get(name, "{}"))
+        record: Any = None
+        with suppress(ValueError, RecursionError):
+            record = json.loads(film.attrs.get(name, "{}"))
         if not isinstance(record, dict):
             raise ValueError(f"its attribute {name} is no record in JSON")
         # JSON can write half a pair of UTF-16
@@ -277,13 +280,6 @@ def _is_number(given: object) -> bool:
     """Whether an attribute is one real number, NaN included: what could not be fitted is NaN."""
     value = np.asarray(given)
     return value.size == 1 and value.dtype.kind in "iuf" and not np.isinf(value).any()
-
-
-def _read_json(text: str) -> Any:
-    try:
-        return json.loads(text)
-    except (ValueError, RecursionError):
-        return None
 
 
 def _show(value: object) -> str:

@@ -131,11 +131,10 @@ class PartialFilm:
                 self.maps = store
             else:
                 self.maps = NetcdfMaps(self.directory, grid, variables)
-        except OSError as error:
+        except BaseException as error:
             self.lock.release()
-            raise write_error(output, error) from error
-        except BaseException:
-            self.lock.release()
+            if isinstance(error, OSError):
+                raise write_error(output, error) from error
             raise
 
         self._triggers = grid.sizes["trigger"]

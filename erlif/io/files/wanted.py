@@ -66,9 +66,7 @@ erlif.open_film("film.nc") opens one, erlif.process(RUN_DIR) makes one.
     kind_given, wanted = kind_of(value), KINDS[kind]
     if kind_given == "path" and wanted.group is not None:
         return open_film(value, group=wanted.group or None)
-    if kind_given and kind_given in (kind, wanted.form):
-        return value
-    if kind == "calibration path" and kind_given in ("calibration", "path"):
+    if kind_given in (kind, *wanted.also) or (kind_given == "dataset" and wanted.marks):
         return value
     if kind == "part of a film" and isinstance(value, xr.Dataset):
         return value

@@ -7,6 +7,7 @@ import uuid
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import ClassVar
 
 import numpy as np
 import numpy.typing as npt
@@ -42,6 +43,8 @@ class ZarrMaps:
     key : str
         Identity of the work, as the file ``key`` of the directory holds it; empty: not compared. A
         process that returns late must not write into work that has taken the place of its own.
+    any_order : bool
+        True: triggers may be put in any order, by several threads and processes.
 
     Examples
     --------
@@ -60,16 +63,12 @@ class ZarrMaps:
     variables: tuple[MapVariable, ...]
     shape: tuple[int, int, int]
     key: str = ""
+    any_order: ClassVar[bool] = True
 
     @property
     def path(self) -> Path:
         """The unfinished store."""
         return self.directory / "maps.zarr"
-
-    @property
-    def any_order(self) -> bool:
-        """True: triggers may be put in any order, by several threads and processes."""
-        return True
 
     def create(self) -> None:
         """Begin the store, in one step; the intact triggers of one that exists are kept.

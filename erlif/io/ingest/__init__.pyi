@@ -13,7 +13,6 @@ from .hashes import sign_inputs as sign_inputs
 from .hashes import stamp_inputs as stamp_inputs
 from .images import Page as Page
 from .images import depth_warning as depth_warning
-from .images import natural_key as natural_key
 from .images import read_reference_pages as read_reference_pages
 from .recording import Fixture as Fixture
 from .recording import FoundStart as FoundStart
@@ -22,5 +21,4 @@ from .recording import open_fixture as open_fixture
 from .recording import open_run as open_run
 from .run_table import RunEntry as RunEntry
 from .run_table import read_run_table as read_run_table
-from .selection import Selection as Selection
 from .selection import select_counts as select_counts

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 
@@ -18,22 +17,6 @@ from erlif.io.ingest.logs.resample import FEWEST_SAMPLES, ContinuousLog, unwrap_
 from erlif.io.ingest.logs.table import LogColumn, LogTable
 from erlif.io.ingest.logs.text import read_log_table
 from erlif.io.ingest.numbering import find_missing, frame_numbers, has_numbers
-
-
-class ReadLog(NamedTuple):
-    """Log read from a file, with the notes on its interpretation.
-
-    Attributes
-    ----------
-    log : EncoderLog | ContinuousLog
-        One row for each frame, or a log in time.
-    notes : list[Note]
-        What was taken for what.
-    """
-
-    log: EncoderLog | ContinuousLog
-    notes: list[Note]
-
 
 # The column of each quantity, and what was taken for what.
 _Found = tuple[dict[str, LogColumn], list[str]]
@@ -86,7 +69,7 @@ def read_log(
     frames: int | None,
     in_time: bool = False,
     needs_angle: bool = True,
-) -> ReadLog:
+) -> tuple[EncoderLog | ContinuousLog, list[Note]]:
     """Read the log of a run, by frame or in time.
 
     A log with a column of frame numbers, or with as many rows as there are frames, has one row for
@@ -106,7 +89,10 @@ def read_log(
 
     Returns
     -------
-    ReadLog
+    log : EncoderLog or ContinuousLog
+        One row for each frame, or a log in time.
+    notes : list of Note
+        What was taken for what.
 
     Raises
     ------
@@ -130,7 +116,7 @@ def read_log(
     read = _in_time if in_time else _by_frame
     log, remarks = read(table, choice, known, needs_angle=needs_angle)
     notes = [remark(table.file, "; ".join(remarks))] if remarks else []
-    return ReadLog(log, notes)
+    return log, notes
 
 
 def leave_out_late_rows(

@@ -7,6 +7,7 @@ import hashlib
 import os
 import re
 from collections.abc import Collection, Iterator, Sequence
+from contextlib import closing
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import NamedTuple
@@ -392,8 +393,7 @@ def depth_warning(highest: int, *, bit_depth: int, camera: int) -> Note | None:
 
 def _read_header(path: Path, selection: Selection) -> CameraFiles:
     """Pages of a file that belong to a camera; FrameError with the bare reason."""
-    file = open_frames(path, dataset=selection.dataset)
-    try:
+    with closing(open_frames(path, dataset=selection.dataset)) as file:
         places = selection.pages(file)
         alone = len(file.kinds) == 1 and not file.companions
         kinds = [file.kinds[k] for k in places]
@@ -416,8 +416,6 @@ def _read_header(path: Path, selection: Selection) -> CameraFiles:
             file.warning,
             0.0 if times is None else float(times[places[0]]),
         )
-    finally:
-        file.close()
 
 
 def _check_kind(kind: FrameKind, shape: tuple[int, ...], name: str) -> None:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Collection
+from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
@@ -81,21 +82,17 @@ def find_cameras_in_file(path: Path, rows: Collection[int] = ()) -> SharedFile |
     if len(datasets) > 1:
         return _sort_datasets(datasets)
     try:
-        file = open_frames(path)
+        with closing(open_frames(path)) as file:
+            if file.channels is not None and set(file.channels) >= {1, 2}:
+                channels = ("channel 1", "channel 2")
+                return SharedFile("part", channels, "the file has several channels")
+            count = len(file.kinds)
+            if count not in rows and count % 2 == 0 and count // 2 in rows:
+                reason = f"{count} pages, and a table of {count // 2} rows"
+                return SharedFile("part", ("odd", "even"), reason)
+            return _compare_halves(file.read(0))
     except FrameError:
         return None
-    try:
-        if file.channels is not None and set(file.channels) >= {1, 2}:
-            return SharedFile("part", ("channel 1", "channel 2"), "the file has several channels")
-        count = len(file.kinds)
-        if count not in rows and count % 2 == 0 and count // 2 in rows:
-            reason = f"{count} pages, and a table of {count // 2} rows"
-            return SharedFile("part", ("odd", "even"), reason)
-        return _compare_halves(file.read(0))
-    except FrameError:
-        return None
-    finally:
-        file.close()
 
 
 def _sort_datasets(names: list[str]) -> SharedFile | None:

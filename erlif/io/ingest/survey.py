@@ -107,8 +107,6 @@ class CameraSurvey:
         Images of the dry joint; None where no name has one of the words for them.
     counts : CountsSample | None
         None where no page can be read.
-    selection : Selection
-        Part of the files that belongs to this camera where one file holds both.
     shared : SharedFile | None
         How the two are separated, and what shows it; None where each has its own files.
     recordings : tuple[ImageSet, ...]
@@ -124,7 +122,6 @@ class CameraSurvey:
     flats: ImageSet | None
     backgrounds: ImageSet | None
     counts: CountsSample | None
-    selection: Selection = WHOLE
     shared: SharedFile | None = None
     recordings: tuple[ImageSet, ...] = ()
     chosen: bool = True
@@ -351,24 +348,21 @@ def _separate(
     for path in unassigned:
         purpose = purpose_of(lower_name(path, directory))
         (rest if purpose == "frames" else group[purpose]).append(path)
-    if shared.key == "part":
-        return [
-            replace(
-                _describe_camera(f"{label} {value}", group, directory, Selection(part=value)),
-                shared=shared,
-            )
-            for value in shared.values
-        ], rest
 
     cameras = []
     for number, value in enumerate(shared.values):
-        camera = _describe_camera(value, group, directory, Selection(dataset=value))
-        # darks and flats may lie in the file of the frames
-        darks, flats = (
-            names and _describe_set(group["frames"], directory, Selection(dataset=names[number]))
-            for names in (shared.darks, shared.flats)
-        )
-        cameras.append(replace(camera, shared=shared, darks=darks, flats=flats))
+        name = f"{label} {value}" if shared.key == "part" else value
+        selection = Selection(part=value) if shared.key == "part" else Selection(dataset=value)
+        camera = _describe_camera(name, group, directory, selection)
+        if shared.key == "dataset":
+            # darks and flats may lie in the file of the frames
+            darks, flats = (
+                names
+                and _describe_set(group["frames"], directory, Selection(dataset=names[number]))
+                for names in (shared.darks, shared.flats)
+            )
+            camera = replace(camera, darks=darks, flats=flats)
+        cameras.append(replace(camera, shared=shared))
     return cameras, rest
 
 
@@ -394,7 +388,6 @@ def _describe_camera(
         flats,
         backgrounds,
         counts=sample_counts(sample, directory, frames.bits),
-        selection=selection,
     )
 
 

@@ -73,7 +73,7 @@ def open_raw(path: Path) -> FrameFile:
     layout = FrameLayout(shape, "|u1" if plain == "8" else "<u2", packing=packing)
 
     start, size = given.header_bytes, path.stat().st_size
-    held = count_frames(size, start=start, step=max(layout.size, 1))
+    held = count_frames(size, start=start, step=layout.size)
     return RawFrames(
         path,
         layout,

@@ -12,6 +12,7 @@ import re
 import struct
 import zlib
 from collections.abc import Sequence
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -67,14 +68,10 @@ class CompressedImage(FrameFile):
         self.packing = header.packing
         dtype = "float32" if header.format == -3 else "uint16"
         kind = FrameKind((header.rows, header.columns), dtype)
-        self._source = Source(path)
-        try:
-            packing = _DENSEST.get(header.packing, 16 / 12)
-            check_claim(header.frames, kind, self._source.size, packing=packing)
-        except BaseException:
-            self.close()
-            raise
+        packing = _DENSEST.get(header.packing, 16 / 12)
+        check_claim(header.frames, kind, path.stat().st_size, packing=packing)
         self.kinds = [kind] * header.frames
+        self._source = Source(path)
 
     def read(self, index: int) -> AnyArray:
         """As `FrameFile.read`."""
@@ -169,11 +166,8 @@ class SetFrames(FrameFile):
     def read(self, index: int) -> AnyArray:
         """As `FrameFile.read`."""
         number, inner = self.places[index]
-        file = open_im7(self.paths[number])
-        try:
+        with closing(open_im7(self.paths[number])) as file:
             return file.read(inner)
-        finally:
-            file.close()
 
 
 def open_im7(path: Path) -> FrameFile:
@@ -198,9 +192,6 @@ def open_im7(path: Path) -> FrameFile:
             f"its compression {header.packing} is not read. Save the images without compression in "
             "DaVis."
         )
-    if header.frames < 1:
-        raise FrameError(f"the file is damaged: its header names {header.frames} frames")
-
     file: FrameFile
     if header.packing == _PLAIN:
         layout = FrameLayout((header.rows, header.columns), _TYPES[header.format])

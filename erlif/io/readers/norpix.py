@@ -59,12 +59,6 @@ def open_norpix(path: Path) -> FrameFile:
 
     is_large = header.version >= _LARGER_HEADER
     start = 8192 if is_large else max(header.header_size, 1024)
-    if not layout.size:
-        raise FrameError("the file holds no image")
-    if header.step < layout.size:
-        raise FrameError(
-            f"the header is damaged: frames of {layout.size} bytes cannot lie {header.step} apart"
-        )
 
     # a recording that was not closed has no number of frames
     count = header.frames or count_frames(size, start=start, step=header.step)

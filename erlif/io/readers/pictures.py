@@ -98,7 +98,6 @@ def open_bmp(path: Path) -> FrameFile:
         row = -(-width // 4) * 4  # rows end at a multiple of four bytes
         shape = abs(height), width
         layout = FrameLayout(shape, "|u1", row_bytes=row, bottom_up=height > 0)
-        check_claim(1, layout.kind, source.size)
     return RawFrames(path, layout, [start])
 
 
@@ -108,23 +107,24 @@ def open_pgm(path: Path) -> FrameFile:
     As `Format.open`: FrameError if it is damaged or written as text.
     """
     with Source(path) as source:
-        head = source.read(0, min(1024, source.size))
         size = source.size
-    if head[:2] == b"P2":
-        raise FrameError("its counts are written as text. Save it as binary PGM (P5) or as TIFF.")
-    gap = rb"(?:\s|#[^\n]*\n)+"  # one blank at a time: a second repetition would need ages to fail
-    match = re.match(rb"P5" + (gap + rb"(\d{1,9})") * 3 + rb"\s", head)
-    if match is None:
-        raise FrameError("the file is damaged or not a PGM")
-    width, height, most = map(int, match.groups())
-    if not 0 < most < 65536:
-        raise FrameError(f"the file is damaged: its highest count is {most}")
+        head = source.read(0, min(1024, size))
+        if head[:2] == b"P2":
+            raise FrameError(
+                "its counts are written as text. Save it as binary PGM (P5) or as TIFF."
+            )
+        # one blank at a time: a second repetition would need ages to fail
+        gap = rb"(?:\s|#[^\n]*\n)+"
+        match = re.match(rb"P5" + (gap + rb"(\d{1,9})") * 3 + rb"\s", head)
+        if match is None:
+            raise FrameError("the file is damaged or not a PGM")
+        width, height, most = map(int, match.groups())
+        if not 0 < most < 65536:
+            raise FrameError(f"the file is damaged: its highest count is {most}")
 
-    layout = FrameLayout((height, width), "|u1" if most < 256 else ">u2")
-    check_claim(1, layout.kind, size)
-    step = match.end() + layout.size
-    count = -(-size // step)
-    with Source(path) as source:
+        layout = FrameLayout((height, width), "|u1" if most < 256 else ">u2")
+        step = match.end() + layout.size
+        count = -(-size // step)
         for n in range(1, count):
             if source.read(n * step, min(match.end(), size - n * step)) != match[0]:
                 raise FrameError("the file is damaged: it goes on behind its last count")

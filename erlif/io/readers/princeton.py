@@ -80,10 +80,6 @@ def _open_lightfield(path: Path, source: Source, start: int) -> FrameFile:
         (_number(regions[0], "height"), _number(regions[0], "width")), _NAMES[name]
     )
     count, step = _number(frames[0], "count"), _number(frames[0], "stride")
-    if step < max(layout.size, 1):
-        raise FrameError(
-            f"the file is damaged: frames of {layout.size} bytes cannot lie {step} apart"
-        )
     return RawFrames(
         path,
         layout,

@@ -83,9 +83,13 @@ class FrameLayout:
             return self.packing.size(rows * columns)
         return rows * (self.row_bytes or columns * np.dtype(self.dtype).itemsize)
 
-    def in_a_row(self, start: int, count: int, step: int = 0) -> range:
-        """Positions of consecutive frames, `step` apart or without a gap if it is 0. [byte]"""
-        step = step or max(self.size, 1)
+    def in_a_row(self, start: int, count: int, step: int | None = None) -> range:
+        """Positions of consecutive frames, `step` apart; default: without a gap. [byte]"""
+        if step is not None and step < self.size:
+            raise FrameError(
+                f"the header is damaged: frames of {self.size} bytes cannot lie {step} apart"
+            )
+        step = max(self.size if step is None else step, 1)
         return range(start, start + count * step, step)
 
 
@@ -145,14 +149,11 @@ class RawFrames(FrameFile):
         self.layout, self.offsets = layout, offsets
         self.bits, self.companions = bits, companions
         self._interval, self._find_times = interval, find_times
+        size = path.stat().st_size
+        self.kinds = self._find_kinds(size, before)
+        if described_by:
+            self._check_rest(size, described_by)
         self._source = Source(path)
-        try:
-            self.kinds = self._find_kinds(before)
-            if described_by:
-                self._check_rest(described_by)
-        except BaseException:
-            self.close()
-            raise
 
     # found when they are asked for: stamps lie between the frames, over the whole file
     @cached_property
@@ -163,9 +164,9 @@ class RawFrames(FrameFile):
             times = self._interval * np.arange(len(self.kinds), dtype=np.float64)
         return times
 
-    def _find_kinds(self, before: int) -> Sequence[FrameKind]:
+    def _find_kinds(self, size: int, before: int) -> Sequence[FrameKind]:
         """Kind of each frame; those behind the end of the file are truncated."""
-        size, kind = self._source.size, self.layout.kind
+        kind = self.layout.kind
         check_claim(1, kind, size, packing=_DENSEST)
         try:
             count = len(self.offsets)
@@ -184,18 +185,18 @@ class RawFrames(FrameFile):
             )
         return [kind if inside else TRUNCATED for inside in whole.tolist()]
 
-    def _check_rest(self, header: str) -> None:
+    def _check_rest(self, size: int, header: str) -> None:
         """Refuse counts behind the last frame.
 
         The header of another recording, or a wrong width, gives frames of shifted rows, which
         nothing else reveals.
         """
         end = int(self.offsets[-1]) + self.layout.size
-        if self._source.size > end:
-            count, each, held = len(self.offsets), self.layout.size, self._source.size
+        if size > end:
+            count, each = len(self.offsets), self.layout.size
             raise FrameError(
                 f"{header} describes {count} frames of {each} bytes, which end at byte {end}; the "
-                f"file of counts has {held} bytes. Put the header of this recording beside it, or "
+                f"file of counts has {size} bytes. Put the header of this recording beside it, or "
                 "correct the header."
             )
 
@@ -268,7 +269,7 @@ def count_frames(size: int, *, start: int, step: int) -> int:
     >>> count_frames(16, start=0, step=8)
     2
     """
-    return max(0, -(-(size - start) // step))
+    return max(0, -(-(size - start) // max(step, 1)))
 
 
 def frame_interval(rate: float, *, step: int = 1) -> float | None:
@@ -342,33 +343,27 @@ def read_counts(source: Source, layout: FrameLayout, offset: int) -> AnyArray:
 
 
 class Packing(Enum):
-    """Order of the bits of packed pixels."""
+    """Bits of packed pixels, and their order."""
 
-    HIGH_12 = 0  #: 12 bits, the highest first
-    LOW_12 = 1  #: 12 bits, the lowest first: Mono12p
-    SPLIT_12 = 2  #: 12 bits, the low four of two pixels in a byte between: Mono12Packed
-    HIGH_10 = 3  #: 10 bits, the highest first
-    LOW_10 = 4  #: 10 bits, the lowest first: Mono10p
-    SPLIT_10 = 5  #: 10 bits, the low two of two pixels in a byte between: Mono10Packed
+    HIGH_12 = 12, "high"  #: the highest first
+    LOW_12 = 12, "low"  #: the lowest first: Mono12p
+    SPLIT_12 = 12, "split"  #: the low four of two pixels in a byte between: Mono12Packed
+    HIGH_10 = 10, "high"  #: the highest first
+    LOW_10 = 10, "low"  #: the lowest first: Mono10p
+    SPLIT_10 = 10, "split"  #: the low two of two pixels in a byte between: Mono10Packed
 
-    @property
-    def bits(self) -> int:
-        """Bits of a pixel."""
-        return 10 if self in (Packing.HIGH_10, Packing.LOW_10, Packing.SPLIT_10) else 12
+    def __init__(self, bits: int, order: str) -> None:
+        self.bits, self.order = bits, order
 
     @property
     def group(self) -> tuple[int, int]:
         """Bytes and pixels of the smallest part that can be decoded by itself."""
-        return (5, 4) if self in (Packing.HIGH_10, Packing.LOW_10) else (3, 2)
+        return (3, 2) if self.bits == 12 or self.order == "split" else (5, 4)
 
     def size(self, pixels: int) -> int:
         """Bytes that a number of pixels takes."""
         size, count = self.group
         return -(-pixels * size // count)
-
-
-_HIGH = (Packing.HIGH_12, Packing.HIGH_10)
-_SPLIT = (Packing.SPLIT_12, Packing.SPLIT_10)
 
 
 def unpack(
@@ -413,10 +408,10 @@ def unpack(
     counts = np.empty((groups, count), np.uint16)
     for pixel in range(count):
         byte, bit = divmod(pixel * bits, 8)
-        if packing in _SPLIT:
+        if packing.order == "split":
             low = stored[1] >> (4 * pixel) & ((1 << bits - 8) - 1)
             counts[:, pixel] = stored[2 * pixel] << (bits - 8) | low
-        elif packing in _HIGH:
+        elif packing.order == "high":
             word = stored[byte] << 8 | stored[byte + 1]
             counts[:, pixel] = word >> (16 - bit - bits) & ((1 << bits) - 1)
         else:

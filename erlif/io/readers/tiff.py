@@ -77,8 +77,8 @@ class TiffFrames(FrameFile):
 
     Attributes
     ----------
-    images : int
-        Number of images by the description; 0 where it has none.
+    description : Description
+        Images, channels and times that OME or ImageJ wrote.
     stack : tuple[FrameLayout, int] | None
         Layout and place of the first image; None where it is compressed or scattered.
     """
@@ -99,7 +99,12 @@ class TiffFrames(FrameFile):
             self.stack = _contiguous(first, self._file.byteorder)
             bits = int(first.bitspersample)
             self.bits = bits if 8 < bits < 16 else None
-            self._describe(first.description.encode("utf-8", "replace"), path.name)
+            text = first.description.encode("utf-8", "replace")
+            self.description = read_description(
+                text if len(text) <= _LONGEST else b"", name=path.name, pages=len(self.kinds)
+            )
+            if self.description.frames in (0, len(self.kinds)):
+                self.channels, self.times = self.description.channels, self.description.times
         except (OSError, FrameError):
             self.close()
             raise
@@ -191,14 +196,6 @@ class TiffFrames(FrameFile):
             page.predictor = 1  # libtiff writes and reads it so
         return page
 
-    def _describe(self, text: bytes, name: str) -> None:
-        """Take channels and times from what OME or ImageJ wrote."""
-        text = text if len(text) <= _LONGEST else b""
-        self.description = read_description(text, name=name, pages=len(self.kinds))
-        self.images = self.description.frames
-        if self.images in (0, len(self.kinds)):
-            self.channels, self.times = self.description.channels, self.description.times
-
 
 def _is_plain_lzw(page: tifffile.TiffPage) -> bool:
     """Whether the counts of a page are compressed by LZW, in whole bytes of the usual order."""
@@ -218,20 +215,17 @@ def open_tiff(path: Path) -> FrameFile:
     As `Format.open`: FrameError if the file is damaged, or its images are no counts.
     """
     file = TiffFrames(path)
-    if file.images > 1 == len(file.kinds) and file.stack is not None:
-        file.close()
-        return _ImageJStack(path, file)
-    return file
+    described = file.description
+    if not described.frames > 1 == len(file.kinds) or file.stack is None:
+        return file
 
-
-class _ImageJStack(RawFrames):
-    """Images that follow the first one without directories, as ImageJ writes above 4 GB."""
-
-    def __init__(self, path: Path, first: TiffFrames) -> None:
-        assert first.stack is not None
-        layout, start = first.stack
-        super().__init__(path, layout, layout.in_a_row(start, first.images))
-        self.channels, self.times = first.description.channels, first.description.times
+    # images follow the first one without directories, as ImageJ writes above 4 GB
+    file.close()
+    layout, start = file.stack
+    places = layout.in_a_row(start, described.frames)
+    stack = RawFrames(path, layout, places, find_times=lambda raw: described.times)
+    stack.channels = described.channels
+    return stack
 
 
 TIFF = Format(
@@ -278,7 +272,6 @@ def _find_directories(source: Source) -> list[_Directory]:
         struct.Struct(order + form)
         for form in (("Q", "HHQ8s", "Q") if big else ("H", "HHI4s", "I"))
     )
-    sign = _Sign(order, entry)
     alike: dict[bytes, bytes] = {}
     (place,) = following.unpack_from(head, 8 if big else 4)
 
@@ -298,7 +291,7 @@ def _find_directories(source: Source) -> list[_Directory]:
                 raise FrameError("the file is damaged: a directory is no list of entries")
 
         (after,) = following.unpack_from(table, size)
-        text, end = sign(table[:size]) if found or after else (b"", 0)
+        text, end = _sign(table[:size], order, entry) if found or after else (b"", 0)
         found.append(_Directory(place, alike.setdefault(text, text), end))
         place = after
         taken += number.size + len(table)
@@ -307,34 +300,20 @@ def _find_directories(source: Source) -> list[_Directory]:
     return found
 
 
-class _Sign:
-    """Callable that reduces a directory to the entries that determine the kind of its page.
-
-    Parameters
-    ----------
-    order : str
-        Of the bytes, as in struct.
-    entry : Struct
-        Tag, type, count and value.
-    """
-
-    def __init__(self, order: str, entry: struct.Struct) -> None:
-        self._order, self._entry = order, entry
-
-    def __call__(self, table: bytes) -> tuple[bytes, int]:
-        """`_Directory.alike` and `_Directory.end` of a directory."""
-        step, strip = self._entry.size, {_OFFSET: 0, _SIZE: 0}
-        left = bytearray(table)
-        for n, (tag, kind, count, value) in enumerate(self._entry.iter_unpack(table)):
-            inside = count * _TYPE_SIZES.get(kind, 0) <= len(value)
-            if tag in strip and count == 1 and inside and kind in _WHOLE:
-                strip[tag] = struct.unpack_from(self._order + _WHOLE[kind], value)[0]
-            if tag == _OFFSET or (tag in _WORDS and not inside):
-                left[(n + 1) * step - len(value) : (n + 1) * step] = bytes(len(value))
-            elif not inside:
-                return b"", 0
-        start, size = strip.values()
-        return (bytes(left), start + size) if start and size else (b"", 0)
+def _sign(table: bytes, order: str, entry: struct.Struct) -> tuple[bytes, int]:
+    """`_Directory.alike` and `_Directory.end` of the entries of a directory."""
+    step, strip = entry.size, {_OFFSET: 0, _SIZE: 0}
+    left = bytearray(table)
+    for n, (tag, kind, count, value) in enumerate(entry.iter_unpack(table)):
+        inside = count * _TYPE_SIZES.get(kind, 0) <= len(value)
+        if tag in strip and count == 1 and inside and kind in _WHOLE:
+            strip[tag] = struct.unpack_from(order + _WHOLE[kind], value)[0]
+        if tag == _OFFSET or (tag in _WORDS and not inside):
+            left[(n + 1) * step - len(value) : (n + 1) * step] = bytes(len(value))
+        elif not inside:
+            return b"", 0
+    start, size = strip.values()
+    return (bytes(left), start + size) if start and size else (b"", 0)
 
 
 def _kind_of(page: tifffile.TiffPage, size: int) -> FrameKind:

@@ -184,7 +184,7 @@ def read_named(path: Path, kind: type[_Settings], *, holds: str, hint: str) -> _
 def _load(path: Path, kind: type[_Settings]) -> _Settings:
     """The tables of a file as settings; ConfigError with all gaps and faults."""
     raw = _read_toml(path)
-    gaps = list(_find_gaps(raw))
+    gaps = list(find_gaps(raw))
     try:
         settings = kind.model_validate(raw)
     except ValidationError as error:
@@ -244,11 +244,29 @@ def _read_toml(path: Path) -> dict[str, Any]:
         ) from error
 
 
-def _find_gaps(table: dict[str, Any], path: _Location = ()) -> Iterator[_Location]:
-    """Places of the values that are still to be filled in."""
+def find_gaps(table: dict[str, Any], path: _Location = ()) -> Iterator[_Location]:
+    """Find the values that are still to be filled in.
+
+    Parameters
+    ----------
+    table : dict
+        From TOML.
+    path : tuple of str
+        Place of the table in the file.
+
+    Yields
+    ------
+    tuple of str
+        Names of the tables around a gap, and of its key.
+
+    Examples
+    --------
+    >>> list(find_gaps({"run": {"name": "wear"}, "optics": {"pixel_pitch": "?? um"}}))
+    [('optics', 'pixel_pitch')]
+    """
     for name, value in table.items():
         if isinstance(value, dict):
-            yield from _find_gaps(value, (*path, name))
+            yield from find_gaps(value, (*path, name))
         elif isinstance(value, str) and _GAP.fullmatch(value.strip()):
             yield (*path, name)
 

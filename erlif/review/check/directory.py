@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -189,9 +189,8 @@ def examine(
         result.name = recording.settings.name
         result.notes.append(_note_frames(recording))
         # pairs are listed even where a later part fails
-        run = recording if isinstance(recording, Run) else None
-        result.pairs = tabulate_pairs(recording.pairs, run)
-        parts = _Parts(recording, run, result, allow_outside).list()
+        result.pairs = tabulate_pairs(recording)
+        parts = _Parts(recording, result, allow_outside).list()
         for done, (name, step) in enumerate(parts, 1):
             subject = name
             with stage(f"check of {name}", _logger):
@@ -232,7 +231,6 @@ class _Parts:
     """Parts of an audit in their order; later parts use the results of earlier ones."""
 
     recording: Run | Fixture
-    run: Run | None
     found: Examination
     allow_outside: bool
     survey: CountSurvey = field(init=False)
@@ -270,7 +268,7 @@ class _Parts:
         yield from skipped_notes(self.recording.pairs)
         yield from note_numbers(self.recording.pairs)
         odd = {frame for frames in find_copies(self.survey) for frame in frames}
-        self.found.pairs = tabulate_pairs(self.recording.pairs, self.run, odd=odd)
+        self.found.pairs = tabulate_pairs(self.recording, odd=odd)
         for row in self.found.pairs:
             yield remark("pairs", f"{row}")
         yield from note_copies(self.survey)
@@ -370,14 +368,12 @@ _FIRST, _LAST = 2, 1  # pairs at both ends of the table
 _LISTED = 20  # rows of the table at most
 
 
-def tabulate_pairs(pairs: FramePairs, run: Run | None, *, odd: Iterable[int] = ()) -> list[PairRow]:
+def tabulate_pairs(recording: Run | Fixture, *, odd: Iterable[int] = ()) -> list[PairRow]:
     """The first, the last and all odd pairs.
 
     Parameters
     ----------
-    pairs : FramePairs
-    run : Run, optional
-        For its log; None for a fixture.
+    recording : Run or Fixture
     odd : iterable of int
         Numbers of further pairs.
 
@@ -386,23 +382,23 @@ def tabulate_pairs(pairs: FramePairs, run: Run | None, *, odd: Iterable[int] = (
     list of PairRow
     """
     # both ends show whether the recording was cut
-    count = len(pairs.pages[0])
+    count = len(recording.pairs.pages[0])
     ends = [*range(min(_FIRST, count)), *range(max(count - _LAST, 0), count)]
     chosen = sorted({*ends, *sorted(odd)[: _LISTED - len(ends)]})
-    return [_pair_row(pairs, run, k) for k in chosen]
+    return [_pair_row(recording, k) for k in chosen]
 
 
-def _pair_row(pairs: FramePairs, run: Run | None, k: int) -> PairRow:
-    one, two = pairs.pages[0][k].name, pairs.pages[1][k].name
-    if run is None:
-        return PairRow(k, one, two)
-    log = run.log
-    if run.settings.encoder is None or run.settings.encoder.file is None:
-        return PairRow(k, one, two, time=float(log["time"][k]) if "time" in log else None)
-    row = int(log.number[k]) if "number" in log else k
+def _pair_row(recording: Run | Fixture, k: int) -> PairRow:
+    one, two = (pages[k].name for pages in recording.pairs.pages)
+    row = PairRow(k, one, two)
+    if not isinstance(recording, Run):
+        return row
+    log, encoder = recording.log, recording.settings.encoder
+    row = replace(row, time=float(log["time"][k]) if "time" in log else None)
+    if encoder is None or encoder.file is None:
+        return row
     angle = float(log.angle[k]) if "angle" in log else None
-    time = float(log["time"][k]) if "time" in log else None
-    return PairRow(k, one, two, row, angle, time)
+    return replace(row, row=int(log.number[k]), angle=angle)
 
 
 def note_numbers(pairs: FramePairs) -> Iterator[Note]:

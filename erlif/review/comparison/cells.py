@@ -7,6 +7,7 @@ matters and has an eighth of the noise.
 from __future__ import annotations
 
 import warnings
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -91,7 +92,7 @@ def cell_edges(films: list[xr.Dataset], axis: str) -> Array:
 
 
 def average_cells(
-    film: xr.Dataset, trigger: int, calibration: RunCurve, *, x_edges: Array, y_edges: Array
+    film: xr.Dataset, trigger: int, calibration: RunCurve, edges: Mapping[str, Array]
 ) -> CellMeans:
     """Average the map of one trigger over cells.
 
@@ -104,8 +105,8 @@ def average_cells(
     trigger : int
     calibration : RunCurve
         Of the film.
-    x_edges, y_edges : array
-        As `cell_edges` returns them. [mm]
+    edges : mapping of str to array
+        Along x and y, as `cell_edges` returns them. [mm]
 
     Returns
     -------
@@ -116,8 +117,8 @@ def average_cells(
     >>> from erlif.calibration import calibration_of
     >>> from erlif.show.plots import example_film
     >>> film = example_film()
-    >>> edges = {f"{axis}_edges": cell_edges([film], axis) for axis in ("x", "y")}
-    >>> average_cells(film, 0, calibration_of(film), **edges).film.shape
+    >>> edges = {axis: cell_edges([film], axis) for axis in ("x", "y")}
+    >>> average_cells(film, 0, calibration_of(film), edges).film.shape
     (3, 8)
     """
     one = film.isel(trigger=trigger)
@@ -127,9 +128,10 @@ def average_cells(
     valid = np.isfinite(value) & np.isfinite(noise)
 
     # cell of every pixel; those beyond the last edge have none
-    row = np.searchsorted(y_edges, film.y.values, side="right") - 1
-    column = np.searchsorted(x_edges, film.x.values, side="right") - 1
-    shape = (y_edges.size - 1, x_edges.size - 1)
+    row, column = (
+        np.searchsorted(edges[axis], film[axis].values, side="right") - 1 for axis in ("y", "x")
+    )
+    shape = (edges["y"].size - 1, edges["x"].size - 1)
     inside = valid & ((row >= 0) & (row < shape[0]))[:, None]
     inside &= ((column >= 0) & (column < shape[1]))[None, :]
     place = (row[:, None] * shape[1] + column[None, :])[inside]
@@ -139,8 +141,7 @@ def average_cells(
         return np.asarray(found.reshape(shape), float)
 
     count = total()
-    axes = (film.y.values, y_edges), (film.x.values, x_edges)
-    pixels = np.outer(*(np.histogram(position, edges)[0] for position, edges in axes))
+    pixels = np.outer(*(np.histogram(film[axis].values, edges[axis])[0] for axis in ("y", "x")))
     enough = (count >= _LEAST_SHARE * pixels) & (count > 0)
     count = np.where(enough, count, np.nan)
     mean = total(value[inside]) / count

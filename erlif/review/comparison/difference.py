@@ -289,10 +289,10 @@ def difference_map(one: xr.Dataset, other: xr.Dataset, *, triggers: tuple[int, i
             "Expected images whose x lies along the same direction; x_axis in [optics] differs. "
             "Compare the film statistics alone, or runs of one camera."
         )
-    edges = {f"{axis}_edges": cell_edges([one, other], axis) for axis in ("x", "y")}
+    edges = {axis: cell_edges([one, other], axis) for axis in ("x", "y")}
     calibrations = calibration_of(one, triggers[0]), calibration_of(other, triggers[1])
     a, b = (
-        average_cells(film, trigger, calibration, **edges)
+        average_cells(film, trigger, calibration, edges)
         for film, trigger, calibration in zip((one, other), triggers, calibrations, strict=True)
     )
     same = key_of(calibrations[0]) == key_of(calibrations[1])
@@ -303,9 +303,6 @@ def difference_map(one: xr.Dataset, other: xr.Dataset, *, triggers: tuple[int, i
     significance = difference / std
     dims = ("y", "x")
     described = [describe_trigger(film, k) for film, k in zip((one, other), triggers, strict=True)]
-    middles = {
-        axis: 0.5 * (edges[f"{axis}_edges"][1:] + edges[f"{axis}_edges"][:-1]) for axis in "xy"
-    }
     mapped = describe(
         {
             "difference": (dims, difference, "um", ""),
@@ -313,7 +310,7 @@ def difference_map(one: xr.Dataset, other: xr.Dataset, *, triggers: tuple[int, i
             "significance": (dims, significance, "1", ""),
             "differs": (dims, _significant(significance), "1", ""),
         },
-        {axis: (axis, middle, "mm", "") for axis, middle in middles.items()},
+        {axis: (axis, 0.5 * (edge[1:] + edge[:-1]), "mm", "") for axis, edge in edges.items()},
     )
     return mapped.assign_attrs(
         first=described[0],

@@ -242,8 +242,8 @@ def _mean_errors(film: xr.Dataset, trigger: int, calibration: RunCurve) -> tuple
     if min(value.shape) < 2 * CELL or not valid.any():
         return float("nan"), np.full(parameters, np.nan)
     noise = noise_inflation(value, variance) * float(variance[valid].sum())
-    edges = {f"{axis}_edges": cell_edges([inside], axis) for axis in ("x", "y")}
-    cells = average_cells(inside, trigger, calibration, **edges)
+    edges = {axis: cell_edges([inside], axis) for axis in ("x", "y")}
+    cells = average_cells(inside, trigger, calibration, edges)
     weight = np.nan_to_num(cells.count) * np.isfinite(cells.film)
     change = (cells.gradient * weight[..., None]).sum(axis=(0, 1)) / max(float(weight.sum()), 1.0)
     return float(np.sqrt(noise) / valid.sum()), change

@@ -25,7 +25,7 @@ def write_log(tmp_path):
 
 def read_by_frame(path):
     """A log with one row for each frame."""
-    return read_log(path, ColumnChoice(), frames=0).log
+    return read_log(path, ColumnChoice(), frames=0)[0]
 
 
 # what is read
@@ -111,7 +111,7 @@ def test_a_count_of_the_frames_in_a_log_in_time_is_its_pulse(write_log):
     path = write_log("frame,time_s,angle_deg\n" + "".join(f"{k // 3},{k},{k}\n" for k in range(9)))
     with pytest.raises(EncoderError, match='counts the frames, write pulse = "frame"'):
         read_log(path, ColumnChoice(), frames=2)
-    log = read_log(path, ColumnChoice({"pulse": "frame"}), frames=2).log
+    log = read_log(path, ColumnChoice({"pulse": "frame"}), frames=2)[0]
     assert find_pulses(log, log.samples["pulse"].values, 2).tolist() == [2.5, 5.5]
 
 
@@ -123,5 +123,5 @@ def test_a_log_in_time_needs_time_and_angle(write_log):
         read_log(write_log("F,time_s\n1,2\n3,4\n"), ColumnChoice(), frames=5)
     log = read_log(
         write_log("F,time_s\n1,2\n3,4\n4,5\n5,6\n"), ColumnChoice(), frames=5, needs_angle=False
-    ).log
+    )[0]
     assert "angle" not in log.samples

@@ -235,6 +235,6 @@ def test_parts_of_one_file_stand_in_the_order_of_their_pages(tmp_path):
     tifffile.imwrite(tmp_path / "both.tif", pages, photometric="minisblack")
     (tmp_path / "encoder.csv").write_text("frame,angle_deg\n0,1\n1,2\n2,3\n")
     one, two = survey_directory(tmp_path).cameras
-    assert (one.selection.part, one.counts.highest) == ("odd", 3000)
-    assert (two.selection.part, two.counts.highest) == ("even", 1000)
+    assert (one.shared.values[0], one.counts.highest) == ("odd", 3000)
+    assert (two.shared.values[1], two.counts.highest) == ("even", 1000)
     assert one.frames.pages == two.frames.pages == 3

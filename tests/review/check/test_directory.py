@@ -12,7 +12,7 @@ from scenes.tiff_pages import rewrite
 import erlif
 from conftest import SMALL, Laboratory
 from erlif.core.notes import Level
-from erlif.io.ingest import FramePairs, Page, frames
+from erlif.io.ingest import FramePairs, Page, frames, open_fixture
 from erlif.review.check import examine
 from erlif.review.check.directory import note_numbers, tabulate_pairs
 from erlif.rig import simulate
@@ -137,7 +137,7 @@ def test_a_missing_number_is_named_for_each_camera():
 
 
 def test_the_table_has_files_rows_angles_and_times_of_the_log(run, small_rig):
-    rows = tabulate_pairs(run.pairs, run, odd=[3])
+    rows = tabulate_pairs(run, odd=[3])
     assert [row.pair for row in rows] == [0, 1, 3, 5]
     log = np.genfromtxt(small_rig.run / "encoder.csv", delimiter=",", names=True)
     row = rows[2]
@@ -146,5 +146,5 @@ def test_the_table_has_files_rows_angles_and_times_of_the_log(run, small_rig):
     assert str(row).startswith("pair 3: frame_0003.tif with frame_0003.tif, log frame 3, ")
 
 
-def test_a_fixture_has_no_log(run):
-    assert tabulate_pairs(run.pairs, None)[0].row is None
+def test_a_fixture_has_no_log(small_rig):
+    assert tabulate_pairs(open_fixture(small_rig.fixture))[0].row is None

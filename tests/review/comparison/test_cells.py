@@ -28,8 +28,8 @@ def noisy_map(film, noise, rng, *, pitch=0.1, shape=(64, 80)):
 
 
 def cells_of(film):
-    edges = {f"{axis}_edges": cell_edges([film], axis) for axis in ("x", "y")}
-    return average_cells(film, 0, example_calibration(), **edges)
+    edges = {axis: cell_edges([film], axis) for axis in ("x", "y")}
+    return average_cells(film, 0, example_calibration(), edges)
 
 
 def test_the_mean_of_a_cell_has_neither_bias_nor_another_scatter_than_stated():
@@ -64,8 +64,8 @@ def test_an_image_whose_rows_run_upwards_has_the_same_cells():
 def test_images_of_two_pixel_pitches_give_the_same_cells():
     rng = np.random.default_rng(6)
     maps = [noisy_map(5.0, 0.02, rng, pitch=pitch, shape=(80, 96)) for pitch in (0.1, 0.05)]
-    edges = {f"{axis}_edges": cell_edges(maps, axis) for axis in ("x", "y")}
-    found = [average_cells(each, 0, example_calibration(), **edges) for each in maps]
+    edges = {axis: cell_edges(maps, axis) for axis in ("x", "y")}
+    found = [average_cells(each, 0, example_calibration(), edges) for each in maps]
     assert found[1].count[1, 1] == 4 * found[0].count[1, 1] == 256
     npt.assert_allclose(found[0].film, found[1].film, atol=0.02)
 
