@@ -340,21 +340,10 @@ def _share_readings(calibration: Calibration, earlier: Calibration, *, paired: b
     """
     if paired:
         return True
-    ones, others = _profile_hashes(calibration), _profile_hashes(earlier)
-    if ones and others:
-        return not ones.isdisjoint(others)
+    one, other = (each.input_hashes.get(each.profile_file) for each in (calibration, earlier))
+    if one and other:
+        return one == other
     return False if all("curve_x" in each.curve for each in (calibration, earlier)) else None
-
-
-def _profile_hashes(calibration: Calibration) -> set[str]:
-    """Hash of the CMM profile; of all tables (CSV, TXT) if its name is not recorded."""
-    hashes = calibration.input_hashes
-    if calibration.profile_file:
-        profile = hashes.get(calibration.profile_file)
-        return set() if profile is None else {profile}
-    # a fixture's other inputs are its settings and frames, which no text table can be
-    tables = (".csv", ".txt")
-    return {value for name, value in hashes.items() if name.lower().endswith(tables)}
 
 
 def _test_pairs(
