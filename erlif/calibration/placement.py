@@ -6,13 +6,12 @@ Only what the form of the profile determines is refined, see `erlif.calibration.
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import NamedTuple
 
 import numpy as np
 
 from erlif.calibration.pairing import pair_profile_with_image
 from erlif.calibration.points import Points
-from erlif.calibration.pose import TURN, FoundPose, Freedom, Pose, find_freedom, find_turn
+from erlif.calibration.pose import TURN, FoundPose, Freedom, Pose, Turn, find_freedom, find_turn
 from erlif.calibration.profile import Profile
 from erlif.calibration.regression import Fit, fit_robustly
 from erlif.core.arrays import Array
@@ -53,9 +52,9 @@ def refine_pose(
     FoundPose
         The refined pose, its change and its uncertainty.
     """
-    points, pose, turn, turn_std = _turn_line(ratios, profile, points, given)
+    points, pose, turn = _turn_line(ratios, profile, points, given)
     change = np.zeros(4)
-    change[TURN] += turn
+    change[TURN] += turn.angle
 
     for n in range(_STEPS):
         freedom = _freedom_at(points, pose)
@@ -70,24 +69,19 @@ def refine_pose(
         pose = pose.changed(step, freedom.middle)
         points, _ = pair_profile_with_image(ratios, profile, pose)
 
-    covariance = np.diag([0.0, 0.0, 0.0, turn_std**2])
+    covariance = np.diag([0.0, 0.0, 0.0, turn.std**2])
     if freedom.size:
         scale = max(1.0, fit.reduced_chi_square)
         free = fit.covariance[-freedom.size :, -freedom.size :]
         covariance += scale * freedom.combinations @ free @ freedom.combinations.T
     determined = freedom.shares >= _MOSTLY
-    determined[TURN] |= turn_std > 0
+    determined[TURN] |= turn.std > 0
     return points, freedom, FoundPose(pose, change, covariance, determined)
 
 
-class _TurnedProfile(NamedTuple):
-    points: Points
-    pose: Pose
-    turn: float  # change of direction; 0 where it was left as given. [rad]
-    turn_std: float  # its standard deviation; 0 where it was left as given. [rad]
-
-
-def _turn_line(ratios: RatioImages, profile: Profile, points: Points, pose: Pose) -> _TurnedProfile:
+def _turn_line(
+    ratios: RatioImages, profile: Profile, points: Points, pose: Pose
+) -> tuple[Points, Pose, Turn]:
     """Turn a line profile until the ratio is constant across it."""
     total, std = 0.0, 0.0
     for _ in range(_TURNS):
@@ -98,7 +92,7 @@ def _turn_line(ratios: RatioImages, profile: Profile, points: Points, pose: Pose
         total += turn.angle
         pose = pose.changed(np.array([0.0, 0.0, 0.0, turn.angle]), np.zeros(2))
         points, _ = pair_profile_with_image(ratios, profile, pose)
-    return _TurnedProfile(points, pose, total, std)
+    return points, pose, Turn(total, std)
 
 
 def _freedom_at(points: Points, pose: Pose) -> Freedom:
