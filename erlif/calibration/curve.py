@@ -183,23 +183,6 @@ class RatioCurve(ABC):
         """Table from the logarithm of the ratio to thickness, for whole images."""
         return InverseTable.of(self)
 
-    def invert(self, log_ratio: npt.ArrayLike) -> Array:
-        """Thickness of a logarithm of the ratio by root finding; NaN beyond the range. [um]"""
-        low, high = self.thickness_range
-        first, last = self.predict_log([low, high])
-
-        def find(goal: float) -> float:
-            if not first <= goal <= last:
-                return np.nan
-            return float(
-                scipy.optimize.brentq(
-                    lambda film: float(self.predict_log(film)) - goal, low, high, xtol=1e-10
-                )
-            )
-
-        values = np.asarray(log_ratio, float)
-        return np.array([find(goal) for goal in values.ravel()]).reshape(values.shape)
-
 
 @dataclass(frozen=True, repr=False)
 class Calibration(RatioCurve):
