@@ -190,11 +190,6 @@ class CoarsePair:
         sound = np.isfinite(out)
         return np.where(sound, out, np.float32(0)), sound.astype(np.float32)
 
-    def with_second(self, moving: AnyArray, weight: AnyArray | None) -> CoarsePair:
-        """Return the pair with another image of camera 2."""
-        b, weight_b = _textures(moving, weight, self.factor)
-        return replace(self, textures=replace(self.textures, b=b, weight_b=weight_b))
-
 
 class Correlator:
     """Cross-correlation of camera 1 with camera 2, turned in any way, at every offset at once."""
@@ -409,7 +404,8 @@ def _refuse_turned(pair: Pair, settings: RegistrationSettings, coarse: CoarsePai
     """Raise the error that names the orientation of camera 2, if it fits in another one."""
     for search in SEARCHES:
         for other in ORIENTATIONS[1:]:
-            trial = coarse.with_second(*pair.turned(other))
+            b, weight_b = _textures(*pair.turned(other), coarse.factor)
+            trial = replace(coarse, textures=replace(coarse.textures, b=b, weight_b=weight_b))
             start, peak = search(trial, Correlator(trial, settings.search))
             agreement = 0.0 if start is None else start.part
             if agreement < AGREEMENT_TURNED or peak.significance < SIGNIFICANT:
