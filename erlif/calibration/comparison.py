@@ -256,8 +256,8 @@ def compare_calibrations(calibration: Calibration, earlier: Calibration) -> Comp
         thickness=film,
         difference=change.difference,
         difference_std=change.std,
-        film_change=-change.difference
-        / slope,  # a higher curve gives the same ratio a thinner film
+        # a higher curve gives the same ratio a thinner film
+        film_change=-change.difference / slope,
         film_change_std=change.std / slope,
         own_std=calibration.thickness_std(film),
         probability=change.probability,

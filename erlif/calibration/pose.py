@@ -44,10 +44,8 @@ class Pose:
 
     def place(self, column: Array, row: Array) -> tuple[Array, Array]:
         """Positions of pixels along and across the profile. [mm]"""
-        dx, dy = (
-            (column - self.origin[0]) * self.pixel_pitch,
-            (row - self.origin[1]) * self.pixel_pitch,
-        )
+        dx = (column - self.origin[0]) * self.pixel_pitch
+        dy = (row - self.origin[1]) * self.pixel_pitch
         cos, sin = math.cos(self.direction), math.sin(self.direction)
         return cos * dx + sin * dy, -sin * dx + cos * dy
 

@@ -233,10 +233,8 @@ def estimate_camera_noise(
 
     # the response of camera 2 shows as a pattern that moves with its drift
     pattern = bool(unknown.response[1] and cells.pattern.mean() > _STILL)
-    fit, alike = (
-        fit_pixel_noise(cells, references, unknown, one_gain=True, pattern=pattern),
-        float("nan"),
-    )
+    fit = fit_pixel_noise(cells, references, unknown, one_gain=True, pattern=pattern)
+    alike = float("nan")
     if pattern and not fit.determines_response:
         # a column almost proportional to the constant would exchange random amounts with it
         pattern = False
