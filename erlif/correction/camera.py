@@ -119,8 +119,6 @@ def measure_camera(
         flats, dark=reduced.mean, full_scale=full_scale, histogram=histogram, camera=camera
     )
     dry = reduce_background(background, darks=reduced, histogram=histogram, camera=camera)
-    if not stacks:
-        return CameraMeasurement(reduced, full_scale, saturation, background=dry)
 
     # near saturation counts are clipped in some pages only, which lowers the temporal variance
     levels = []
@@ -135,7 +133,7 @@ def measure_camera(
         full_scale,
         saturation,
         tuple(levels),
-        sum_light(stacks),
+        sum_light(stacks) if stacks else None,
         sum(stack.count for stack in stacks),
         dry,
         tuple(stack.count for stack in stacks),

@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cache
+from itertools import pairwise
 
 import cv2
 import numpy as np
@@ -272,13 +273,9 @@ def estimate_camera_noise(
 def _gather_cells(views: Iterable[NoiseView], blur: BlurDifference, *, size: int) -> NoiseCells:
     """Cells of the differences between neighbouring frames."""
     kernels = _difference_kernels(blur)
-    compared: list[NoiseCells] = []
-    before: NoiseView | None = None
-    for view in views:
-        if before is not None:
-            compared.append(_difference_cells(before, view, kernels, size))
-        before = view
-    return NoiseCells.join(compared)
+    return NoiseCells.join(
+        [_difference_cells(*neighbours, kernels, size) for neighbours in pairwise(views)]
+    )
 
 
 def _difference_kernels(blur: BlurDifference) -> tuple[Array, Array]:

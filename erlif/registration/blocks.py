@@ -255,7 +255,6 @@ def agree(centres: Array, vectors: Array, strength: Array) -> Agreement:
     if best.sum() < FEWEST:
         return NONE_AGREE
 
-    field = np.zeros((3, 2))
     for _ in range(REFITS):
         field = np.linalg.lstsq(terms[best], vectors[best], rcond=None)[0]
         best = np.hypot(*(terms @ field - vectors).T) < AGREED

@@ -268,7 +268,6 @@ def _refine_peak(coarse: CoarsePair, peak: Peak) -> Agreement | None:
     """Match blocks about a peak, twice, and keep the affine map if enough of them agree."""
     centre = _centre(coarse.shape)
     linear, shift = peak.linear, peak.shift
-    agreement = 0.0
     for reach in (REACH, REACH // 2):
         b, wb = coarse.turned(linear, shift)
         centres, vectors, strength = match_blocks(coarse.textures.a, b, wb, reach)

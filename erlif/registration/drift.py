@@ -448,7 +448,6 @@ def rough_drift(
     dx, dy = binned_field(displacement_x, binning), binned_field(displacement_y, binning)
 
     shift = whole_pixels(small.a, laid_over(spline, dx, dy, (0.0, 0.0), threads))
-    sums = np.zeros((1, 1, SUMS))
     for _ in range(COARSE_PASSES):
         b = laid_over(spline, dx, dy, (float(shift[0]), float(shift[1])), threads)
         sums = cell_sums(small.a, small.weight, b, ROUGH_STEP, threads=threads)

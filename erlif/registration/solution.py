@@ -178,7 +178,6 @@ def solve_local(views: TextureViews, surface: Surface, slope: float, scale: Arra
     # one round more than passes: the last one only takes the sums where the field has ended
     field = np.zeros((2, len(y), len(x)))
     dx, dy = base_x, base_y
-    sums = np.zeros(0)
     for number in range(settings.passes + 1):
         sums, mean = views.sums(dx, dy, scale)
         field += mean.reshape(2, 1, 1)
