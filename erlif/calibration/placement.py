@@ -102,14 +102,7 @@ def _freedom_at(points: Points, pose: Pose) -> Freedom:
     # contributes: the second pass estimates it with the pose free.
     for _ in range(1 if points.has_error_bars else 2):
         fit = fit_robustly(points, freedom)
-        freedom = find_freedom(
-            points,
-            fit.kept,
-            true_thickness=fit.true_thickness,
-            slope=fit.slope(fit.true_thickness),
-            thickness_std=fit.thickness_std,
-            pixel_pitch=pose.pixel_pitch,
-        )
+        freedom = find_freedom(points, fit, pixel_pitch=pose.pixel_pitch)
     return freedom
 
 

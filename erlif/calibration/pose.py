@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import scipy
@@ -12,6 +12,9 @@ import scipy
 from erlif.calibration.points import Points
 from erlif.core.arrays import Array, Mask
 from erlif.core.notes import Note, remark
+
+if TYPE_CHECKING:
+    from erlif.calibration.regression import Fit
 
 # Elements of a change of pose: along and across the profile [mm], scale [1], turn [rad].
 ALONG, ACROSS, SCALE, TURN = range(4)
@@ -203,15 +206,7 @@ class Freedom:
         return int(self.combinations.shape[1])
 
 
-def find_freedom(
-    points: Points,
-    kept: Mask,
-    *,
-    true_thickness: Array,
-    slope: Array,
-    thickness_std: Array,
-    pixel_pitch: float,
-) -> Freedom:
+def find_freedom(points: Points, fit: Fit, *, pixel_pitch: float) -> Freedom:
     """Find the changes of pose whose effect on the ratio no change of the curve can imitate.
 
     All that a smooth function of thickness can imitate is removed from the effect of each change;
@@ -223,14 +218,8 @@ def find_freedom(
     ----------
     points : Points
         CMM points and the ratio there.
-    kept : array of bool, (point,)
-        Points that are no outliers.
-    true_thickness : array, (point,)
-        Film thickness from CMM and ratio together. [um]
-    slope : array, (point,)
-        Slope of the logarithm of the ratio over thickness. [1/um]
-    thickness_std : array, (point,)
-        Standard deviation of the CMM. [um]
+    fit : Fit
+        The model fitted to them.
     pixel_pitch : float
         Distance of pixels on the profile. [mm]
 
@@ -239,6 +228,7 @@ def find_freedom(
     Freedom
         Without combinations where the points are too few to separate form from curve.
     """
+    kept, slope = fit.kept, fit.slope(fit.true_thickness)
     axes = points.position.shape[1]
     middle = np.zeros(2)
     middle[:axes] = points.position[kept].mean(axis=0)
@@ -259,9 +249,9 @@ def find_freedom(
         effect = np.column_stack([along, along * x / reach])
         elements = [ALONG, SCALE]
 
-    std = np.hypot(points.log_ratio_std, thickness_std * slope)[kept]
+    std = np.hypot(points.log_ratio_std, fit.thickness_std * slope)[kept]
     shown = effect[kept] * (slope[kept] / std)[:, None]
-    imitated = _smooth_functions(true_thickness[kept]) / std[:, None]
+    imitated = _smooth_functions(fit.true_thickness[kept]) / std[:, None]
     if kept.sum() < 2 * (imitated.shape[1] + shown.shape[1]):
         return Freedom.none(points)
 
