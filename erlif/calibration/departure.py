@@ -101,8 +101,7 @@ class Departure:
         """The spline of a calibration's dataset; None where the model stands alone."""
         if "departure_knots" not in dataset:
             return None
-        values = {field: dataset[name].values for name, field in _STORED.items()}
-        return cls(**{field: np.asarray(one, float) for field, one in values.items()})
+        return cls(*(np.asarray(dataset[name].values, float) for name in _STORED))
 
 
 @dataclass(frozen=True)

@@ -31,11 +31,8 @@ RATIOS = (1e-6, 1e6)
 
 # Units of the variables that have one, in the spellings that are accepted.
 UNITS = {
-    "attenuation_camera1": ("um-1", "1/um", "µm-1", "um^-1"),
-    "attenuation_camera2": ("um-1", "1/um", "µm-1", "um^-1"),
-    "attenuation_laser": ("um-1", "1/um", "µm-1", "um^-1"),
-    "thickness_range": ("um", "µm"),
-    "curve_thickness": ("um", "µm"),
+    **dict.fromkeys(PARAMETERS[1:4], ("um-1", "1/um", "µm-1", "um^-1")),
+    **dict.fromkeys(("thickness_range", "curve_thickness"), ("um", "µm")),
 }
 
 # Film error of a fit, over the film, above which it is refused where no film of its range is

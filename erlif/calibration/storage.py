@@ -300,9 +300,7 @@ def _read_calibration(kept: dict[str, Any], settings: RunSettings) -> Calibratio
     departure = None
     if "departure" in kept:
         spline = kept["departure"]
-        departure = Departure(
-            **{one.name: np.asarray(spline[one.name], float) for one in fields(Departure)}
-        )
+        departure = Departure(*(np.asarray(spline[one.name], float) for one in fields(Departure)))
 
     return Calibration(
         **parameters,
