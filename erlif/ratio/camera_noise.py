@@ -134,7 +134,7 @@ class NoiseView:
         )
 
 
-def cell_size(shape: tuple[int, int]) -> int:
+def cell_size(shape: tuple[int, ...]) -> int:
     """Width of the cells into which frames are divided.
 
     Parameters
@@ -162,7 +162,6 @@ def estimate_camera_noise(
     *,
     references: References,
     blur: BlurDifference,
-    shape: tuple[int, int],
     frames: int,
 ) -> NoiseEstimate | None:
     """Estimate what is unknown of the noise of both cameras from differences between frames.
@@ -176,8 +175,6 @@ def estimate_camera_noise(
         Gains and read noises, assumed where unknown, and the flat of camera 2.
     blur : BlurDifference
         Difference of sharpness that was removed from the ratios.
-    shape : (rows, columns)
-        [px]
     frames : int
         Number of views.
 
@@ -213,12 +210,12 @@ def estimate_camera_noise(
     >>> both, neither = np.array([True, True]), np.array([False, False])
     >>> estimate = estimate_camera_noise(
     ...     [take_frame() for _ in range(4)], NoiseUnknowns(both, neither, neither),
-    ...     references=references, blur=BlurDifference(), shape=(256, 320), frames=4,
+    ...     references=references, blur=BlurDifference(), frames=4,
     ... )
     >>> all(abs(camera.gain - 4.4) < 3 * camera.gain_std < 0.4 for camera in estimate.cameras)
     True
     """
-    cells = _gather_cells(views, blur, size=cell_size(shape))
+    cells = _gather_cells(views, blur)
     # known values stay, unknown ones are assumptions that the fit replaces
     gain, read_noise = references.gain.values.copy(), references.read_noise.values.copy()
     if len(cells.variance) < _LEAST_CELLS:
@@ -270,11 +267,11 @@ def estimate_camera_noise(
     return NoiseEstimate((one, two), alike, frames)
 
 
-def _gather_cells(views: Iterable[NoiseView], blur: BlurDifference, *, size: int) -> NoiseCells:
+def _gather_cells(views: Iterable[NoiseView], blur: BlurDifference) -> NoiseCells:
     """Cells of the differences between neighbouring frames."""
     kernels = _difference_kernels(blur)
     return NoiseCells.join(
-        [_difference_cells(*neighbours, kernels, size) for neighbours in pairwise(views)]
+        [_difference_cells(*neighbours, kernels) for neighbours in pairwise(views)]
     )
 
 
@@ -289,10 +286,11 @@ def _difference_kernels(blur: BlurDifference) -> tuple[Array, Array]:
 
 
 def _difference_cells(
-    first: NoiseView, second: NoiseView, kernels: tuple[Array, Array], size: int
+    first: NoiseView, second: NoiseView, kernels: tuple[Array, Array]
 ) -> NoiseCells:
     """Cells of the difference of two frames."""
     difference = second.log_ratio - first.log_ratio
+    size = cell_size(difference.shape)
     filtered = cv2.filter2D(difference, -1, _RING, borderType=cv2.BORDER_CONSTANT)
     squared = np.asarray(filtered, float) ** 2
     for edge in (squared, squared.T):
