@@ -285,12 +285,9 @@ class _Change(NamedTuple):
 def _test_curves(calibration: Calibration, earlier: Calibration, film: Array) -> _Change:
     """Test the difference of two curves against the sum of their covariances."""
     difference = calibration.predict_log(film) - earlier.predict_log(film)
-    covariance = np.asarray(
-        sum(
-            each.gradient(film).T @ each.full_covariance @ each.gradient(film)
-            for each in (calibration, earlier)
-        )
-    )
+    one, other = calibration.gradient(film), earlier.gradient(film)
+    covariance = one.T @ calibration.full_covariance @ one
+    covariance = covariance + other.T @ earlier.full_covariance @ other
 
     # principal components with a variance of their own, in units of it
     variance, shapes = np.linalg.eigh(covariance)

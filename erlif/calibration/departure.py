@@ -254,9 +254,7 @@ def fit_departure(
     SplineCandidate
     """
     kept = fit.kept
-    inner = (
-        min(_MOST_KNOTS, int(kept.sum()) // _POINTS_PER_KNOT) if test_knots is None else test_knots
-    )
+    inner = test_knots or min(_MOST_KNOTS, int(kept.sum()) // _POINTS_PER_KNOT)
     functions = inner + 4
     displaced = freedom.displacement[kept]
     y, y_std, t_std = points.log_ratio[kept], points.log_ratio_std[kept], fit.thickness_std[kept]

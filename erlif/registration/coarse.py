@@ -24,6 +24,7 @@ from erlif.registration.interpolation import laid_over
 from erlif.registration.normalise import binned, normalise
 from erlif.registration.pairs import Pair, Textures
 from erlif.registration.settings import ORIENTATIONS, RegistrationSettings, orient
+from erlif.registration.whitening import padded_size
 
 # The frames are binned by powers of two until their longer side is at most this. [px]
 COARSE_SIZE: Final = 256
@@ -199,9 +200,8 @@ class Correlator:
         both = coarse.textures
 
         # twice the size, so that the far sides do not meet
-        larger = (max(a, b) for a, b in zip(both.a.shape, both.b.shape, strict=True))
-        rows, cols = (fft.next_fast_len(2 * n, real=True) for n in larger)
-        self.size = (rows, cols)
+        larger = map(max, both.a.shape, both.b.shape)
+        self.size = padded_size([2 * side for side in larger])
         self.spectrum = np.conj(fft.rfft2(both.a, self.size))
         self.offset_y = fft.fftfreq(self.size[0], 1 / self.size[0])[:, None]
         self.offset_x = fft.fftfreq(self.size[1], 1 / self.size[1])[None, :]

@@ -35,6 +35,7 @@ from erlif.registration.matching import (
 from erlif.registration.normalise import MOST, binned
 from erlif.registration.pairs import Pair, Pairs, Textures, make_pair, open_series, textures
 from erlif.registration.surface import cell_weights
+from erlif.registration.whitening import padded_size
 
 # Side of the cells whose sums determine the drift. [px]
 STEP: Final = 16
@@ -96,10 +97,7 @@ def whole_pixels(a: Image, b: Image) -> Array:
     NaN in ``b`` counts as 0, the mean of a texture.
     """
     # zeros beyond the frame, as wide as the search, keep its opposite edges apart
-    size = (
-        fft.next_fast_len(a.shape[0] + FARTHEST, real=True),
-        fft.next_fast_len(a.shape[1] + FARTHEST, real=True),
-    )
+    size = padded_size([side + FARTHEST for side in a.shape])
     product = fft.rfft2(np.nan_to_num(b), size) * np.conj(fft.rfft2(a, size))
 
     # negative lags stand at the end of the transform, where negative indices find them; after the

@@ -52,12 +52,8 @@ def spline_weights(positions: AnyArray, start: float, stop: float, elements: int
 
     # the four pieces of the B-spline as polynomials of the place within the element
     u = t - first
-    weights = (
-        np.stack(
-            [(1 - u) ** 3, 4 - 6 * u**2 + 3 * u**3, 1 + 3 * u + 3 * u**2 - 3 * u**3, u**3], axis=-1
-        )
-        / 6
-    )
+    pieces = [(1 - u) ** 3, 4 - 6 * u**2 + 3 * u**3, 1 + 3 * u + 3 * u**2 - 3 * u**3, u**3]
+    weights = np.stack(pieces, axis=-1) / 6
     matrix = np.zeros((len(first), elements + 3))
     np.put_along_axis(matrix, first[:, None] + np.arange(4), weights, axis=1)
     return matrix
