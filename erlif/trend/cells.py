@@ -76,6 +76,7 @@ def separate_light(light: Array, chosen: Mask) -> Array:
     """
     cells, frames = (np.maximum(chosen.sum(axis=axis), 1) for axis in (0, 1))
     energies = np.zeros(len(light))
+    illumination = np.zeros(light.shape[1])
     for _ in range(10):
         illumination = (chosen * (light - energies[:, None])).sum(axis=0) / cells
         energies = (chosen * (light - illumination)).sum(axis=1) / frames
