@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
 # Elements of a change of pose: along and across the profile [mm], scale [1], turn [rad].
 ALONG, ACROSS, SCALE, TURN = range(4)
+_GIVEN = ("origin along the profile", "origin across the profile", "scale", "direction")
 
 _SIGNIFICANT = 3.0  # standard deviations from which on a turn found in the image replaces the given
 _OUTLIER = 4.5  # standard deviations beyond which a cell holds dust
@@ -113,23 +114,16 @@ class FoundPose:
         """Notes on what was refined and what was left as given."""
         change, std = self.change, self.standard_deviations
         degrees, degrees_std = math.degrees(change[TURN]), math.degrees(std[TURN])
-        refined = {
-            ALONG: f"{1e3 * change[ALONG]:+.1f} ± {1e3 * std[ALONG]:.1f} um along the profile",
-            ACROSS: f"{1e3 * change[ACROSS]:+.1f} ± {1e3 * std[ACROSS]:.1f} um across the profile",
-            SCALE: f"scaled by {1 + change[SCALE]:.5f} ± {std[SCALE]:.5f}",
-            TURN: f"turned by {degrees:+.3f} ± {degrees_std:.3f} degrees",
-        }
-        given = {
-            ALONG: "origin along the profile",
-            ACROSS: "origin across the profile",
-            SCALE: "scale",
-            TURN: "direction",
-        }
-        if not points.on_surface:
-            del given[ACROSS]  # a line has no position across
-
-        changes = [text for element, text in refined.items() if self.determined[element]]
-        left = [name for element, name in given.items() if not self.determined[element]]
+        refined = (
+            f"{1e3 * change[ALONG]:+.1f} ± {1e3 * std[ALONG]:.1f} um along the profile",
+            f"{1e3 * change[ACROSS]:+.1f} ± {1e3 * std[ACROSS]:.1f} um across the profile",
+            f"scaled by {1 + change[SCALE]:.5f} ± {std[SCALE]:.5f}",
+            f"turned by {degrees:+.3f} ± {degrees_std:.3f} degrees",
+        )
+        # a line has no position across
+        elements = range(4) if points.on_surface else (ALONG, SCALE, TURN)
+        changes = [refined[n] for n in elements if self.determined[n]]
+        left = [_GIVEN[n] for n in elements if not self.determined[n]]
         notes = []
         if changes:
             found = f"{', '.join(changes)}, about the middle of the profile"
