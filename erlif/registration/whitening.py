@@ -236,6 +236,8 @@ def slope_gain(spectra: Spectra, filter_: Filter | None) -> float:
     float
         1 for smooth texture, more for a fine one. [1]
     """
+    if spectra.blocks == 0:
+        return 1.0
     side = spectra.first.shape[0]
     ky = 2 * np.pi * fft.fftfreq(side)[:, None]
     kx = 2 * np.pi * fft.rfftfreq(side)[None, :]
