@@ -4,17 +4,32 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 import numpy as np
+import numpy.typing as npt
 
 from erlif.core.arrays import Array
 
-if TYPE_CHECKING:
-    from erlif.calibration.curve import RatioCurve
-
 # Entries of the table of the inverse.
 _ENTRIES = 20001
+
+
+class Curve(Protocol):
+    """Protocol of a curve that `InverseTable` tabulates, such as a calibration."""
+
+    @property
+    def covered_range(self) -> tuple[float, float]:
+        """Thickness covered by the fixture. [um]"""
+
+    def predict_log(self, thickness: npt.ArrayLike) -> Array:
+        """Natural logarithm of the ratio of a film."""
+
+    def slope(self, thickness: npt.ArrayLike) -> Array:
+        """Derivative of the logarithm of the ratio by thickness. [1/um]"""
+
+    def thickness_std(self, thickness: npt.ArrayLike) -> Array:
+        """Standard deviation of a thickness due to the calibration alone. [um]"""
 
 
 @dataclass(frozen=True)
@@ -42,7 +57,7 @@ class InverseTable:
     calibration_std: Array
 
     @classmethod
-    def of(cls, calibration: RatioCurve) -> InverseTable:
+    def of(cls, calibration: Curve) -> InverseTable:
         """Tabulate the inverse over the range of the fixture.
 
         Linear interpolation in it is good to 1e-5 um.

@@ -4,17 +4,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
-import scipy
 
 from erlif.calibration.points import Points
 from erlif.core.arrays import Array, Mask
 from erlif.core.notes import Note, remark
-
-if TYPE_CHECKING:
-    from erlif.calibration.regression import Fit
 
 # Elements of a change of pose: along and across the profile [mm], scale [1], turn [rad].
 ALONG, ACROSS, SCALE, TURN = range(4)
@@ -24,8 +20,6 @@ _SIGNIFICANT = 3.0  # standard deviations from which on a turn found in the imag
 _OUTLIER = 4.5  # standard deviations beyond which a cell holds dust
 _OUTLIER_PASSES = 3
 _MINIMUM_CELLS = 8  # for a line through slopes across the profile
-_POINTS_PER_KNOT = 15  # each piece of the imitating spline is supported by as many points
-_MAXIMUM_KNOTS = 5  # as many as the spline of `erlif.calibration.departure` may have
 
 
 @dataclass(frozen=True)
@@ -198,73 +192,6 @@ class Freedom:
     def size(self) -> int:
         """Number of combinations."""
         return int(self.combinations.shape[1])
-
-
-def find_freedom(points: Points, fit: Fit, *, pixel_pitch: float) -> Freedom:
-    """Find the changes of pose whose effect on the ratio no change of the curve can imitate.
-
-    All that a smooth function of thickness can imitate is removed from the effect of each change;
-    the form of the profile remains. Combinations of offset, scale and turn whose standard
-    deviation is below one pixel at the edge of the profile are determined. A straight wedge
-    determines none: an offset looks like another K, a scale like other p and q.
-
-    Parameters
-    ----------
-    points : Points
-        CMM points and the ratio there.
-    fit : Fit
-        The model fitted to them.
-    pixel_pitch : float
-        Distance of pixels on the profile. [mm]
-
-    Returns
-    -------
-    Freedom
-        Without combinations where the points are too few to separate form from curve.
-    """
-    kept, slope = fit.kept, fit.slope(fit.true_thickness)
-    axes = points.position.shape[1]
-    middle = np.zeros(2)
-    middle[:axes] = points.position[kept].mean(axis=0)
-    reach = float(np.ptp(points.position[kept], axis=0).max()) / 2
-
-    # change of the film under each point; scale and turn are counted in mm at the edge
-    along = points.gradient[:, 0]
-    if points.on_surface:
-        x, y = (points.position - middle).T
-        across = points.gradient[:, 1]
-        effect = np.column_stack(
-            [along, across, (along * x + across * y) / reach, (along * y - across * x) / reach]
-        )
-        elements = [ALONG, ACROSS, SCALE, TURN]
-    else:
-        # the film of a line is the same across it; its turn comes from the image, see `find_turn`
-        x = points.position[:, 0] - middle[0]
-        effect = np.column_stack([along, along * x / reach])
-        elements = [ALONG, SCALE]
-
-    std = np.hypot(points.log_ratio_std, fit.thickness_std * slope)[kept]
-    shown = effect[kept] * (slope[kept] / std)[:, None]
-    imitated = _smooth_functions(fit.true_thickness[kept]) / std[:, None]
-    if kept.sum() < 2 * (imitated.shape[1] + shown.shape[1]):
-        return Freedom.none(points)
-
-    # Fisher information of the remaining effect; its eigenvectors are independent combinations
-    own = shown - imitated @ np.linalg.lstsq(imitated, shown, rcond=None)[0]
-    information, vectors = np.linalg.eigh(own.T @ own)
-    determined = vectors[:, information * pixel_pitch**2 >= 1]
-    units, shares = np.diag([1.0, 1.0, 1 / reach, 1 / reach])[:, elements], np.zeros(4)
-    shares[elements] = (determined**2).sum(axis=1)
-    return Freedom(effect @ determined, units @ determined, middle, shares)
-
-
-def _smooth_functions(thickness: Array) -> Array:
-    """Cubic B-splines over thickness, (point, function)."""
-    inner = min(_MAXIMUM_KNOTS, thickness.size // _POINTS_PER_KNOT)
-    low, high = float(thickness.min()), float(thickness.max())
-    inside = np.quantile(thickness, np.linspace(0, 1, inner + 2)[1:-1])
-    knots = np.concatenate([[low] * 4, inside, [high] * 4])
-    return np.asarray(scipy.interpolate.BSpline.design_matrix(thickness, knots, 3).toarray())
 
 
 class Turn(NamedTuple):

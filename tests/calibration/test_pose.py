@@ -8,7 +8,8 @@ import numpy.testing as npt
 import pytest
 from scenes.fixture import log_ratio, make_points
 
-from erlif.calibration.pose import AS_GIVEN, FoundPose, Pose, find_freedom, find_turn
+from erlif.calibration.placement import find_freedom
+from erlif.calibration.pose import AS_GIVEN, FoundPose, Pose, find_turn
 
 GIVEN = Pose((12.0, -3.0), 0.3, 0.05)
 X = np.linspace(0, 18, 120)
