@@ -3,24 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Protocol
 
 import numpy as np
 
+from erlif.calibration.curve import Calibration
 from erlif.core.errors import CalibrationError
 from erlif.core.notes import Note, warn
 
 _SAME_BAND = 1.0  # nm: filters of the same name differ by less
 
 _SAME_PITCH = 0.03  # relative difference: two photographs of one scale agree better
-
-
-class Banded(Protocol):
-    """Protocol of an object with filter bands, such as a calibration."""
-
-    @property
-    def bands(self) -> tuple[float, float]:
-        """Filter bands of camera 1 and 2. [nm]"""
 
 
 def share_bands(bands: tuple[float, float], others: tuple[float, float]) -> bool:
@@ -46,7 +38,7 @@ def share_bands(bands: tuple[float, float], others: tuple[float, float]) -> bool
     return bool(np.allclose(bands, others, rtol=0.0, atol=_SAME_BAND))
 
 
-def check_bands(calibration: Banded, bands: tuple[float, float]) -> None:
+def check_bands(calibration: Calibration, bands: tuple[float, float]) -> None:
     """Refuse a calibration of other filter bands.
 
     Parameters

@@ -256,8 +256,8 @@ def compare_calibrations(calibration: Calibration, earlier: Calibration) -> Comp
         thickness=film,
         difference=change.difference,
         difference_std=change.std,
-        film_change=-change.difference
-        / slope,  # a higher curve gives the same ratio a thinner film
+        # a higher curve gives the same ratio a thinner film
+        film_change=-change.difference / slope,
         film_change_std=change.std / slope,
         own_std=calibration.thickness_std(film),
         probability=change.probability,
@@ -285,12 +285,9 @@ class _Change(NamedTuple):
 def _test_curves(calibration: Calibration, earlier: Calibration, film: Array) -> _Change:
     """Test the difference of two curves against the sum of their covariances."""
     difference = calibration.predict_log(film) - earlier.predict_log(film)
-    covariance = np.asarray(
-        sum(
-            each.gradient(film).T @ each.full_covariance @ each.gradient(film)
-            for each in (calibration, earlier)
-        )
-    )
+    one, other = calibration.gradient(film), earlier.gradient(film)
+    covariance = one.T @ calibration.full_covariance @ one
+    covariance = covariance + other.T @ earlier.full_covariance @ other
 
     # principal components with a variance of their own, in units of it
     variance, shapes = np.linalg.eigh(covariance)
@@ -340,21 +337,10 @@ def _share_readings(calibration: Calibration, earlier: Calibration, *, paired: b
     """
     if paired:
         return True
-    ones, others = _profile_hashes(calibration), _profile_hashes(earlier)
-    if ones and others:
-        return not ones.isdisjoint(others)
+    one, other = (each.input_hashes.get(each.profile_file) for each in (calibration, earlier))
+    if one and other:
+        return one == other
     return False if all("curve_x" in each.curve for each in (calibration, earlier)) else None
-
-
-def _profile_hashes(calibration: Calibration) -> set[str]:
-    """Hash of the CMM profile; of all tables (CSV, TXT) if its name is not recorded."""
-    hashes = calibration.input_hashes
-    if calibration.profile_file:
-        profile = hashes.get(calibration.profile_file)
-        return set() if profile is None else {profile}
-    # a fixture's other inputs are its settings and frames, which no text table can be
-    tables = (".csv", ".txt")
-    return {value for name, value in hashes.items() if name.lower().endswith(tables)}
 
 
 def _test_pairs(

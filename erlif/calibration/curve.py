@@ -15,14 +15,13 @@ import scipy
 import xarray as xr
 
 from erlif.calibration.departure import Departure
-from erlif.calibration.description import describe_parameters, draw_curve
 from erlif.calibration.inverse import InverseTable
 from erlif.calibration.pose import FoundPose
 from erlif.calibration.regression import BLACK, Reabsorption
 from erlif.calibration.systematics import NO_SYSTEMATICS, Systematics
 from erlif.core.arrays import Array
 from erlif.core.errors import CalibrationError
-from erlif.core.html import card, findings_list, rows_table
+from erlif.core.html import card, curve_picture, findings_list, rows_table
 from erlif.core.notes import Level, Note, join_notes
 from erlif.core.variables import CALIBRATION
 from erlif.registration import CameraMap
@@ -45,6 +44,8 @@ PARAMETERS = (
 # Films at which the end of a curve with a maximum is sought, and its slope there over that at the
 # end of the calibrated range.
 _BEYOND, _FLAT = 501, 0.1
+# Points of the curve in a notebook.
+_CURVE_POINTS = 60
 
 
 class RatioCurve(ABC):
@@ -182,23 +183,6 @@ class RatioCurve(ABC):
         """Table from the logarithm of the ratio to thickness, for whole images."""
         return InverseTable.of(self)
 
-    def invert(self, log_ratio: npt.ArrayLike) -> Array:
-        """Thickness of a logarithm of the ratio by root finding; NaN beyond the range. [um]"""
-        low, high = self.thickness_range
-        first, last = self.predict_log([low, high])
-
-        def find(goal: float) -> float:
-            if not first <= goal <= last:
-                return np.nan
-            return float(
-                scipy.optimize.brentq(
-                    lambda film: float(self.predict_log(film)) - goal, low, high, xtol=1e-10
-                )
-            )
-
-        values = np.asarray(log_ratio, float)
-        return np.array([find(goal) for goal in values.ravel()]).reshape(values.shape)
-
 
 @dataclass(frozen=True, repr=False)
 class Calibration(RatioCurve):
@@ -287,19 +271,45 @@ class Calibration(RatioCurve):
             f"calibration {self.fixture}",
             self.date,
             rows_table(self._describe()),
-            draw_curve(self.curve, self.covered_range, self.predict),
+            self._draw(),
             findings_list([(note.level, str(note)) for note in self.notes]),
         )
 
     def _describe(self) -> list[tuple[str, str]]:
-        return describe_parameters(
-            self.model,
-            self.standard_deviations,
-            thickness_range=self.thickness_range,
-            bands=self.bands,
-            reduced_chi_square=self.reduced_chi_square,
-            curve=self.curve,
-            departure=self.departure,
+        """Parameters, ranges and quality by name and value."""
+        values, std = self.parameters, self.standard_deviations
+        low, high = self.thickness_range
+        one, two = self.bands
+        rows = [
+            ("K, ratio of a vanishing film", f"{values[0]:.5f} ± {std[0]:.5f}"),
+            ("p, attenuation camera 1", f"{values[1]:.5f} ± {std[1]:.5f} 1/um"),
+            ("q, attenuation camera 2", f"{values[2]:.5f} ± {std[2]:.5f} 1/um"),
+        ]
+        if self.model.reflects:
+            rows += [
+                ("a, attenuation of the laser", f"{values[3]:.3f} ± {std[3]:.3f} 1/um"),
+                ("R, reflectance of the wall", f"{values[4]:.3f} ± {std[4]:.3f}"),
+            ]
+        rows += [
+            ("calibrated range", f"{low:.2f} to {high:.2f} um"),
+            ("reduced chi-square", f"{self.reduced_chi_square:.2f}"),
+            ("bands", f"{one:g} nm and {two:g} nm"),
+        ]
+        if "curve_ratio" in self.curve:
+            rows.append(("fitted points", f"{self.curve.curve_ratio.size}"))
+        if self.departure is not None:
+            rows.append(("departure from the model", "spline"))
+        return rows
+
+    def _draw(self) -> str:
+        """Ratio against thickness as a small picture; empty without fitted points."""
+        if "curve_ratio" not in self.curve:
+            return ""
+        thickness = np.linspace(*self.covered_range, _CURVE_POINTS)
+        return curve_picture(
+            (thickness, self.predict(thickness)),
+            (self.curve.curve_thickness.values, self.curve.curve_ratio.values),
+            labels=("film thickness [um]", "ratio camera 2 / camera 1"),
         )
 
     @property

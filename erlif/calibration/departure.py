@@ -101,8 +101,7 @@ class Departure:
         """The spline of a calibration's dataset; None where the model stands alone."""
         if "departure_knots" not in dataset:
             return None
-        values = {field: dataset[name].values for name, field in _STORED.items()}
-        return cls(**{field: np.asarray(one, float) for field, one in values.items()})
+        return cls(*(np.asarray(dataset[name].values, float) for name in _STORED))
 
 
 @dataclass(frozen=True)
@@ -255,9 +254,7 @@ def fit_departure(
     SplineCandidate
     """
     kept = fit.kept
-    inner = (
-        min(_MOST_KNOTS, int(kept.sum()) // _POINTS_PER_KNOT) if test_knots is None else test_knots
-    )
+    inner = test_knots or min(_MOST_KNOTS, int(kept.sum()) // _POINTS_PER_KNOT)
     functions = inner + 4
     displaced = freedom.displacement[kept]
     y, y_std, t_std = points.log_ratio[kept], points.log_ratio_std[kept], fit.thickness_std[kept]

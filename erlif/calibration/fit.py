@@ -28,7 +28,7 @@ from erlif.calibration.points import Points
 from erlif.calibration.pose import ALONG, FoundPose, Freedom, Pose
 from erlif.calibration.profile import Profile
 from erlif.calibration.regression import OUTLIER, Fit, fit_robustly
-from erlif.calibration.soundness import check_fit, places
+from erlif.calibration.soundness import check_fit
 from erlif.calibration.systematics import Systematics
 from erlif.core.arrays import Array, Mask
 from erlif.core.errors import CalibrationError
@@ -43,11 +43,8 @@ USEFUL = 0.25
 # The same in dim light, over the error of the best pixel.
 DIM_LIGHT = 1.25
 
-_HIGHEST = (
-    0.1,
-    200.0,
-    2000,
-)  # films [um] among which the highest ratio is sought, and their number
+# Films among which the highest ratio is sought [um], and their number.
+_HIGHEST = (0.1, 200.0, 2000)
 _CORRELATED = 3.3  # standard deviations that chance exceeds once in a thousand
 _LARGEST_INFLATION = 10.0  # of the covariance by correlated residuals
 _OUTLIER_PASSES = 4
@@ -190,7 +187,8 @@ def fit_calibration(
         notes.append(remark("", text))
     notes += [*_describe_unresolved(calibration), *_describe_wall(calibration)]
     moved = freedom.displacement @ best.displacement
-    _refuse_nonsense(calibration, thickness_range, points, moved)
+    calibration = replace(calibration, thickness_range=thickness_range)
+    check_fit(calibration, points.thickness + moved, points.log_ratio)
     widths = {"position": steepness * position_std, "size": size_std}
     systematics = Systematics.of(
         {term: width for term, width in widths.items() if width > 0},
@@ -199,24 +197,9 @@ def fit_calibration(
     return replace(
         calibration,
         systematics=systematics,
-        thickness_range=thickness_range,
         pixel_pitch=pixel_pitch,
         curve=_describe_curve(calibration, points, kept, moved, fit.thickness_std),
         notes=(*profile.notes, *notes),
-    )
-
-
-def _refuse_nonsense(
-    calibration: Calibration, thickness_range: tuple[float, float], points: Points, moved: Array
-) -> None:
-    """Refuse a curve that does not follow the points, those far off it included."""
-    films = places(thickness_range)[1:]  # the error of no film is not relative
-    fitted = calibration.predict_log(np.maximum(points.thickness + moved, 0.0))
-    check_fit(
-        calibration.thickness_std(films) / films,
-        points.log_ratio,
-        points.log_ratio - fitted,
-        reduced_chi_square=calibration.reduced_chi_square,
     )
 
 
@@ -383,10 +366,8 @@ def _residuals(
     film = points.thickness + freedom.displacement @ displacement
     residual, slope = points.log_ratio - fit.predict(film), fit.slope(film)
     if candidate is not None:
-        residual, slope = (
-            residual - candidate.departure.predict(film),
-            slope + candidate.departure.slope(film),
-        )
+        residual = residual - candidate.departure.predict(film)
+        slope = slope + candidate.departure.slope(film)
     return np.asarray(residual / np.hypot(points.log_ratio_std, fit.thickness_std * slope))
 
 

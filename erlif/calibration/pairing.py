@@ -206,7 +206,6 @@ def thin_out(profile: Profile, *, pixel_pitch: float) -> Profile:
 def _robust_cell_mean(cell: Cells, values: Array, cells: int) -> tuple[Array, Array, Mask]:
     """Compute mean and variance of each cell without outliers, and the mask of kept values."""
     keep = np.ones(cell.size, bool)
-    mean, variance = np.zeros(cells), np.zeros(cells)
     for _ in range(_OUTLIER_PASSES):
         count = np.maximum(np.bincount(cell[keep], minlength=cells), 1)
         mean = np.bincount(cell[keep], values[keep], cells) / count

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
-import scipy
 
 from erlif.calibration.points import Points
 from erlif.core.arrays import Array, Mask
@@ -15,13 +14,12 @@ from erlif.core.notes import Note, remark
 
 # Elements of a change of pose: along and across the profile [mm], scale [1], turn [rad].
 ALONG, ACROSS, SCALE, TURN = range(4)
+_GIVEN = ("origin along the profile", "origin across the profile", "scale", "direction")
 
 _SIGNIFICANT = 3.0  # standard deviations from which on a turn found in the image replaces the given
 _OUTLIER = 4.5  # standard deviations beyond which a cell holds dust
 _OUTLIER_PASSES = 3
 _MINIMUM_CELLS = 8  # for a line through slopes across the profile
-_POINTS_PER_KNOT = 15  # each piece of the imitating spline is supported by as many points
-_MAXIMUM_KNOTS = 5  # as many as the spline of `erlif.calibration.departure` may have
 
 
 @dataclass(frozen=True)
@@ -44,10 +42,8 @@ class Pose:
 
     def place(self, column: Array, row: Array) -> tuple[Array, Array]:
         """Positions of pixels along and across the profile. [mm]"""
-        dx, dy = (
-            (column - self.origin[0]) * self.pixel_pitch,
-            (row - self.origin[1]) * self.pixel_pitch,
-        )
+        dx = (column - self.origin[0]) * self.pixel_pitch
+        dy = (row - self.origin[1]) * self.pixel_pitch
         cos, sin = math.cos(self.direction), math.sin(self.direction)
         return cos * dx + sin * dy, -sin * dx + cos * dy
 
@@ -112,23 +108,16 @@ class FoundPose:
         """Notes on what was refined and what was left as given."""
         change, std = self.change, self.standard_deviations
         degrees, degrees_std = math.degrees(change[TURN]), math.degrees(std[TURN])
-        refined = {
-            ALONG: f"{1e3 * change[ALONG]:+.1f} ± {1e3 * std[ALONG]:.1f} um along the profile",
-            ACROSS: f"{1e3 * change[ACROSS]:+.1f} ± {1e3 * std[ACROSS]:.1f} um across the profile",
-            SCALE: f"scaled by {1 + change[SCALE]:.5f} ± {std[SCALE]:.5f}",
-            TURN: f"turned by {degrees:+.3f} ± {degrees_std:.3f} degrees",
-        }
-        given = {
-            ALONG: "origin along the profile",
-            ACROSS: "origin across the profile",
-            SCALE: "scale",
-            TURN: "direction",
-        }
-        if not points.on_surface:
-            del given[ACROSS]  # a line has no position across
-
-        changes = [text for element, text in refined.items() if self.determined[element]]
-        left = [name for element, name in given.items() if not self.determined[element]]
+        refined = (
+            f"{1e3 * change[ALONG]:+.1f} ± {1e3 * std[ALONG]:.1f} um along the profile",
+            f"{1e3 * change[ACROSS]:+.1f} ± {1e3 * std[ACROSS]:.1f} um across the profile",
+            f"scaled by {1 + change[SCALE]:.5f} ± {std[SCALE]:.5f}",
+            f"turned by {degrees:+.3f} ± {degrees_std:.3f} degrees",
+        )
+        # a line has no position across
+        elements = range(4) if points.on_surface else (ALONG, SCALE, TURN)
+        changes = [refined[n] for n in elements if self.determined[n]]
+        left = [_GIVEN[n] for n in elements if not self.determined[n]]
         notes = []
         if changes:
             found = f"{', '.join(changes)}, about the middle of the profile"
@@ -203,86 +192,6 @@ class Freedom:
     def size(self) -> int:
         """Number of combinations."""
         return int(self.combinations.shape[1])
-
-
-def find_freedom(
-    points: Points,
-    kept: Mask,
-    *,
-    true_thickness: Array,
-    slope: Array,
-    thickness_std: Array,
-    pixel_pitch: float,
-) -> Freedom:
-    """Find the changes of pose whose effect on the ratio no change of the curve can imitate.
-
-    All that a smooth function of thickness can imitate is removed from the effect of each change;
-    the form of the profile remains. Combinations of offset, scale and turn whose standard
-    deviation is below one pixel at the edge of the profile are determined. A straight wedge
-    determines none: an offset looks like another K, a scale like other p and q.
-
-    Parameters
-    ----------
-    points : Points
-        CMM points and the ratio there.
-    kept : array of bool, (point,)
-        Points that are no outliers.
-    true_thickness : array, (point,)
-        Film thickness from CMM and ratio together. [um]
-    slope : array, (point,)
-        Slope of the logarithm of the ratio over thickness. [1/um]
-    thickness_std : array, (point,)
-        Standard deviation of the CMM. [um]
-    pixel_pitch : float
-        Distance of pixels on the profile. [mm]
-
-    Returns
-    -------
-    Freedom
-        Without combinations where the points are too few to separate form from curve.
-    """
-    axes = points.position.shape[1]
-    middle = np.zeros(2)
-    middle[:axes] = points.position[kept].mean(axis=0)
-    reach = float(np.ptp(points.position[kept], axis=0).max()) / 2
-
-    # change of the film under each point; scale and turn are counted in mm at the edge
-    along = points.gradient[:, 0]
-    if points.on_surface:
-        x, y = (points.position - middle).T
-        across = points.gradient[:, 1]
-        effect = np.column_stack(
-            [along, across, (along * x + across * y) / reach, (along * y - across * x) / reach]
-        )
-        elements = [ALONG, ACROSS, SCALE, TURN]
-    else:
-        # the film of a line is the same across it; its turn comes from the image, see `find_turn`
-        x = points.position[:, 0] - middle[0]
-        effect = np.column_stack([along, along * x / reach])
-        elements = [ALONG, SCALE]
-
-    std = np.hypot(points.log_ratio_std, thickness_std * slope)[kept]
-    shown = effect[kept] * (slope[kept] / std)[:, None]
-    imitated = _smooth_functions(true_thickness[kept]) / std[:, None]
-    if kept.sum() < 2 * (imitated.shape[1] + shown.shape[1]):
-        return Freedom.none(points)
-
-    # Fisher information of the remaining effect; its eigenvectors are independent combinations
-    own = shown - imitated @ np.linalg.lstsq(imitated, shown, rcond=None)[0]
-    information, vectors = np.linalg.eigh(own.T @ own)
-    determined = vectors[:, information * pixel_pitch**2 >= 1]
-    units, shares = np.diag([1.0, 1.0, 1 / reach, 1 / reach])[:, elements], np.zeros(4)
-    shares[elements] = (determined**2).sum(axis=1)
-    return Freedom(effect @ determined, units @ determined, middle, shares)
-
-
-def _smooth_functions(thickness: Array) -> Array:
-    """Cubic B-splines over thickness, (point, function)."""
-    inner = min(_MAXIMUM_KNOTS, thickness.size // _POINTS_PER_KNOT)
-    low, high = float(thickness.min()), float(thickness.max())
-    inside = np.quantile(thickness, np.linspace(0, 1, inner + 2)[1:-1])
-    knots = np.concatenate([[low] * 4, inside, [high] * 4])
-    return np.asarray(scipy.interpolate.BSpline.design_matrix(thickness, knots, 3).toarray())
 
 
 class Turn(NamedTuple):

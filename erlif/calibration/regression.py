@@ -74,6 +74,11 @@ _FIRST_LASER_SHARE = 0.75  # of the attenuation of camera 2, to start from
 _LEAST_LASER_SHARE = 0.4  # the dyes absorb the laser at least about as much as their own light
 
 
+# Wall behind the film: None if it is black, otherwise value and standard deviation of those of its
+# parameters that are stated and not fitted, by the number of the parameter.
+Wall = Mapping[int, tuple[float, float]] | None
+
+
 @dataclass(frozen=True)
 class Reabsorption:
     """The reabsorption model, before a black wall or before one that reflects.
@@ -197,12 +202,12 @@ def fit_robustly(points: Points, freedom: Freedom, *, reflectance: float | None 
     Fit
     """
     if reflectance is not None:
-        return _drop_outliers(points, freedom, reflects=reflectance > 0, reflectance=reflectance)
-    fit = _drop_outliers(points, freedom, reflects=False)
+        return _drop_outliers(points, freedom, _state_wall(reflectance))
+    fit = _drop_outliers(points, freedom, None)
     if not _is_bent(points, fit, freedom):
         return fit
-    wall = _drop_outliers(points, freedom, reflects=True)
-    black = _fit_once(points, wall.thickness_std, wall.kept, freedom, reflects=False)
+    wall = _drop_outliers(points, freedom, {})
+    black = _fit_once(points, wall.thickness_std, wall.kept, freedom, None)
     gain = (black.chi_square - wall.chi_square) / max(1.0, wall.reduced_chi_square)
     evidence = gain - _MORE * math.log(int(wall.kept.sum()))
     reflects = LEAST_REFLECTANCE <= wall.parameters[-1] < _MOST_REFLECTANCE
@@ -229,17 +234,13 @@ def _is_bent(points: Points, fit: Fit, freedom: Freedom) -> bool:
     return any(gain(of) > needed for of in (fit.kept, np.ones_like(fit.kept)))
 
 
-def _drop_outliers(
-    points: Points, freedom: Freedom, *, reflects: bool, reflectance: float | None = None
-) -> Fit:
+def _drop_outliers(points: Points, freedom: Freedom, wall: Wall) -> Fit:
     """The fit of one form of the model without its outliers."""
     kept = np.ones(points.thickness.size, bool)
     unknown = not points.has_error_bars
     thickness_std = np.full(kept.size, _FIRST_STD) if unknown else points.thickness_std
     for _ in range(_PASSES):
-        fit = _fit_once(
-            points, thickness_std, kept, freedom, reflects=reflects, reflectance=reflectance
-        )
+        fit = _fit_once(points, thickness_std, kept, freedom, wall)
         film = points.thickness + freedom.displacement @ fit.displacement
         slope = np.abs(fit.slope(points.thickness))
         residual = points.log_ratio - fit.predict(film)
@@ -259,17 +260,10 @@ def _drop_outliers(
 
 
 def _fit_once(
-    points: Points,
-    thickness_std: Array,
-    kept: Mask,
-    freedom: Freedom,
-    *,
-    reflects: bool,
-    reflectance: float | None = None,
+    points: Points, thickness_std: Array, kept: Mask, freedom: Freedom, wall: Wall
 ) -> Fit:
     """One regression over the kept points, with the covariance of its parameters."""
-    stated = _stated(reflectance) if reflects else {}
-    solution = _regress(points, thickness_std, kept, freedom, reflects=reflects, stated=stated)
+    solution = _regress(points, thickness_std, kept, freedom, wall)
     displacement = freedom.displacement[kept]
     beta, shift = solution.beta, np.array(solution.beta[len(solution.beta) - freedom.size :])
     moved = displacement @ shift
@@ -291,41 +285,35 @@ def _fit_once(
     design = np.column_stack([fit.gradient(true_thickness[kept]).T, slope[:, None] * displacement])
     design /= np.hypot(points.log_ratio_std[kept], slope * thickness_std[kept])[:, None]
     # of a wall that hardly reflects, the attenuation of the laser is not determined
-    invert = np.linalg.pinv if reflects else np.linalg.inv
-    if not stated:
+    invert = np.linalg.inv if wall is None else np.linalg.pinv
+    if not wall:
         return replace(fit, covariance=np.asarray(invert(design.T @ design)))
 
     # what is not fitted moves the others by its error
     curvature = design.T @ design
-    free = np.delete(np.arange(len(curvature)), list(stated))
+    free = np.delete(np.arange(len(curvature)), list(wall))
     fitted = np.zeros_like(curvature)
     fitted[np.ix_(free, free)] = invert(curvature[np.ix_(free, free)])
     covariance, scale = fitted.copy(), {BLACK: fit.parameters[2], BLACK + 1: 1.0}  # a over q
-    for n, (_, std) in stated.items():
+    for n, (_, std) in wall.items():
         response = -fitted @ curvature[n]
         response[n] = 1.0
         covariance += np.outer(response, response) * (std * scale[n]) ** 2
     return replace(fit, covariance=covariance)
 
 
-def _stated(reflectance: float | None) -> dict[int, tuple[float, float]]:
-    """Value and standard deviation of the parameters of a stated wall, by parameter number."""
-    if reflectance is None:
-        return {}
+def _state_wall(reflectance: float) -> Wall:
+    """Return the wall of a stated reflectance."""
+    if reflectance == 0:
+        return None
     wall = {BLACK + 1: (reflectance, EXACT)}
     return wall if reflectance >= _SHOWS_LASER else {BLACK: (LASER_SHARE, LASER_SHARE_STD), **wall}
 
 
 def _regress(
-    points: Points,
-    thickness_std: Array,
-    kept: Mask,
-    freedom: Freedom,
-    *,
-    reflects: bool,
-    stated: Mapping[int, tuple[float, float]],
+    points: Points, thickness_std: Array, kept: Mask, freedom: Freedom, wall: Wall
 ) -> OdrResult:
-    """Return the best of the fits from several starting points; `stated` ones are not fitted.
+    """Return the best of the fits from several starting points.
 
     Its parameters are ln K, ln(p - q) and ln q, so that all are positive and p exceeds q, before a
     reflecting wall a/q and R, then the displacement.
@@ -344,14 +332,14 @@ def _regress(
     low = np.array([-_LOG_RATIO_BOUND, lowest, lowest])
     high = np.array([_LOG_RATIO_BOUND, highest, highest])
     starts = _starts(t, y)
-    if reflects:
+    if wall is not None:
         # the laser is attenuated less than laser and band together
         low, high = np.append(low, [_LEAST_LASER_SHARE, 0.0]), np.append(high, [1.0, 1.0])
         starts = [[*start, _FIRST_LASER_SHARE, R] for R in _REFLECTANCES for start in starts[1:]]
     low, high = np.append(low, -reach), np.append(high, reach)
-    for n, (value, _) in stated.items():
+    for n, (value, _) in (wall or {}).items():
         starts = [[*start[:n], value, *start[n + 1 :]] for start in starts]
-    fixed = np.isin(np.arange(len(low)), list(stated)) if stated else None
+    fixed = np.isin(np.arange(len(low)), list(wall)) if wall else None
 
     trials: list[OdrResult] = []
     for start in starts:
@@ -364,11 +352,11 @@ def _regress(
             weight_y=points.log_ratio_std[kept] ** -2.0,
             bounds=(low, high),
             fix_beta=fixed,
-            maxit=_WALL_ITERATIONS if reflects else _ITERATIONS,
+            maxit=_ITERATIONS if wall is None else _WALL_ITERATIONS,
         )
         trials.append(trial)
         # of a wall the first fit is enough that leaves noise alone
-        if reflects and float(trial.sum_square) < _AS_NOISE * t.size:
+        if wall is not None and float(trial.sum_square) < _AS_NOISE * t.size:
             break
     return min(trials, key=lambda trial: float(trial.sum_square))
 

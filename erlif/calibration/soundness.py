@@ -16,7 +16,7 @@ from erlif.calibration.departure import Departure
 from erlif.calibration.profile import THICKEST
 from erlif.calibration.regression import BLACK
 from erlif.calibration.systematics import Systematics
-from erlif.core.arrays import Array, Image
+from erlif.core.arrays import Array
 from erlif.core.errors import CalibrationError
 from erlif.core.format import is_later
 
@@ -31,11 +31,8 @@ RATIOS = (1e-6, 1e6)
 
 # Units of the variables that have one, in the spellings that are accepted.
 UNITS = {
-    "attenuation_camera1": ("um-1", "1/um", "µm-1", "um^-1"),
-    "attenuation_camera2": ("um-1", "1/um", "µm-1", "um^-1"),
-    "attenuation_laser": ("um-1", "1/um", "µm-1", "um^-1"),
-    "thickness_range": ("um", "µm"),
-    "curve_thickness": ("um", "µm"),
+    **dict.fromkeys(PARAMETERS[1:4], ("um-1", "1/um", "µm-1", "um^-1")),
+    **dict.fromkeys(("thickness_range", "curve_thickness"), ("um", "µm")),
 }
 
 # Film error of a fit, over the film, above which it is refused where no film of its range is
@@ -120,7 +117,7 @@ def check_calibration(calibration: Calibration, curve: RatioCurve | None = None)
         raise ValueError(faults[0])
 
     # a curve that falls within its range would have two films for one ratio
-    films = places(curve.thickness_range)
+    films = np.linspace(*curve.thickness_range, _GRID)
     falling = ~(curve.slope(films) > 0)
     if falling.any():
         raise ValueError(
@@ -128,76 +125,55 @@ def check_calibration(calibration: Calibration, curve: RatioCurve | None = None)
         )
 
 
-def check_fit(
-    relative_error: Array, log_ratio: Array, residual: Array, *, reduced_chi_square: float
-) -> None:
+def check_fit(calibration: Calibration, thickness: Array, log_ratio: Array) -> None:
     """Refuse a fit from which no film follows.
 
     Parameters
     ----------
-    relative_error : array, (place,)
-        Standard deviation of the film by the calibration alone, over the film. [1]
+    calibration : Calibration
+        The fitted curve.
+    thickness : array, (point,)
+        Films of all points, those far off the curve included. [um]
     log_ratio : array, (point,)
-        Logarithm of the measured ratio. [1]
-    residual : array, (point,)
-        Logarithm of the measured ratio less that of the fitted one. [1]
-    reduced_chi_square : float
-        For the message.
+        Logarithm of their measured ratio. [1]
 
     Raises
     ------
     CalibrationError
-        If the error exceeds `LARGEST_ERROR` in the whole range, or the residuals have more than
-        `LARGEST_SCATTER` of the variance of the ratio.
+        If the error of the film exceeds `LARGEST_ERROR` in the whole range, or the residuals have
+        more than `LARGEST_SCATTER` of the variance of the ratio.
 
     Examples
     --------
-    >>> rise = np.linspace(0, 1, 9)
-    >>> check_fit(np.full(3, 0.01), rise, 0.01 * rise, reduced_chi_square=1.0)
-    >>> check_fit(np.full(3, 0.01), rise, rise, reduced_chi_square=900.0)
+    >>> from erlif.show.plots import example_calibration
+    >>> calibration, films = example_calibration(), np.linspace(1, 9, 9)
+    >>> check_fit(calibration, films, calibration.predict_log(films))
+    >>> check_fit(calibration, films, calibration.predict_log(films[::-1]))
     Traceback (most recent call last):
         ...
     erlif.core.errors.CalibrationError: Expected the ratio to follow the thickness of the profile...
     """
+    cure = (
+        f"(reduced chi-square {calibration.reduced_chi_square:.3g}). Compare profile, origin and "
+        "direction in fixture.toml with the images, and look at the frames with: erlif check "
+        "FIXTURE_DIR"
+    )
+    residual = log_ratio - calibration.predict_log(np.maximum(thickness, 0.0))
     scatter = float(np.mean(residual**2) / max(float(np.var(log_ratio)), np.finfo(float).tiny))
     if not scatter < LARGEST_SCATTER:
         raise CalibrationError(
             "Expected the ratio to follow the thickness of the profile; the fitted curve leaves "
-            f"{min(scatter, 1.0):.0%} of the variance of the ratio unexplained (reduced chi-square "
-            f"{reduced_chi_square:.3g}). Compare profile, origin and direction in fixture.toml "
-            "with the images, and look at the frames with: erlif check FIXTURE_DIR"
+            f"{min(scatter, 1.0):.0%} of the variance of the ratio unexplained {cure}"
         )
-    best = float(relative_error.min()) if np.isfinite(relative_error).all() else np.inf
+    # the error of no film is not relative
+    films = np.linspace(*calibration.thickness_range, _GRID)[1:]
+    error = calibration.thickness_std(films) / films
+    best = float(error.min()) if np.isfinite(error).all() else np.inf
     if not best < LARGEST_ERROR:
         raise CalibrationError(
             f"Expected a calibration that determines films to better than {LARGEST_ERROR:.0%}; its "
-            f"error is at least {best:.3g} times the film in the whole range (reduced chi-square "
-            f"{reduced_chi_square:.3g}). Compare profile, origin and direction in fixture.toml "
-            "with the images, and look at the frames with: erlif check FIXTURE_DIR"
+            f"error is at least {best:.3g} times the film in the whole range {cure}"
         )
-
-
-def check_displacements(*components: Image) -> None:
-    """Refuse a stored camera map that is empty, or infinite anywhere; NaN marks unknown places.
-
-    Parameters
-    ----------
-    *components : array, (y, x)
-        Displacement of camera 2. [px]
-
-    Raises
-    ------
-    ValueError
-        With the bare reason.
-    """
-    for component in components:
-        if np.isinf(component).any() or np.isnan(component).all():
-            raise ValueError("its camera map has no finite displacements")
-
-
-def places(thickness_range: tuple[float, float]) -> Array:
-    """Thicknesses at which the slope is checked, (place,). [um]"""
-    return np.linspace(*thickness_range, _GRID)
 
 
 def _parameter_faults(parameters: Array) -> Iterator[str]:

@@ -21,7 +21,7 @@ from erlif.calibration.curve import (
 )
 from erlif.calibration.departure import Departure
 from erlif.calibration.run_curve import RunCurve
-from erlif.calibration.soundness import check_calibration, check_displacements, check_file
+from erlif.calibration.soundness import check_calibration, check_file
 from erlif.calibration.systematics import NO_SYSTEMATICS, Systematics
 from erlif.core.errors import (
     CalibrationError,
@@ -44,7 +44,6 @@ from erlif.io.files import (
 from erlif.io.files.kinds import KINDS, kind_of
 from erlif.io.settings import RunSettings
 from erlif.registration import CameraMap
-from erlif.registration.camera_map import describe_map
 
 # Products whose files are no calibrations.
 _OTHERS = ("film", "prediction", "pressure", "comparison", "budget")
@@ -90,11 +89,9 @@ def save_calibration(
         **{ATTRIBUTE: FORMAT_VERSION},
         **calibration.attributes,
     )
-    groups = (
-        {}
-        if calibration.camera_map is None
-        else {"registration": describe_map(calibration.camera_map)}
-    )
+    groups = {}
+    if calibration.camera_map is not None:
+        groups["registration"] = calibration.camera_map.to_dataset()
     write_dataset(dataset, output, groups=groups)
     return output
 
@@ -180,7 +177,9 @@ def _read(path: Path) -> Calibration:
         except RegistrationError as error:
             reason, _, _ = str(error).partition(";")
             raise ValueError(reason) from error
-    check_displacements(camera_map.displacement_x, camera_map.displacement_y)
+    for component in (camera_map.displacement_x, camera_map.displacement_y):
+        if np.isinf(component).any() or np.isnan(component).all():
+            raise ValueError("its camera map has no finite displacements")
     return replace(calibration, camera_map=camera_map)
 
 
@@ -301,9 +300,7 @@ def _read_calibration(kept: dict[str, Any], settings: RunSettings) -> Calibratio
     departure = None
     if "departure" in kept:
         spline = kept["departure"]
-        departure = Departure(
-            **{one.name: np.asarray(spline[one.name], float) for one in fields(Departure)}
-        )
+        departure = Departure(*(np.asarray(spline[one.name], float) for one in fields(Departure)))
 
     return Calibration(
         **parameters,

@@ -113,14 +113,9 @@ def measure_camera(
     (4095, False)
     """
     # darks first: the flats are light above them
-    full_scale = histogram.size - 1
     reduced = declare_darks(darks, shape) if isinstance(darks, float) else reduce_darks(darks)
-    stacks, saturation = reduce_flats(
-        flats, dark=reduced.mean, full_scale=full_scale, histogram=histogram, camera=camera
-    )
+    stacks, saturation = reduce_flats(flats, dark=reduced.mean, histogram=histogram, camera=camera)
     dry = reduce_background(background, darks=reduced, histogram=histogram, camera=camera)
-    if not stacks:
-        return CameraMeasurement(reduced, full_scale, saturation, background=dry)
 
     # near saturation counts are clipped in some pages only, which lowers the temporal variance
     levels = []
@@ -132,10 +127,10 @@ def measure_camera(
             levels.append(level)
     return CameraMeasurement(
         reduced,
-        full_scale,
+        histogram.size - 1,
         saturation,
         tuple(levels),
-        sum_light(stacks),
+        sum_light(stacks) if stacks else None,
         sum(stack.count for stack in stacks),
         dry,
         tuple(stack.count for stack in stacks),

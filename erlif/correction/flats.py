@@ -49,12 +49,7 @@ class FlatField(NamedTuple):
 
 
 def reduce_flats(
-    pages: Iterable[Counts],
-    *,
-    dark: AnyArray,
-    full_scale: int,
-    histogram: Histogram,
-    camera: str,
+    pages: Iterable[Counts], *, dark: AnyArray, histogram: Histogram, camera: str
 ) -> tuple[list[PageStack], int]:
     """Sort flat pages into light levels, and find the count at which the camera saturates.
 
@@ -68,8 +63,6 @@ def reduce_flats(
         Counts of flat pages. [DN]
     dark : array, (y, x)
         Mean dark. [DN]
-    full_scale : int
-        Largest possible count. [DN]
     histogram : array of int, (full scale + 1,)
         Pixels by count in some frames, which are searched for a pile-up as well.
     camera : str
@@ -87,6 +80,7 @@ def reduce_flats(
     FrameError
         If there are pages and none is both well above dark and below saturation.
     """
+    full_scale = histogram.size - 1
     levels: list[PageStack] = []
     first_brightness = brightest = 0.0
     total = histogram.copy()

@@ -160,8 +160,8 @@ class CameraTables:
         Count at saturation. [DN]
     noise : NoiseTables
         What the variances of the light need; light and variances share the flat and the dry joint.
-    least_above_dry : Image | None
-        Light that is not dim once that of the dry joint is subtracted; None where no dry joint was
+    least_above_dry : Image
+        Light that is not dim once that of the dry joint is subtracted; empty where no dry joint was
         recorded. [DN]
     """
 
@@ -172,7 +172,7 @@ class CameraTables:
     columns: AnyArray
     full_scale: int
     noise: NoiseTables
-    least_above_dry: Image | None = None
+    least_above_dry: Image
 
 
 def tabulate(references: References, *, least_signal: float) -> tuple[CameraTables, CameraTables]:
@@ -206,8 +206,8 @@ def _tabulate_camera(reference: References, least_signal: float) -> CameraTables
     if (dark_var == dark_var[:1]).all():
         dark_var = dark_var[:1]
 
-    dry_light = dry_var = np.zeros((0, 0), np.float32)
-    least_above_dry, recorded = None, 0.0
+    dry_light = dry_var = least_above_dry = np.zeros((0, 0), np.float32)
+    recorded = 0.0
     if "background" in reference:
         dry_light = (reference.background.values * per_flat).astype(np.float32)
         dry_var = (reference.background_var.values * per_flat**2).astype(np.float32)
@@ -265,11 +265,10 @@ def measure_light(
 
     for n, table in enumerate(tables):
         light, flags, noise = out.light[n], out.flags[n], table.noise
-        dry = noise.dry_light if table.least_above_dry is None else table.least_above_dry
         out.peaks[n] = _measure_bands(
             counts[n],
             (table.dark, noise.per_flat, table.least, table.bad, table.full_scale),
-            (noise.dry_light, dry, np.float32(energy)),
+            (noise.dry_light, table.least_above_dry, np.float32(energy)),
             (table.rows, table.columns),
             (light, flags, out.half[n], out.half_weight[n], out.blocks[n]),
         )
@@ -314,10 +313,8 @@ def _measure_bands(counts, pixels, dry, gaps, images):  # type: ignore[no-untype
         while filled < rows.size and rows[filled] < ready:
             filled += 1
         fill_bad_pixels(light, bad, rows[first:filled], columns[first:filled], _FARTHEST)
-        half_rows, block_rows = (
-            slice(done // 2, ready // 2),
-            slice(done // BLOCK, -(-ready // BLOCK)),
-        )
+        half_rows = slice(done // 2, ready // 2)
+        block_rows = slice(done // BLOCK, -(-ready // BLOCK))
         _bin(
             light[done:ready],
             flags[done:ready],

@@ -191,11 +191,8 @@ class _CameraEvidence:
     @cached_property
     def transfer(self) -> PhotonTransfer | None:
         """Photon transfer curve, with the best available dark variance."""
-        darks, levels, read_noise = (
-            self.measured.darks,
-            self.measured.levels,
-            self.declared.read_noise,
-        )
+        darks, levels = self.measured.darks, self.measured.levels
+        read_noise = self.declared.read_noise
         if darks.temporal_var is not None or read_noise is None:
             return fit_photon_transfer(
                 levels, dark_variance=darks.temporal_var, dark_variance_std=darks.temporal_var_std

@@ -54,7 +54,7 @@ from erlif.pipeline.recording.omissions import note_omissions
 from erlif.pipeline.recording.prepare import PreparedRun
 from erlif.pipeline.recording.pulses import check_pulses, read_energies
 from erlif.ratio import BlurDifference
-from erlif.registration import CameraMap, describe_map, move_map
+from erlif.registration import CameraMap, move_map
 
 _logger = logging.getLogger(__name__)
 
@@ -398,7 +398,7 @@ def assemble_frames(
 
 def describe_registration(camera_map: CameraMap, blur: BlurDifference) -> xr.Dataset:
     """The group of the film that holds the camera map and the difference of sharpness."""
-    return describe_map(camera_map).assign_attrs(
+    return camera_map.to_dataset().assign_attrs(
         blur_difference=[blur.x, blur.y],
         blur_difference_std=[blur.std_x, blur.std_y],
         blur_difference_comment="half the blur variance of camera 2 less that of camera 1, along x "

@@ -1,5 +1,4 @@
 from .accumulation import RatioSum as RatioSum
-from .accumulation import combine_frames as combine_frames
 from .bubbles import find_bubbles as find_bubbles
 from .bubbles import flag_bubbles as flag_bubbles
 from .camera_noise import NoiseEstimate as NoiseEstimate

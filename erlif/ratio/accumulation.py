@@ -7,7 +7,6 @@ import numba
 import numpy as np
 
 from erlif.core.arrays import Array, Image
-from erlif.core.products import RatioImages, require
 from erlif.ratio.pair import PairRatio
 
 # Width of the surroundings whose mean variance gives the weight of a pixel. [px]
@@ -95,53 +94,6 @@ class RatioSum:
         unknown = np.broadcast_to(_NAN, self.shape)
         correlation = self._correlation / max(self.frames, 1)
         return PairRatio(log_ratio, variance, fixed, shared, flags, unknown, correlation)
-
-
-def combine_frames(ratios: RatioImages) -> RatioImages:
-    """Inverse-variance mean over the frame dimension.
-
-    `RatioSum` does the same for frames that do not fit into memory together.
-
-    Parameters
-    ----------
-    ratios : RatioImages
-        log_ratio (frame, y, x) of one trigger with its variances and flags.
-
-    Returns
-    -------
-    RatioImages
-        log_ratio (y, x) with its variances and flags.
-
-    Raises
-    ------
-    ErlifError
-        If a variable is missing.
-
-    Examples
-    --------
-    A frame with a quarter of the variance has four times the weight:
-
-    >>> import xarray as xr
-    >>> dims = ("frame", "y", "x")
-    >>> variance = np.ones((2, 4, 4)) * [[[4e-4]], [[1e-4]]]
-    >>> ratios = RatioImages(xr.Dataset({
-    ...     "log_ratio": (dims, np.ones((2, 4, 4)) * [[[0.5]], [[1.0]]]),
-    ...     "log_ratio_var": (dims, variance),
-    ...     "log_ratio_var_fixed": (dims, np.zeros((2, 4, 4))),
-    ...     "log_ratio_var_shared": (dims, np.zeros((2, 4, 4))),
-    ...     "flags": (dims, np.zeros((2, 4, 4), np.uint16)),
-    ... }))
-    >>> mean = combine_frames(ratios)
-    >>> round(float(mean.log_ratio[0, 0]), 6), round(float(mean.log_ratio_var[0, 0]), 6)
-    (0.9, 8e-05)
-    """
-    names = ("log_ratio", "log_ratio_var", "log_ratio_var_fixed", "log_ratio_var_shared", "flags")
-    require(ratios, *names)
-    total = RatioSum((ratios.sizes["y"], ratios.sizes["x"]))
-    for n in range(ratios.sizes["frame"]):
-        total.add(PairRatio.of(ratios, n))
-    mean = total.mean().to_images().isel(frame=0, drop=True)
-    return RatioImages(mean[[*names, "noise_correlation"]])
 
 
 def _weigh(pair: PairRatio) -> Image:

@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cache
+from itertools import pairwise
 
 import cv2
 import numpy as np
@@ -133,7 +134,7 @@ class NoiseView:
         )
 
 
-def cell_size(shape: tuple[int, int]) -> int:
+def cell_size(shape: tuple[int, ...]) -> int:
     """Width of the cells into which frames are divided.
 
     Parameters
@@ -161,7 +162,6 @@ def estimate_camera_noise(
     *,
     references: References,
     blur: BlurDifference,
-    shape: tuple[int, int],
     frames: int,
 ) -> NoiseEstimate | None:
     """Estimate what is unknown of the noise of both cameras from differences between frames.
@@ -175,8 +175,6 @@ def estimate_camera_noise(
         Gains and read noises, assumed where unknown, and the flat of camera 2.
     blur : BlurDifference
         Difference of sharpness that was removed from the ratios.
-    shape : (rows, columns)
-        [px]
     frames : int
         Number of views.
 
@@ -212,12 +210,12 @@ def estimate_camera_noise(
     >>> both, neither = np.array([True, True]), np.array([False, False])
     >>> estimate = estimate_camera_noise(
     ...     [take_frame() for _ in range(4)], NoiseUnknowns(both, neither, neither),
-    ...     references=references, blur=BlurDifference(), shape=(256, 320), frames=4,
+    ...     references=references, blur=BlurDifference(), frames=4,
     ... )
     >>> all(abs(camera.gain - 4.4) < 3 * camera.gain_std < 0.4 for camera in estimate.cameras)
     True
     """
-    cells = _gather_cells(views, blur, size=cell_size(shape))
+    cells = _gather_cells(views, blur)
     # known values stay, unknown ones are assumptions that the fit replaces
     gain, read_noise = references.gain.values.copy(), references.read_noise.values.copy()
     if len(cells.variance) < _LEAST_CELLS:
@@ -233,10 +231,8 @@ def estimate_camera_noise(
 
     # the response of camera 2 shows as a pattern that moves with its drift
     pattern = bool(unknown.response[1] and cells.pattern.mean() > _STILL)
-    fit, alike = (
-        fit_pixel_noise(cells, references, unknown, one_gain=True, pattern=pattern),
-        float("nan"),
-    )
+    fit = fit_pixel_noise(cells, references, unknown, one_gain=True, pattern=pattern)
+    alike = float("nan")
     if pattern and not fit.determines_response:
         # a column almost proportional to the constant would exchange random amounts with it
         pattern = False
@@ -271,16 +267,12 @@ def estimate_camera_noise(
     return NoiseEstimate((one, two), alike, frames)
 
 
-def _gather_cells(views: Iterable[NoiseView], blur: BlurDifference, *, size: int) -> NoiseCells:
+def _gather_cells(views: Iterable[NoiseView], blur: BlurDifference) -> NoiseCells:
     """Cells of the differences between neighbouring frames."""
     kernels = _difference_kernels(blur)
-    compared: list[NoiseCells] = []
-    before: NoiseView | None = None
-    for view in views:
-        if before is not None:
-            compared.append(_difference_cells(before, view, kernels, size))
-        before = view
-    return NoiseCells.join(compared)
+    return NoiseCells.join(
+        [_difference_cells(*neighbours, kernels) for neighbours in pairwise(views)]
+    )
 
 
 def _difference_kernels(blur: BlurDifference) -> tuple[Array, Array]:
@@ -294,10 +286,11 @@ def _difference_kernels(blur: BlurDifference) -> tuple[Array, Array]:
 
 
 def _difference_cells(
-    first: NoiseView, second: NoiseView, kernels: tuple[Array, Array], size: int
+    first: NoiseView, second: NoiseView, kernels: tuple[Array, Array]
 ) -> NoiseCells:
     """Cells of the difference of two frames."""
     difference = second.log_ratio - first.log_ratio
+    size = cell_size(difference.shape)
     filtered = cv2.filter2D(difference, -1, _RING, borderType=cv2.BORDER_CONSTANT)
     squared = np.asarray(filtered, float) ** 2
     for edge in (squared, squared.T):

@@ -168,36 +168,30 @@ def find_pulse_faults(samples: Sequence[PulseSample]) -> list[PulseFault]:
     """
     if not samples:
         return []
-    repeated = list(_find_repeated(samples))
+    faults = list(_find_repeated(samples))
     light, again, ratio = (
         _detrend(np.array(values, float)) for values in zip(*samples, strict=True)
     )
     slope = _ratio_slopes(light, again, ratio)
     judged = np.flatnonzero(np.isfinite(slope))
     if judged.size < _FEWEST_FRAMES:
-        return repeated
+        return faults
 
     wrong = judged[slope[judged] < _MISMATCHED]
     if not wrong.size:
-        return repeated
+        return faults
 
     # where most pairs are wrong, the order of one camera as a whole is
     other = again + ratio
     if 2 * wrong.size > judged.size:
-        return [*repeated, _find_order(light, other, wrong)]
+        return [*faults, _find_order(light, other, wrong)]
     partner_of = {int(k): _find_partner(light, other[k]) for k in wrong}
     exchanged = _find_closed(partner_of)
-    return [
-        *repeated,
-        *(
-            PulseFault(kind, tuple(frames), tuple(partner_of[k] for k in frames))
-            for kind, frames in (
-                ("exchanged", [k for k in partner_of if k in exchanged]),
-                ("unknown", [k for k in partner_of if k not in exchanged]),
-            )
-            if frames
-        ),
-    ]
+    for kind, inside in (("exchanged", True), ("unknown", False)):
+        frames = tuple(k for k in partner_of if (k in exchanged) is inside)
+        if frames:
+            faults.append(PulseFault(kind, frames, tuple(partner_of[k] for k in frames)))
+    return faults
 
 
 def _find_closed(partner_of: dict[int, int]) -> set[int]:

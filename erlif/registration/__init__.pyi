@@ -4,7 +4,6 @@ from .background import divide_by_light as divide_by_light
 from .background import is_steep as is_steep
 from .camera_map import CameraMap as CameraMap
 from .camera_map import MapKind as MapKind
-from .camera_map import describe_map as describe_map
 from .camera_map import move_map as move_map
 from .drift import Drift as Drift
 from .drift import check_map as check_map

@@ -133,18 +133,16 @@ def _correlate_blocks(a: Image, b: Image, weight: Image, reach: int) -> Image:
 
     # the energies of each block, and of its counterpart as far as it lies inside the image
     still = np.zeros(1, int)
-    energy = _sum_blocks(integral(a * a), _block_ends(rows, h, still), _block_ends(cols, w, still))
+    own = _block_ends(rows, h, still), _block_ends(cols, w, still)
+    energy = _sum_blocks(integral(a * a), *own)
     y, x = _block_ends(rows, h, offsets), _block_ends(cols, w, offsets)
     area = _sum_blocks(integral(weight * weight), y, x)
     other = _sum_blocks(integral(b * b), y, x)
 
     # sums over blocks that overlap are a matrix product along each axis
     down, across = (
-        ((start <= pixel) & (pixel < stop)).astype(np.float32)
-        for (start, stop), pixel in (
-            (_block_ends(rows, h, still), np.arange(h)),
-            (_block_ends(cols, w, still), np.arange(w)),
-        )
+        ((start <= np.arange(size)) & (np.arange(size) < stop)).astype(np.float32)
+        for (start, stop), size in zip(own, a.shape, strict=True)
     )
     padded = np.pad(b, reach)
     total = np.empty((rows, cols, len(offsets), len(offsets)), np.float32)
@@ -257,7 +255,6 @@ def agree(centres: Array, vectors: Array, strength: Array) -> Agreement:
     if best.sum() < FEWEST:
         return NONE_AGREE
 
-    field = np.zeros((3, 2))
     for _ in range(REFITS):
         field = np.linalg.lstsq(terms[best], vectors[best], rcond=None)[0]
         best = np.hypot(*(terms @ field - vectors).T) < AGREED

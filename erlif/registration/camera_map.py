@@ -111,7 +111,7 @@ class CameraMap:
             _setting_attribute(name): int(value) if isinstance(value, bool) else value
             for name, value in asdict(self.settings).items()
         }
-        return xr.Dataset(
+        dataset = xr.Dataset(
             {
                 name: variable.fill(getattr(self, name).astype(variable.dtype, copy=False))
                 for name, variable in REGISTRATION.items()
@@ -122,6 +122,10 @@ class CameraMap:
                 **settings,
             },
         )
+        # the lowest level: the last bits of a displacement are noise, which no level compresses
+        for name in dataset:
+            dataset[name].encoding.update(zlib=True, complevel=1, shuffle=True)
+        return dataset
 
     @classmethod
     def from_dataset(cls, dataset: xr.Dataset) -> CameraMap:
@@ -189,35 +193,6 @@ def _read_model(text: str) -> dict[str, Any]:
 def _setting_attribute(name: str) -> str:
     """Name of the attribute that holds a setting in a file."""
     return "registration_model_asked" if name == "model" else f"registration_{name}"
-
-
-def describe_map(camera_map: CameraMap) -> xr.Dataset:
-    """Prepare a camera map as a compressed group of a file.
-
-    Parameters
-    ----------
-    camera_map : CameraMap
-        The map.
-
-    Returns
-    -------
-    Dataset, (y, x)
-        As `CameraMap.to_dataset`, with the encoding of its variables.
-
-    Examples
-    --------
-    >>> flat = np.zeros((2, 3), np.float32)
-    >>> found = CameraMap(flat + 4, flat - 3, flat, flat == 0, flat > 0, 0.9, MapKind.SURFACE)
-    >>> group = describe_map(found)
-    >>> group.displacement_x.attrs["units"], group.displacement_x.encoding["zlib"]
-    ('px', True)
-    """
-    # the lowest level: the last bits of a displacement are noise, which no level compresses
-    compress = {"zlib": True, "complevel": 1, "shuffle": True}
-    dataset = camera_map.to_dataset()
-    for name in dataset:
-        dataset[name].encoding.update(compress)
-    return dataset
 
 
 def move_map(camera_map: CameraMap, by: Array) -> CameraMap:

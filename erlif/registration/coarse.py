@@ -24,6 +24,7 @@ from erlif.registration.interpolation import laid_over
 from erlif.registration.normalise import binned, normalise
 from erlif.registration.pairs import Pair, Textures
 from erlif.registration.settings import ORIENTATIONS, RegistrationSettings, orient
+from erlif.registration.whitening import padded_size
 
 # The frames are binned by powers of two until their longer side is at most this. [px]
 COARSE_SIZE: Final = 256
@@ -190,24 +191,17 @@ class CoarsePair:
         sound = np.isfinite(out)
         return np.where(sound, out, np.float32(0)), sound.astype(np.float32)
 
-    def with_second(self, moving: AnyArray, weight: AnyArray | None) -> CoarsePair:
-        """Return the pair with another image of camera 2."""
-        b, weight_b = _textures(moving, weight, self.factor)
-        return replace(self, textures=replace(self.textures, b=b, weight_b=weight_b))
-
 
 class Correlator:
     """Cross-correlation of camera 1 with camera 2, turned in any way, at every offset at once."""
 
     def __init__(self, coarse: CoarsePair, search: float) -> None:
-        h, w = self.shape = coarse.shape
-        self.search = search
+        h, w = coarse.shape
         both = coarse.textures
 
         # twice the size, so that the far sides do not meet
-        larger = (max(a, b) for a, b in zip(both.a.shape, both.b.shape, strict=True))
-        rows, cols = (fft.next_fast_len(2 * n, real=True) for n in larger)
-        self.size = (rows, cols)
+        larger = map(max, both.a.shape, both.b.shape)
+        self.size = padded_size([2 * side for side in larger])
         self.spectrum = np.conj(fft.rfft2(both.a, self.size))
         self.offset_y = fft.fftfreq(self.size[0], 1 / self.size[0])[:, None]
         self.offset_x = fft.fftfreq(self.size[1], 1 / self.size[1])[None, :]
@@ -216,11 +210,11 @@ class Correlator:
         weights = fft.rfft2(both.weight_b, self.size) * np.conj(fft.rfft2(both.weight, self.size))
         shared = fft.irfft2(weights, self.size)
         self.enough = shared > SHARED * h * w
+        near = (np.abs(self.offset_x) <= search * w) & (np.abs(self.offset_y) <= search * h)
+        self.inside = self.enough & near
         self.scale = np.where(self.enough, 1 / np.sqrt(np.maximum(shared, 1)), 0).astype(np.float32)
 
-    def peak(
-        self, texture: AnyArray, blur: float, *, everywhere: bool = False
-    ) -> tuple[float, AnyArray]:
+    def peak(self, texture: AnyArray, blur: float) -> tuple[float, AnyArray]:
         """Find the best alignment.
 
         Parameters
@@ -229,8 +223,6 @@ class Correlator:
             Camera 2, turned.
         blur : float
             Standard deviation of the Gaussian over which the correlation is averaged. [px]
-        everywhere : bool
-            Search as far as the overlap allows instead of within the settings.
 
         Returns
         -------
@@ -239,8 +231,6 @@ class Correlator:
         offset : array, (2,)
             Offset (x, y) of camera 2. [binned px]
         """
-        h, w = self.shape
-
         # each offset over the square root of its pixels, so that chance has one size everywhere
         ky, kx = fft.fftfreq(self.size[0]), fft.rfftfreq(self.size[1])
         product = fft.rfft2(texture, self.size)
@@ -250,16 +240,13 @@ class Correlator:
         value = fft.irfft2(product, self.size, overwrite_x=True)
         value *= self.scale
 
-        reach = FARTHEST if everywhere else self.search
-        near = (np.abs(self.offset_x) <= reach * w) & (np.abs(self.offset_y) <= reach * h)
-        inside = self.enough & near
-        if not inside.any():
+        if not self.inside.any():
             return 0.0, np.zeros(2)
         chance = robust_rms(value[self.enough][::EVERY])
         if not chance > 0:
             return 0.0, np.zeros(2)
 
-        j, i = np.unravel_index(int(np.argmax(np.where(inside, value, -np.inf))), value.shape)
+        j, i = np.unravel_index(int(np.argmax(np.where(self.inside, value, -np.inf))), value.shape)
         offset = np.array([float(self.offset_x[0, i]), float(self.offset_y[j, 0])])
         return float(value[j, i]) / chance, offset
 
@@ -273,7 +260,6 @@ def _refine_peak(coarse: CoarsePair, peak: Peak) -> Agreement | None:
     """Match blocks about a peak, twice, and keep the affine map if enough of them agree."""
     centre = _centre(coarse.shape)
     linear, shift = peak.linear, peak.shift
-    agreement = 0.0
     for reach in (REACH, REACH // 2):
         b, wb = coarse.turned(linear, shift)
         centres, vectors, strength = match_blocks(coarse.textures.a, b, wb, reach)
@@ -314,14 +300,12 @@ def _search_unturned(coarse: CoarsePair, correlator: Correlator) -> tuple[Agreem
     return None, best
 
 
-def _peaks_of_bank(
-    coarse: CoarsePair, correlator: Correlator, *, everywhere: bool = False
-) -> list[Peak]:
+def _peaks_of_bank(coarse: CoarsePair, correlator: Correlator) -> list[Peak]:
     """The peak for each rotation and scale of the bank, the highest first."""
     peaks = []
     for linear in _bank():
         b, _ = coarse.turned(linear, np.zeros(2))
-        significance, offset = correlator.peak(b, SHARP, everywhere=everywhere)
+        significance, offset = correlator.peak(b, SHARP)
         peaks.append(Peak(significance, linear, linear @ offset))
     peaks.sort(key=lambda p: -p.significance)
     return peaks
@@ -383,7 +367,7 @@ def find_start(pair: Pair, settings: RegistrationSettings) -> Agreement:
 
     # why the frames do not fit: turned, too far off, or nothing in common
     _refuse_turned(pair, settings, coarse)
-    _refuse_distant(settings, coarse, correlator)
+    _refuse_distant(settings, coarse)
     raise RegistrationError(
         "No common texture found in the images of the two cameras: the highest peak of their "
         f"cross-correlation stands {best.significance:.1f} times above chance, {SIGNIFICANT:.0f} "
@@ -409,7 +393,8 @@ def _refuse_turned(pair: Pair, settings: RegistrationSettings, coarse: CoarsePai
     """Raise the error that names the orientation of camera 2, if it fits in another one."""
     for search in SEARCHES:
         for other in ORIENTATIONS[1:]:
-            trial = coarse.with_second(*pair.turned(other))
+            b, weight_b = _textures(*pair.turned(other), coarse.factor)
+            trial = replace(coarse, textures=replace(coarse.textures, b=b, weight_b=weight_b))
             start, peak = search(trial, Correlator(trial, settings.search))
             agreement = 0.0 if start is None else start.part
             if agreement < AGREEMENT_TURNED or peak.significance < SIGNIFICANT:
@@ -423,11 +408,9 @@ def _refuse_turned(pair: Pair, settings: RegistrationSettings, coarse: CoarsePai
             )
 
 
-def _refuse_distant(
-    settings: RegistrationSettings, coarse: CoarsePair, correlator: Correlator
-) -> None:
+def _refuse_distant(settings: RegistrationSettings, coarse: CoarsePair) -> None:
     """Raise the error that names the offset of camera 2, if it fits beyond the search range."""
-    best = _peaks_of_bank(coarse, correlator, everywhere=True)[0]
+    best = _peaks_of_bank(coarse, Correlator(coarse, FARTHEST))[0]
     reach = settings.search * np.array(coarse.shape[::-1])
     beyond = bool((np.abs(best.shift) > AT_THE_LIMIT * reach).any())
     if best.significance > SIGNIFICANT and beyond:

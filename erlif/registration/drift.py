@@ -35,6 +35,7 @@ from erlif.registration.matching import (
 from erlif.registration.normalise import MOST, binned
 from erlif.registration.pairs import Pair, Pairs, Textures, make_pair, open_series, textures
 from erlif.registration.surface import cell_weights
+from erlif.registration.whitening import padded_size
 
 # Side of the cells whose sums determine the drift. [px]
 STEP: Final = 16
@@ -96,10 +97,7 @@ def whole_pixels(a: Image, b: Image) -> Array:
     NaN in ``b`` counts as 0, the mean of a texture.
     """
     # zeros beyond the frame, as wide as the search, keep its opposite edges apart
-    size = (
-        fft.next_fast_len(a.shape[0] + FARTHEST, real=True),
-        fft.next_fast_len(a.shape[1] + FARTHEST, real=True),
-    )
+    size = padded_size([side + FARTHEST for side in a.shape])
     product = fft.rfft2(np.nan_to_num(b), size) * np.conj(fft.rfft2(a, size))
 
     # negative lags stand at the end of the transform, where negative indices find them; after the
@@ -342,7 +340,36 @@ class DriftSearch:
         # the finer textures are halved: normalising twice would take as long as the search
         coarse = Textures(*_halve(fine.a, fine.weight), *_halve(fine.b, fine.weight_b))
         start = _find_start(coarse, self.coarse, threads)
-        return _finish_search(fine, self.fine, 2 * start, self.binning, threads)
+        return self._finish(fine, 2 * start, threads)
+
+    def _finish(self, views: Textures, shift: Array, threads: int) -> Drift:
+        """One more step from a start [binned px], with its standard deviation.
+
+        The five-point derivative falls short of the slope of a fine texture, so a step is too
+        long. A second look at a part of the cells shows how far, and the step is corrected.
+        """
+        spline = views.spline(threads)
+        b = laid_over(spline, *self.fine, (shift[0], shift[1]), threads)
+        sums = cell_sums(views.a, views.weight, b, STEP, threads=threads)
+        quality = correlation(sums)
+        if not beyond_chance(products_of(sums)):
+            return Drift(np.nan, np.nan, np.nan, np.nan, quality)
+
+        # a part of the cells again, after the step; their equations stay those before it
+        sums = without_noise(sums)
+        step = np.array(solve_shift(sums))
+        part = range(min(PART // 2, len(sums) - 1), max(len(sums) - 1, 1), PART)
+        b = _parts_laid_over(spline, self.fine, shift + step, part, threads)
+        after = sums.copy()
+        after[..., SCORES] = cell_sums(views.a, views.weight, b, STEP, only=part)[..., SCORES]
+        moved = np.subtract(solve_shift(sums[part]), solve_shift(after[part]))
+        ratio = _step_ratio(step, moved)
+
+        # what the step has not moved is left; the scores before it are taken to its end, to first
+        # order
+        shift = self.binning * (shift + step + (step - moved) / ratio)
+        std_dx, std_dy = np.multiply(self.binning / ratio, shift_std(move_sums(sums, *step)))
+        return Drift(float(shift[0]), float(shift[1]), float(std_dx), float(std_dy), quality)
 
 
 def _halve(texture: Image, weight: Image) -> tuple[Image, Image]:
@@ -379,37 +406,6 @@ def _find_start(views: Textures, field: tuple[Image, Image], threads: int) -> Ar
         before, step = step, np.array(solve_shift(sums))
         shift = shift + (step / _step_ratio(before, before - step) if count else step)
     return np.asarray(shift)
-
-
-def _finish_search(
-    views: Textures, field: tuple[Image, Image], shift: Array, binning: int, threads: int
-) -> Drift:
-    """One more step from a start [binned px], with its standard deviation.
-
-    The five-point derivative falls short of the slope of a fine texture, so a step is too long. A
-    second look at a part of the cells shows how far, and the step is corrected.
-    """
-    spline = views.spline(threads)
-    b = laid_over(spline, *field, (shift[0], shift[1]), threads)
-    sums = cell_sums(views.a, views.weight, b, STEP, threads=threads)
-    quality = correlation(sums)
-    if not beyond_chance(products_of(sums)):
-        return Drift(np.nan, np.nan, np.nan, np.nan, quality)
-
-    # a part of the cells again, after the step; their equations stay those before it
-    sums = without_noise(sums)
-    step = np.array(solve_shift(sums))
-    part = range(min(PART // 2, len(sums) - 1), max(len(sums) - 1, 1), PART)
-    b = _parts_laid_over(spline, field, shift + step, part, threads)
-    after = sums.copy()
-    after[..., SCORES] = cell_sums(views.a, views.weight, b, STEP, only=part)[..., SCORES]
-    moved = np.subtract(solve_shift(sums[part]), solve_shift(after[part]))
-    ratio = _step_ratio(step, moved)
-
-    # what the step has not moved is left; the scores before it are taken to its end, to first order
-    shift = binning * (shift + step + (step - moved) / ratio)
-    std_dx, std_dy = np.multiply(binning / ratio, shift_std(move_sums(sums, *step)))
-    return Drift(float(shift[0]), float(shift[1]), float(std_dx), float(std_dy), quality)
 
 
 def _parts_laid_over(
@@ -450,7 +446,6 @@ def rough_drift(
     dx, dy = binned_field(displacement_x, binning), binned_field(displacement_y, binning)
 
     shift = whole_pixels(small.a, laid_over(spline, dx, dy, (0.0, 0.0), threads))
-    sums = np.zeros((1, 1, SUMS))
     for _ in range(COARSE_PASSES):
         b = laid_over(spline, dx, dy, (float(shift[0]), float(shift[1])), threads)
         sums = cell_sums(small.a, small.weight, b, ROUGH_STEP, threads=threads)

@@ -91,11 +91,8 @@ def register(
     >>> bool(np.allclose(found.displacement_y[found.overlap], -2, atol=0.01))
     True
     """
-    settings = RegistrationSettings() if settings is None else settings
-    camera_map, _ = register_frames(
-        [(reference, moving, weight_reference, weight_moving)], settings=settings
-    )
-    return camera_map
+    pair = reference, moving, weight_reference, weight_moving
+    return register_frames([pair], settings=settings)[0]
 
 
 def register_frames(

@@ -185,9 +185,7 @@ def filtered_columns(image: AnyArray, *, threads: int = 1, out: Image | None = N
     """
     h, w = image.shape
     image = np.ascontiguousarray(image, np.float32)
-    if out is None:
-        out = np.empty((h + 2 * _MARGIN, w + 2 * _MARGIN), np.float32)
-    found = out
+    found = np.empty((h + 2 * _MARGIN, w + 2 * _MARGIN), np.float32) if out is None else out
     in_bands(lambda a, b: filter_columns(image, found, a, b), w, threads)
     return found
 

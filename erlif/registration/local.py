@@ -92,9 +92,8 @@ def solve_windows(sums: Array, sigma: float) -> Windows:
 
     gxx, gyy = gxx + ridge, gyy + ridge
     det = gxx * gyy - gxy**2
-    inverse = (
-        np.stack([np.stack([gyy, -gxy], -1), np.stack([-gxy, gxx], -1)], -2) / det[..., None, None]
-    )
+    adjugate = np.stack([np.stack([gyy, -gxy], -1), np.stack([-gxy, gxx], -1)], -2)
+    inverse = adjugate / det[..., None, None]
     vector = np.stack([inverse[..., k, 0] * bx + inverse[..., k, 1] * by for k in range(2)])
     return Windows(vector, inverse, trace > FAINT * ridge)
 

@@ -18,6 +18,9 @@ SMALLEST_SIDE: Final = 64
 # Smallest standard deviation of the local mean of a binned image. [binned px]
 LEAST_REACH: Final = 3.0
 
+# An image and its weight, None where all pixels count.
+Weighted = tuple[AnyArray, AnyArray | None]
+
 # `(reference, moving, weight_reference, weight_moving)` of one frame.
 PairOfArrays = tuple[AnyArray, AnyArray, AnyArray | None, AnyArray | None]
 
@@ -150,24 +153,16 @@ def textures(pair: Pair, binning: int, threads: int) -> Textures:
     one, two = (pair.reference, pair.weight_reference), (pair.moving, pair.weight_moving)
     if binning > 1:
         one, two = binned(*one, binning), binned(*two, binning)
-    return normalise_both(*one, *two, binning=binning, threads=threads)
+    return normalise_both(one, two, binning=binning, threads=threads)
 
 
-def normalise_both(
-    one: AnyArray,
-    weight_one: AnyArray | None,
-    two: AnyArray,
-    weight_two: AnyArray | None,
-    *,
-    binning: int,
-    threads: int = 1,
-) -> Textures:
+def normalise_both(one: Weighted, two: Weighted, *, binning: int, threads: int = 1) -> Textures:
     """The textures of images that are binned already."""
     # the window covers the same field of view, but enough binned pixels for a mean
     reach = max(REACH / binning, LEAST_REACH)
     return Textures(
-        *normalise(one, weight_one, reach=reach, threads=threads),
-        *normalise(two, weight_two, reach=reach, threads=threads),
+        *normalise(*one, reach=reach, threads=threads),
+        *normalise(*two, reach=reach, threads=threads),
     )
 
 

@@ -33,7 +33,7 @@ from erlif.registration.surface import (
     equations,
     on_both_sides,
     pair_up,
-    spline_weights,
+    weights_on,
 )
 from erlif.registration.views import TextureViews
 
@@ -178,7 +178,6 @@ def solve_local(views: TextureViews, surface: Surface, slope: float, scale: Arra
     # one round more than passes: the last one only takes the sums where the field has ended
     field = np.zeros((2, len(y), len(x)))
     dx, dy = base_x, base_y
-    sums = np.zeros(0)
     for number in range(settings.passes + 1):
         sums, mean = views.sums(dx, dy, scale)
         field += mean.reshape(2, 1, 1)
@@ -322,7 +321,7 @@ def surface_covariance(cells: Cells, model: Model, box: Box) -> Array:
     nx, ny = model.elements
     system = equations(cells, model.elements, box=box)
     block = blocks_of(cells, model, box)
-    across, down = spline_weights(cells.x, *box[:2], nx), spline_weights(cells.y, *box[2:], ny)
+    across, down = weights_on(box, model.elements, cells.x, cells.y)
 
     # a polynomial is a restriction of the spline: its matrix is inverted in its own space
     p = (nx + 3) * (ny + 3)
@@ -379,10 +378,7 @@ def surface_std(covariance: Array, model: Model, box: Box, x: Array, y: Array) -
         Standard deviation of one component, the rms of the two. [px]
     """
     nx, ny = model.elements
-    x_pairs, y_pairs = (
-        pair_up(spline_weights(x, *box[:2], nx)),
-        pair_up(spline_weights(y, *box[2:], ny)),
-    )
+    x_pairs, y_pairs = (pair_up(one) for one in weights_on(box, model.elements, x, y))
     p = (nx + 3) * (ny + 3)
     out = 0.5 * _between(covariance[:p, :p] + covariance[p:, p:], x_pairs, y_pairs)
     return np.sqrt(np.maximum(out, 0))

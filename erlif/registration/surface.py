@@ -52,15 +52,34 @@ def spline_weights(positions: AnyArray, start: float, stop: float, elements: int
 
     # the four pieces of the B-spline as polynomials of the place within the element
     u = t - first
-    weights = (
-        np.stack(
-            [(1 - u) ** 3, 4 - 6 * u**2 + 3 * u**3, 1 + 3 * u + 3 * u**2 - 3 * u**3, u**3], axis=-1
-        )
-        / 6
-    )
+    pieces = [(1 - u) ** 3, 4 - 6 * u**2 + 3 * u**3, 1 + 3 * u + 3 * u**2 - 3 * u**3, u**3]
+    weights = np.stack(pieces, axis=-1) / 6
     matrix = np.zeros((len(first), elements + 3))
     np.put_along_axis(matrix, first[:, None] + np.arange(4), weights, axis=1)
     return matrix
+
+
+def weights_on(
+    box: Box, elements: tuple[int, int], x: AnyArray, y: AnyArray
+) -> tuple[Array, Array]:
+    """Compute the weights on a box along x and along y.
+
+    Parameters
+    ----------
+    box : Box
+        Region of the elements. [px]
+    elements : (int, int)
+        Elements along x and y.
+    x, y : array
+        Coordinates. [px]
+
+    Returns
+    -------
+    tuple of two arrays
+        As of `spline_weights`.
+    """
+    nx, ny = elements
+    return spline_weights(x, *box[:2], nx), spline_weights(y, *box[2:], ny)
 
 
 class Pairs(NamedTuple):
@@ -147,10 +166,7 @@ class Surface:
 
     def evaluate(self, x: Array, y: Array) -> tuple[Array, Array]:
         """Displacement (dx, dy) at the grid of coordinates x and y, each (len(y), len(x)). [px]"""
-        x0, x1, y0, y1 = self.box
-        nx, ny = self.elements
-        across = spline_weights(x, x0, x1, nx)
-        down = spline_weights(y, y0, y1, ny)
+        across, down = weights_on(self.box, self.elements, x, y)
         return down @ self.coefficients[0] @ across.T, down @ self.coefficients[1] @ across.T
 
     def on_pixels(self, shape: tuple[int, int], *, binning: int = 1) -> tuple[Image, Image]:
@@ -158,11 +174,8 @@ class Surface:
 
         Binned pixel k covers the pixels from ``k * binning`` and lies at their centre.
         """
-        x0, x1, y0, y1 = self.box
-        nx, ny = self.elements
-        centre = (binning - 1) / 2
-        across = spline_weights(np.arange(shape[1]) * binning + centre, x0, x1, nx)
-        down = spline_weights(np.arange(shape[0]) * binning + centre, y0, y1, ny)
+        y, x = (np.arange(n) * binning + (binning - 1) / 2 for n in shape)
+        across, down = weights_on(self.box, self.elements, x, y)
 
         # in float64, rounded once
         rows = max(PRODUCT // across.size, 1)
@@ -199,10 +212,8 @@ def degree_basis(degree: int) -> Array:
     """
     t = np.linspace(0, 1, 4)
     power = np.stack([(2 * t - 1) ** k for k in range(4)], axis=1)
-    one = np.linalg.solve(
-        spline_weights(t, 0.0, 1.0, 1), power
-    )  # spline coefficients (4,) of each power
-
+    # spline coefficients (4,) of each power
+    one = np.linalg.solve(spline_weights(t, 0.0, 1.0, 1), power)
     columns = [
         np.outer(one[:, j], one[:, i]).ravel()
         for i in range(4)
@@ -325,7 +336,7 @@ def equations(
     """
     box = cells.box if box is None else box
     nx, ny = elements
-    across, down = spline_weights(cells.x, *box[:2], nx), spline_weights(cells.y, *box[2:], ny)
+    across, down = weights_on(box, elements, cells.x, cells.y)
 
     # cells without weight may hold anything
     on = cells.weight > 0

@@ -5,6 +5,7 @@ coherence and S12 the cross spectrum of the two signals (Knapp and Carter, 1976)
 textures by its square root gives the Gauss-Newton sums that weight.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -39,7 +40,7 @@ LARGEST_COHERENCE: Final = 0.9999
 TAPER_WIDTH: Final = 2
 
 
-def padded_size(shape: tuple[int, ...]) -> tuple[int, int]:
+def padded_size(shape: Sequence[int]) -> tuple[int, int]:
     """Smallest size, at least that of the frame, for which the Fourier transform is fast."""
     return fft.next_fast_len(shape[0], real=True), fft.next_fast_len(shape[1], real=True)
 

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numba
 import numpy as np
 import numpy.typing as npt
 
@@ -195,20 +194,11 @@ def _iterate(blocks: BlockMeans, curve: FilmCurve, shapes: Array, base: float) -
 
 def _determine_a_gap(blocks: BlockMeans, use: Mask) -> bool:
     """Whether the chosen blocks determine a parabola along sliding and a tilt across."""
-    count, across, along = _count(use, blocks.strip_along, blocks.strip_across)
-    return bool(count >= _LEAST_BLOCKS and along >= _LEAST_ALONG and across >= _LEAST_ACROSS)
-
-
-@numba.njit(nogil=True, cache=True)
-def _count(use, one, other):  # type: ignore[no-untyped-def]
-    """Count the chosen blocks and the strips of both directions that contain them."""
-    seen = np.zeros((2, max(one.max(), other.max()) + 1 if use.size else 0), np.uint8)
-    count = 0
-    for n in range(use.size):
-        if use[n]:
-            count += 1
-            seen[0, one[n]] = seen[1, other[n]] = 1
-    return count, seen[0].sum(), seen[1].sum()
+    across, along = (
+        np.count_nonzero(np.bincount(strip[use]))
+        for strip in (blocks.strip_along, blocks.strip_across)
+    )
+    return bool(use.sum() >= _LEAST_BLOCKS and along >= _LEAST_ALONG and across >= _LEAST_ACROSS)
 
 
 def _excess_variance(residual: Array, variance: Array) -> float:

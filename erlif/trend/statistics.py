@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -73,16 +74,7 @@ class FilmStatistics:
 
     def with_minimum(self, minimum: GapMinimum, covariance: Array) -> FilmStatistics:
         """Return a copy with the minimum of another gap; `covariance` as for `with_errors`."""
-        found = replace(
-            self,
-            minimum=minimum.value,
-            minimum_random_std=minimum.random_std,
-            minimum_surface_std=minimum.surface_std,
-            minimum_gradient=minimum.gradient,
-            minimum_place=minimum.place,
-            minimum_misfit=minimum.misfit,
-        )
-        return found.with_errors(covariance)
+        return replace(self, **_numbers_of(minimum)).with_errors(covariance)
 
     def with_errors(self, covariance: Array) -> FilmStatistics:
         """Return a copy with the shared errors of another covariance.
@@ -216,17 +208,24 @@ def summarise_blocks(sums: BlockSums, curve: FilmCurve, minimum: GapMinimum) -> 
         mean_std=math.nan,
         mean_random_std=mean_random,
         mean_gradient=mean_gradient,
-        minimum=minimum.value,
+        **_numbers_of(minimum),
         minimum_std=math.nan,
-        minimum_random_std=minimum.random_std,
-        minimum_surface_std=minimum.surface_std,
-        minimum_gradient=minimum.gradient,
-        minimum_place=minimum.place,
-        minimum_misfit=minimum.misfit,
         # of the otherwise valid pixels, those whose film lies outside the measurable range
         beyond_range=sums.beyond / max(sums.valid + sums.beyond, 1),
     )
     return found.with_errors(curve.calibration.full_covariance)
+
+
+def _numbers_of(minimum: GapMinimum) -> dict[str, Any]:
+    """Fields of `FilmStatistics` that a minimum determines."""
+    return {
+        "minimum": minimum.value,
+        "minimum_random_std": minimum.random_std,
+        "minimum_surface_std": minimum.surface_std,
+        "minimum_gradient": minimum.gradient,
+        "minimum_place": minimum.place,
+        "minimum_misfit": minimum.misfit,
+    }
 
 
 def _average_film(sums: BlockSums, curve: FilmCurve) -> tuple[float, float, Array]:

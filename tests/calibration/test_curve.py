@@ -7,6 +7,9 @@ import numpy.testing as npt
 import pytest
 from scenes.fixture import FILMS, K, P, Q, log_ratio
 
+from erlif.core.notes import Level, Note
+from erlif.show.plots import example_calibration
+
 
 def test_prediction_is_the_integrated_ratio(exact):
     npt.assert_allclose(exact.predict_log(FILMS), log_ratio(FILMS), rtol=1e-12)
@@ -56,3 +59,19 @@ def test_error_of_a_film_is_that_of_drawn_parameters(departing):
     npt.assert_allclose(
         departing.thickness_std(FILMS), departing.log_ratio_std(FILMS) / departing.slope(FILMS)
     )
+
+
+def test_a_calibration_shows_its_parameters_with_their_errors():
+    calibration = replace(
+        example_calibration(),
+        fixture="<script>",
+        notes=(Note(Level.WARNING, "profile", "<b>too short"),),
+    )
+    text, page = repr(calibration), calibration._repr_html_()
+    for shown in ("0.66000 ± 0.00100", "0.24500 ± 0.00100 1/um", "0.30 to 16.00 um", "580 nm"):
+        assert shown in text
+        assert shown in page
+    assert "warning: profile: <b>too short" in text
+    assert page.count("<circle") == 20
+    assert "<script" not in page
+    assert "<b>" not in page

@@ -6,6 +6,7 @@ import numpy as np
 import numpy.testing as npt
 import pytest
 import xarray as xr
+from scenes.fixture import find_films
 
 
 @pytest.mark.parametrize("name", ["exact", "departing"])
@@ -16,11 +17,11 @@ def test_table_of_the_inverse_agrees_with_root_finding(name, request):
     first, last = np.interp(calibration.thickness_range, table.thickness, entries)
     place = np.random.default_rng(0).uniform(first, last, 200)
     values = table.start + table.step * place
-    film = calibration.invert(values)
+    film = find_films(calibration, values)
     npt.assert_allclose(calibration.predict_log(film), values, atol=1e-9)
     low, high = calibration.thickness_range
     beyond = calibration.predict_log([[low - 0.01], [high + 0.01]])
-    npt.assert_array_equal(calibration.invert(beyond), [[np.nan], [np.nan]])
+    npt.assert_array_equal(find_films(calibration, beyond), [[np.nan], [np.nan]])
     npt.assert_allclose(np.interp(place, entries, table.thickness), film, atol=2e-5)
     npt.assert_allclose(
         np.interp(place, entries, table.per_log_ratio), 1 / calibration.slope(film), rtol=1e-4

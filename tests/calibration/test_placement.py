@@ -14,6 +14,7 @@ from scenes.fixture import (
     Q,
     assert_covers,
     calibrate,
+    find_films,
     has_note,
     image,
     log_ratio,
@@ -105,7 +106,7 @@ def pulls_of_surface(rng):
 
 
 def film_error(calibration):
-    return np.abs(calibration.invert(log_ratio(FILMS)) - FILMS)
+    return np.abs(find_films(calibration, log_ratio(FILMS)) - FILMS)
 
 
 # profiles with form

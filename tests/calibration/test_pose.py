@@ -1,13 +1,15 @@
 """Poses as maps of the plane, and which changes of them a known form determines."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import numpy.testing as npt
 import pytest
 from scenes.fixture import log_ratio, make_points
 
-from erlif.calibration.pose import AS_GIVEN, FoundPose, Pose, find_freedom, find_turn
+from erlif.calibration.placement import find_freedom
+from erlif.calibration.pose import AS_GIVEN, FoundPose, Pose, find_turn
 
 GIVEN = Pose((12.0, -3.0), 0.3, 0.05)
 X = np.linspace(0, 18, 120)
@@ -23,14 +25,13 @@ def points_of(film, gradient, position=X, **changes):
 def freedom_of(points, *, pixel_pitch=0.06):
     film = points.thickness
     step = 1e-4
-    return find_freedom(
-        points,
-        np.ones(film.size, bool),
+    fit = SimpleNamespace(
+        kept=np.ones(film.size, bool),
         true_thickness=film,
-        slope=(log_ratio(film + step) - log_ratio(film - step)) / (2 * step),
         thickness_std=points.thickness_std,
-        pixel_pitch=pixel_pitch,
+        slope=lambda at: (log_ratio(at + step) - log_ratio(at - step)) / (2 * step),
     )
+    return find_freedom(points, fit, pixel_pitch=pixel_pitch)
 
 
 # maps

@@ -3,7 +3,15 @@
 import numpy as np
 import numpy.testing as npt
 import pytest
-from scenes.fixture import WEDGE, calibrate, image, through_filters, wedge_profile, with_systematics
+from scenes.fixture import (
+    WEDGE,
+    calibrate,
+    find_films,
+    image,
+    through_filters,
+    wedge_profile,
+    with_systematics,
+)
 
 from erlif.calibration import change_wall
 from erlif.show.plots import example_calibration
@@ -27,11 +35,11 @@ def test_films_before_another_wall_are_true(of_fixture, of_joint, stated):
     joint = change_wall(fixture, of_joint)
     films = FILMS[joint.thickness_range[1] * 0.8 > FILMS]
     ratios = through_filters(of_joint)(films)
-    error, std = joint.invert(ratios) - films, joint.thickness_std(films)
+    error, std = find_films(joint, ratios) - films, joint.thickness_std(films)
     assert films.size >= 4
     assert (np.abs(error) < 2 * np.hypot(std, 0.01 * films)).all()
     assert (np.abs(error) < 0.05 * films)[films < 5].all()
-    assert np.nanmax(np.abs(fixture.invert(ratios) - films)) > 0.1
+    assert np.nanmax(np.abs(find_films(fixture, ratios) - films)) > 0.1
 
 
 def test_a_fitted_reflectance_leaves_the_curve_uncertain_and_is_named():

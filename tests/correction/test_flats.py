@@ -17,10 +17,8 @@ def page(light, above_dark=64):
     return np.full(SHAPE, light + above_dark, np.uint16)
 
 
-def reduce(pages, *, dark=DARK, histogram=EMPTY, full_scale=4095):
-    return reduce_flats(
-        pages, dark=dark, full_scale=full_scale, histogram=histogram, camera="camera2"
-    )
+def reduce(pages, *, dark=DARK, histogram=EMPTY):
+    return reduce_flats(pages, dark=dark, histogram=histogram, camera="camera2")
 
 
 # light levels

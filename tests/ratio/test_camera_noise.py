@@ -52,9 +52,7 @@ def references(gain=(2.0, 2.0)):
 def estimate(taken, what, known=None, frames=4, blur=None):
     known = references() if known is None else known
     blur = BlurDifference() if blur is None else blur
-    return estimate_camera_noise(
-        taken, what, references=known, blur=blur, shape=SHAPE, frames=frames
-    )
+    return estimate_camera_noise(taken, what, references=known, blur=blur, frames=frames)
 
 
 def test_unequal_gains_are_distinguished():

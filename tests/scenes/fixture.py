@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import xarray as xr
 from scipy.interpolate import CubicSpline
+from scipy.optimize import brentq
 
 from erlif.calibration import Profile, RunCurve, Systematics, fit_calibration
 from erlif.calibration.points import Points
@@ -123,9 +124,24 @@ def calibrate_wedge(rng, *, profile=None, noise=0.15, true=log_ratio, **ratio):
     return calibrate(image(rng, true(WEDGE, **ratio)), profile, fixture="wedge")
 
 
+def find_films(curve, log_ratio):
+    """Films of logarithms of the ratio by root finding; NaN beyond the range. [um]"""
+    low, high = curve.thickness_range
+    first, last = curve.predict_log([low, high])
+
+    def find(goal):
+        if not first <= goal <= last:
+            return np.nan
+        return brentq(lambda film: float(curve.predict_log(film)) - goal, low, high, xtol=1e-10)
+
+    values = np.asarray(log_ratio, float)
+    return np.array([find(goal) for goal in values.ravel()]).reshape(values.shape)
+
+
 def find_pulls(calibration, films, true=log_ratio, **ratio):
     """Error of films measured with a calibration, over their standard deviation. [1]"""
-    return (calibration.invert(true(films, **ratio)) - films) / calibration.thickness_std(films)
+    error = find_films(calibration, true(films, **ratio)) - films
+    return error / calibration.thickness_std(films)
 
 
 def pulls_of_curve(calibration, films):

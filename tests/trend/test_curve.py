@@ -3,7 +3,7 @@
 import numpy as np
 import numpy.testing as npt
 import pytest
-from scenes.fixture import with_systematics
+from scenes.fixture import find_films, with_systematics
 from scenes.gap import RANGE, P, Q, known_calibration, true_log_ratio
 
 from erlif.trend.curve import FilmCurve
@@ -31,7 +31,7 @@ def test_films_beyond_the_table_are_taken_for_its_ends(curve):
 def test_film_of_a_bin_is_that_of_the_log_ratio_in_its_middle(curve):
     log_ratio = true_log_ratio(np.array([0.3, 2.0, 7.0, 15.5]))
     place, distance = curve.find_bins(log_ratio)
-    expected = known_calibration().invert(log_ratio - distance)
+    expected = find_films(known_calibration(), log_ratio - distance)
     npt.assert_allclose(curve.film[place], expected, atol=1e-5)
     assert np.abs(distance).max() < 0.5 * np.ptp(curve.bins) / 4000 * (1 + 1e-9)
 
@@ -44,7 +44,7 @@ def test_expansion_about_a_bin_gives_the_films_near_it(curve):
     step = 50 * np.ptp(curve.bins) / 4000
     off = step + distance
     found = curve.film[place] + curve.rate[place] * off + curve.curvature[place] * off**2 / 2
-    exact = calibration.invert(middle + step)
+    exact = find_films(calibration, middle + step)
     # the third order: the rate itself changes over this step by some per cent
     npt.assert_allclose(found - curve.film[place], exact - curve.film[place], rtol=5e-3)
 
@@ -60,9 +60,9 @@ def test_gradient_is_the_change_of_the_film_of_a_log_ratio(curve, parameter):
     log_ratio = true_log_ratio(np.array([2.0, 6.0]))
     changed = list(known_calibration().parameters)
     changed[parameter] += 1e-6
-    moved = known_calibration(*changed).invert(log_ratio)
+    moved = find_films(known_calibration(*changed), log_ratio)
     place, _ = curve.find_bins(log_ratio)
-    expected = (moved - known_calibration().invert(log_ratio)) / 1e-6
+    expected = (moved - find_films(known_calibration(), log_ratio)) / 1e-6
     npt.assert_allclose(curve.gradient[parameter, place], expected, rtol=2e-3)
 
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import numpy.testing as npt
 import pytest
-from scenes.fixture import with_systematics
+from scenes.fixture import find_films, with_systematics
 
 from erlif.ratio import LightCells, cell_centres
 from erlif.show.plots import example_calibration
@@ -81,7 +81,7 @@ def estimate(record, calibration=CALIBRATION, **changes):
 
 def true_shift(errors, passed, dyes=(K, P, Q)):
     """Measured less true film where a run has these errors, by the plain curve. [um]"""
-    return PLAIN.invert(log_ratio(FILMS, passed, errors, dyes)) - FILMS
+    return find_films(PLAIN, log_ratio(FILMS, passed, errors, dyes)) - FILMS
 
 
 def test_the_errors_that_remain_follow_their_covariance():

@@ -99,7 +99,7 @@ class PairDrift:
             )
 
         one, two = self._light(light, 0, "normal"), self._light(light, 1, self.orientation)
-        return self.search.find(normalise_both(*one, *two, binning=self.search.binning))
+        return self.search.find(normalise_both(one, two, binning=self.search.binning))
 
     def _light(self, light: PairLight, camera: int, turn: str) -> tuple[AnyArray, AnyArray]:
         """Light of one camera in the pixels of the search, turned, and the weight of the pixels."""

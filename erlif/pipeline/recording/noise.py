@@ -131,7 +131,6 @@ def _estimate_noise(chain: FrameChain, unknown: NoiseUnknowns) -> NoiseEstimate 
             unknown,
             references=chain.references,
             blur=chain.blur,
-            shape=chain.pairs.shape,
             frames=len(frames),
         )
 

@@ -172,7 +172,7 @@ def test_gain_is_right_to_five_per_cent_and_its_uncertainty_covers():
     for seed in range(count):
         pairs = small_pairs(np.random.default_rng(seed))
         found = estimate_camera_noise(
-            pairs, what, references=known, blur=BlurDifference(), shape=PAIR, frames=4
+            pairs, what, references=known, blur=BlurDifference(), frames=4
         )
         gains.append([camera.gain for camera in found.cameras])
         stds.append([camera.gain_std for camera in found.cameras])
