@@ -21,7 +21,7 @@ from numcodecs import blosc
 
 from erlif.io.files import NetcdfMaps, ZarrMaps, open_film
 from erlif.io.files.compression import encode_netcdf, encode_zarr, round_map
-from erlif.pipeline.film import MAPS
+from erlif.pipeline.engines.triggers import MAPS
 
 Codec = Callable[[np.ndarray], bytes]
 REPEATS = 3

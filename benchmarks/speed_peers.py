@@ -11,7 +11,7 @@ import numpy as np
 
 from erlif.io.files import PartialFilm, open_film, write_film
 from erlif.io.ingest import open_run, read_frames
-from erlif.pipeline.film import MAPS
+from erlif.pipeline.engines.triggers import MAPS
 from erlif.registration import RegistrationSettings, divide_by_light, register
 
 FILMS = 10

@@ -13,13 +13,13 @@ import xarray as xr
 
 from erlif.calibration import RunCurve, note_pitch, record_calibration
 from erlif.core.arrays import Array
-from erlif.core.flags import FLAG_ATTRS, Flag
+from erlif.core.flags import Flag
 from erlif.core.format import describe_origin
 from erlif.core.notes import Note, join_notes, warn
 from erlif.core.timing import stage
 from erlif.core.variables import FILM, FRAMES
 from erlif.correction import CHARACTERISTICS
-from erlif.io.files import MapVariable, describe_hashes
+from erlif.io.files import describe_hashes
 from erlif.io.ingest import Run, format_notes, skipped_notes
 from erlif.io.settings import stated_keys, to_toml
 from erlif.kinematics import encoder_notes
@@ -61,25 +61,6 @@ _logger = logging.getLogger(__name__)
 
 # Share of the region outside the measurable range from which a note reports it.
 _CENSORED = 0.01
-
-# What of each map is kept, as its uncertainty allows.
-_PRECISION: dict[str, dict[str, Any]] = {
-    "thickness": {"std": "thickness_std"},
-    "thickness_std": {"bits": 5},  # at most 1.6 %; gain and read noise are known to 1 to 2 %
-    "thickness_std_shared": {"bits": 4},  # at most 3 %; its covariance is known to 10 %
-    "flags": {},
-}
-
-# The maps of film.nc, each with the precision that its uncertainty leaves.
-MAPS = [
-    MapVariable(
-        name,
-        FILM[name].dtype,
-        FLAG_ATTRS if name == "flags" else FILM[name].attrs,
-        **precision,
-    )
-    for name, precision in _PRECISION.items()
-]
 
 
 @dataclass(frozen=True)
@@ -183,7 +164,7 @@ def with_light(draft: FilmDraft) -> FilmDraft:
     """
     ready, run = draft.ready, draft.ready.run
     chosen = choose_frames(run.pairs)
-    findings, curve = ready.judge_light(
+    findings, counted, curve = ready.judge_light(
         lambda: {one.frame: one for one in draft.frame_results if one.frame in chosen}
     )
     light, notes = describe_light(findings, draft.results, run, ready.curve)
@@ -191,9 +172,9 @@ def with_light(draft: FilmDraft) -> FilmDraft:
     median = float(np.median(films[np.isfinite(films)])) if np.isfinite(films).any() else math.nan
     darks = describe_dark_levels(findings.darks, ready.curve, median)
 
-    course = findings.for_error_bars(ready.curve, run.settings.light).course
+    # statistics and positions with the errors of the run, a significant course among them
     pairs = len(run.pairs.pages[0])
-    results = follow_course(draft.results, ready.curve, course, pairs=pairs)
+    results = follow_course(draft.results, ready.curve, counted.course, pairs=pairs)
     film = draft.film.assign(describe_statistics(results, curve))
     positions = [one.position for one in results]
     film = film.assign(describe_positions(positions, curve, ready.plane.view)).assign(light)

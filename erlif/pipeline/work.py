@@ -35,7 +35,7 @@ from erlif.io.ingest import (
 from erlif.io.ingest.hashes import Digests
 from erlif.io.settings import to_toml
 from erlif.pipeline.engines.results import TriggerResult, frames_in, known_digests
-from erlif.pipeline.film import MAPS
+from erlif.pipeline.engines.triggers import MAPS
 from erlif.pipeline.plane import ObjectPlane
 from erlif.pipeline.recording.pulses import PulseError
 

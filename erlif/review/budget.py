@@ -149,7 +149,7 @@ def budget(
 
     # errors of noise by source need the references, light that is not film the whole run
     ready = prepare_run(run, cycle, curve, known, progress, tables_only=False)
-    _, whole = ready.judge_light(lambda: measure_lights(ready.chain, ready.plane.patch))
+    _, _, whole = ready.judge_light(lambda: measure_lights(ready.chain, ready.plane.patch))
     measuring = whole.at(share_passed(frames, len(run.pairs.pages[0])))
     plane = ready.plane
 

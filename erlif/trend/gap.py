@@ -279,9 +279,14 @@ class ContactChoice:
 
     Attributes
     ----------
-    weight, value, random_var, surface_std : Array
-        Weights, and weighted curvatures, variances by noise and errors by the surfaces, of both
-        directions.
+    weight : Array
+        Sum of the weights of the curvatures along and across sliding, (direction,). [1/um2]
+    value : Array
+        Of the weighted curvatures. [1/um]
+    random_var : Array
+        Of their variances by noise, with the square of the weight. [1/um2]
+    surface_std : Array
+        Of their standard deviations by the surfaces, which all triggers share. [1/um]
     """
 
     weight: Array = field(default_factory=lambda: np.zeros(2))

@@ -11,7 +11,7 @@ import xarray as xr
 
 from erlif.core.flags import Flag
 from erlif.io.files import NetcdfMaps, ZarrMaps
-from erlif.pipeline.film import MAPS
+from erlif.pipeline.engines.triggers import MAPS
 from erlif.show.plots.example import example_film, example_frames, example_registration
 
 PHASES = 8

@@ -8,20 +8,20 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from erlif.calibration import RunCurve
 from erlif.core.arrays import AnyArray
 from erlif.core.errors import ClusterError
-from erlif.core.flags import Flag, count_flags
+from erlif.core.flags import FLAG_ATTRS, Flag, count_flags
 from erlif.core.pickling import PickledByFields
 from erlif.core.progress import Progress
-from erlif.io.files import MapStore, PartialFilm
+from erlif.core.variables import FILM
+from erlif.io.files import MapStore, MapVariable, PartialFilm
 from erlif.io.ingest import PairCounts
 from erlif.pipeline.chain import FrameChain
 from erlif.pipeline.engines.engine import Engine
 from erlif.pipeline.engines.results import FrameResult, TriggerResult, share_passed
-from erlif.pipeline.film import MAPS
 from erlif.pipeline.passes import FilmMaps, measure_film, measure_pulse
 from erlif.pipeline.physics.light import choose_frames
 from erlif.pipeline.plane import ObjectPlane
@@ -32,6 +32,25 @@ from erlif.trend import FilmCurve, find_gap_minima, find_pin_in_blocks, summaris
 
 # Triggers after which a run is inspected for the first time.
 EARLY = 24
+
+# What of each map is kept, as its uncertainty allows.
+_PRECISION: dict[str, dict[str, Any]] = {
+    "thickness": {"std": "thickness_std"},
+    "thickness_std": {"bits": 5},  # at most 1.6 %; gain and read noise are known to 1 to 2 %
+    "thickness_std_shared": {"bits": 4},  # at most 3 %; its covariance is known to 10 %
+    "flags": {},
+}
+
+# The maps of film.nc, each with the precision that its uncertainty leaves.
+MAPS = [
+    MapVariable(
+        name,
+        FILM[name].dtype,
+        FLAG_ATTRS if name == "flags" else FILM[name].attrs,
+        **precision,
+    )
+    for name, precision in _PRECISION.items()
+]
 
 
 @dataclass(frozen=True)

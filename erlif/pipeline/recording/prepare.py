@@ -226,7 +226,7 @@ class PreparedRun:
 
     def judge_light(
         self, lights: Callable[[], Mapping[int, FrameResult]]
-    ) -> tuple[LightFindings, RunCurve]:
+    ) -> tuple[LightFindings, LightFindings, RunCurve]:
         """Find what light and films show of the errors of the run.
 
         Parameters
@@ -237,19 +237,23 @@ class PreparedRun:
         Returns
         -------
         findings : LightFindings
+        counted : LightFindings
+            Those that enter the error bars.
         curve : RunCurve
             That of the maps, with the errors that the findings leave.
         """
         findings, options = self.light, self.run.settings.light
         if findings.errors is None:  # nothing was taken out, or a part
             findings = findings.complete(self.find_light(lights()), options)
-        return findings, update_systematics(
+        counted = findings.for_error_bars(self.curve, options)
+        curve = update_systematics(
             self.curve,
-            findings.for_error_bars(self.curve, options),
+            counted,
             options,
             pulses=len(self.run.pairs.usable),
             pairs=len(self.run.pairs.pages[0]),
         )
+        return findings, counted, curve
 
 
 def prepare_run(

@@ -79,7 +79,7 @@ def linkage_cycle(film: xr.Dataset) -> LinkageCycle:
     return LinkageCycle(np.degrees(_CYCLE), reading, joint_speed(mechanism, _CYCLE, omega))
 
 
-@style.panel
+@style.film_panel
 def speed_against_angle(film: xr.Dataset, *, ax: Axes = style.NEW) -> list[Artist]:
     """Draw joint speed against encoder angle, and sliding speed on a second axis.
 
@@ -173,7 +173,7 @@ def _draw_sliding_speed(ax: Axes, film: xr.Dataset, *, against_position: bool) -
     return artists
 
 
-@style.panel
+@style.film_panel
 def speed_over_cycle(film: xr.Dataset, *, ax: Axes = style.NEW) -> list[Artist]:
     """Draw joint speed against crank angle, and sliding speed on a second axis.
 
@@ -199,7 +199,7 @@ def speed_over_cycle(film: xr.Dataset, *, ax: Axes = style.NEW) -> list[Artist]:
     return artists
 
 
-@style.panel
+@style.film_panel
 def film_over_cycle(
     film: xr.Dataset, *, ax: Axes = style.NEW, statistic: str | None = None
 ) -> list[Artist]:

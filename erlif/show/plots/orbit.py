@@ -31,7 +31,7 @@ def has_position(film: xr.Dataset) -> bool:
     return int(np.isfinite(film.pin_displacement.values).all(axis=1).sum()) > 1
 
 
-@style.panel
+@style.film_panel
 def pin_orbit(film: xr.Dataset, *, ax: Axes = style.NEW) -> list[Artist]:
     """Draw the displacement of the pin at every trigger, with the load downwards.
 
@@ -75,7 +75,7 @@ def pin_orbit(film: xr.Dataset, *, ax: Axes = style.NEW) -> list[Artist]:
     return artists
 
 
-@style.panel
+@style.film_panel
 def closest_film(film: xr.Dataset, *, ax: Axes = style.NEW) -> list[Artist]:
     """Draw the film where pin and bore are closest, against the angle of this place.
 
@@ -124,7 +124,7 @@ def closest_film(film: xr.Dataset, *, ax: Axes = style.NEW) -> list[Artist]:
     return artists
 
 
-@style.panel
+@style.film_panel
 def gap_curvature(film: xr.Dataset, *, ax: Axes = style.NEW) -> list[Artist]:
     """Draw the curvature of the gap along sliding beside that of the radii, as `pin_orbit`.
 

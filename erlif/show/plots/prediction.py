@@ -43,7 +43,7 @@ def has_prediction(film: xr.Dataset) -> bool:
     return "film_predicted_min" in film
 
 
-@style.panel
+@style.film_panel
 def film_and_prediction(film: xr.Dataset, *, ax: Axes = style.NEW) -> list[Artist]:
     """Draw measured and predicted minimum film against crank angle.
 
@@ -75,7 +75,7 @@ def film_and_prediction(film: xr.Dataset, *, ax: Axes = style.NEW) -> list[Artis
     return artists
 
 
-@style.panel
+@style.film_panel
 def film_over_run(film: xr.Dataset, frames: xr.Dataset, *, ax: Axes = style.NEW) -> list[Artist]:
     """Draw measured and predicted minimum film against the turns of the crank since the start.
 
@@ -115,7 +115,7 @@ def film_over_run(film: xr.Dataset, frames: xr.Dataset, *, ax: Axes = style.NEW)
     return artists
 
 
-@style.panel
+@style.film_panel
 def film_less_prediction(film: xr.Dataset, *, ax: Axes = style.NEW) -> list[Artist]:
     """Draw measured less predicted minimum film against crank angle.
 

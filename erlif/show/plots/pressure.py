@@ -25,7 +25,7 @@ _LEAST_HEIGHT = 2.2  # inch
 _PEAK = {"x": "peak_place", "y": "peak_pressure"}
 
 
-@style.panel
+@style.film_panel
 def pressure_map(found: xr.Dataset, *, trigger: int, ax: Axes = style.NEW) -> AxesImage:
     """Draw the pressure over the image at one trigger.
 
@@ -56,7 +56,7 @@ def pressure_map(found: xr.Dataset, *, trigger: int, ax: Axes = style.NEW) -> Ax
     return image
 
 
-@style.panel
+@style.film_panel
 def pressure_profile(
     found: xr.Dataset, *, trigger: int, ax: Axes = style.NEW
 ) -> list[Artist | Container]:
@@ -94,7 +94,7 @@ def pressure_profile(
     return [band, line, peak]
 
 
-@style.panel
+@style.film_panel
 def load_balance(found: xr.Dataset, *, ax: Axes = style.NEW) -> list[Artist]:
     """Draw the load that the pressure makes against crank angle, with the logged one.
 

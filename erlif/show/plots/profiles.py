@@ -25,7 +25,7 @@ _LINE = 0.7  # width of a profile [point]
 _ROOM = 0.08  # above a profile, in heights of the profile
 
 
-@style.panel
+@style.film_panel
 def sliding_profile(film: xr.Dataset, *, trigger: int, ax: Axes = style.NEW) -> list[Artist]:
     """Draw the profile along sliding with the gap of rigid bodies.
 
@@ -73,7 +73,7 @@ def sliding_profile(film: xr.Dataset, *, trigger: int, ax: Axes = style.NEW) -> 
     return artists
 
 
-@style.panel
+@style.film_panel
 def profile_residual(film: xr.Dataset, *, trigger: int, ax: Axes = style.NEW) -> list[Artist]:
     """Draw the difference of the profile along sliding and the gap of rigid bodies.
 

@@ -97,9 +97,8 @@ _KEYS: dict[str, Any] = {"handleheight": 1.0, "columnspacing": 1.2, "labelspacin
 # level 6, the default, takes half as long again for 2 % smaller files
 _PNG_COMPRESSION = 4
 
-# default of the axes of a panel, which `panel` makes, and first parameters that its figure names
+# default of the axes of a panel: `panel` makes new ones before the function sees them
 NEW: Any = None
-_NAMED = ("film", "found")
 
 AnyFigure = Figure | SubFigure
 Limits = tuple[float, float] | tuple[None, None]  # None: of the values themselves
@@ -131,10 +130,11 @@ def styled(draw: Callable[P, R]) -> Callable[P, R]:
     return drawing
 
 
-def panel(draw: Callable[P, R]) -> Callable[P, R]:
+def panel(draw: Callable[P, R], *, of_film: bool = False) -> Callable[P, R]:
     """Decorate a function of one panel as `styled`; without ``ax`` it has those of a new figure.
 
-    The figure names the film that is drawn. It is closed where the function refuses to draw.
+    A panel of a film has a figure that names it: the first argument, and what is made of it. The
+    figure is closed where the function refuses to draw.
     """
     first = next(iter(inspect.signature(draw).parameters))
 
@@ -143,8 +143,9 @@ def panel(draw: Callable[P, R]) -> Callable[P, R]:
     def drawing(*args: P.args, **kwargs: P.kwargs) -> R:
         if kwargs.get("ax") is not None:
             return draw(*args, **kwargs)
+
         shown: Any = args[0] if args else kwargs.get(first)
-        ax = kwargs["ax"] = given_or_new(None, shown if first in _NAMED else None)
+        ax = kwargs["ax"] = given_or_new(None, shown if of_film else None)
         try:
             return draw(*args, **kwargs)
         except Exception:
@@ -154,6 +155,11 @@ def panel(draw: Callable[P, R]) -> Callable[P, R]:
             raise
 
     return drawing
+
+
+def film_panel(draw: Callable[P, R]) -> Callable[P, R]:
+    """Decorate a function of one panel whose figure names the film, as `panel`."""
+    return panel(draw, of_film=True)
 
 
 def _look(given: Axes | None = None) -> dict[Any, Any]:

@@ -54,7 +54,7 @@ def speed_over_load(film: xr.Dataset) -> Array:
     return np.asarray(np.abs(film[_speed_name(film)].values) / film["joint_load"].values)
 
 
-@style.panel
+@style.film_panel
 def film_against_speed(film: xr.Dataset, *, ax: Axes = style.NEW) -> list[Artist]:
     """Draw mean and minimum film thickness against speed over load, with the fitted powers.
 

@@ -32,12 +32,13 @@ def known():
 
 
 ahead.compile_kernels()
-before = known()
+names = known()
 calibration = erlif.calibrate("calibration/wedge")
+before = known()
 erlif.process("data_samples/straight_bushing", calibration=calibration)
 after = known()
-print(*before)
-print(*(name for name in before if after[name] != before[name]))
+print(*names)
+print(*(name for name in after if after[name] != before.get(name)))
 """
 
 

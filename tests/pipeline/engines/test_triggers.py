@@ -14,8 +14,7 @@ from erlif.core.flags import Flag
 from erlif.core.progress import silent
 from erlif.io.files import PartialFilm
 from erlif.pipeline.engines.engine import Threads
-from erlif.pipeline.engines.triggers import TriggerTask, run_triggers
-from erlif.pipeline.film import MAPS
+from erlif.pipeline.engines.triggers import MAPS, TriggerTask, run_triggers
 from erlif.pipeline.plane import ObjectPlane
 
 FRAMES = [[0, 3], [1, 4], [2, 5]]
