@@ -85,7 +85,7 @@ _PLAIN = (
     (r"Unable to synchronously open file.*", "its header is damaged"),
     (r"(?:Unable to|Can't) synchronously read data(.*)", r"its values cannot be read\1"),
     (r".*object '(.+)' doesn't exist.*", r"its part \1 is missing"),
-    (r".*group not found: (\S+).*", r"its part \1 is missing"),
+    (r".*group not found: ([^\s\]]+).*", r"its part \1 is missing"),
     (r".*Unable to synchronously open object.*|.*group not found.*", "a part of it is missing"),
 )
 

@@ -7,6 +7,8 @@ def test_a_foreign_reason_is_one_line_that_can_be_read():
     assert errors.reason_of(ValueError("no float: 'x'.\nat 0x10")) == "no float: 'x'"
     assert len(errors.reason_of(ValueError("x" * 70_000))) == 200
     assert errors.reason_of(MemoryError()) == "MemoryError"
+    missing = OSError("group not found: frames", KeyError("frames"))  # as h5netcdf raises it
+    assert errors.reason_of(missing) == "its part frames is missing"
 
 
 def test_a_message_quotes_the_start_of_an_input_without_end():
