@@ -122,7 +122,7 @@ def summarise_triggers(
         If the cameras show different pulses in a pair.
     """
     run, curve, plane = ready.run, ready.curve, ready.plane
-    results, contact = settle_contact(results, curve)
+    results, contact = settle_contact(results)
     frames = frames_in(results)
     with stage("audits", _logger):
         ordered = sorted(frames, key=lambda one: one.frame)
@@ -168,7 +168,7 @@ def with_light(draft: FilmDraft) -> FilmDraft:
         lambda: {one.frame: one for one in draft.frame_results if one.frame in chosen}
     )
     light, notes = describe_light(findings, draft.results, run, ready.curve)
-    films = np.array([one.statistics.mean for one in draft.results])
+    films = np.array([one.statistics.mean.value for one in draft.results])
     median = float(np.median(films[np.isfinite(films)])) if np.isfinite(films).any() else math.nan
     darks = describe_dark_levels(findings.darks, ready.curve, median)
 
@@ -297,19 +297,21 @@ def count_flagged_pixels(results: Sequence[TriggerResult]) -> xr.Dataset:
 def describe_statistics(results: Sequence[TriggerResult], calibration: RunCurve) -> dict[str, Any]:
     """Mean and minimum film of each trigger, as variables of the film."""
     covariance = calibration.full_covariance
-    statistics = [result.statistics.with_errors(covariance) for result in results]
-    places = np.array([one.minimum_place for one in statistics]).reshape(-1, 2)
+    statistics = [result.statistics for result in results]
+    places = np.array([one.gap.place for one in statistics]).reshape(-1, 2)
     values: dict[str, Any] = {
-        "film_mean": [one.mean for one in statistics],
-        "film_mean_std": [one.mean_std for one in statistics],
-        "film_mean_std_random": [one.mean_random_std for one in statistics],
         "share_beyond_range": [one.beyond_range for one in statistics],
-        "film_min": [one.minimum for one in statistics],
-        "film_min_std": [one.minimum_std for one in statistics],
-        "film_min_std_random": [one.minimum_random_std for one in statistics],
         "film_min_x": places[:, 0],
         "film_min_y": places[:, 1],
     }
+    for name, numbers in (
+        ("film_mean", [one.mean for one in statistics]),
+        ("film_min", [one.gap.minimum for one in statistics]),
+        ("film_gap_mean", [one.gap.mean for one in statistics]),
+    ):
+        values[name] = [one.value for one in numbers]
+        values[f"{name}_std"] = [one.std(covariance) for one in numbers]
+        values[f"{name}_std_random"] = [one.random_std for one in numbers]
     filled = {name: FILM[name].fill(column) for name, column in values.items()}
     return filled | describe_errors(statistics, calibration)
 

@@ -330,19 +330,20 @@ def _budget_of_mean(
 
     # what the noise of the mean holds beyond these terms is the registration
     known = sum(value**2 for value in terms.values())
-    terms["registration"] = float(np.sqrt(max(statistics.mean_random_std**2 - known, 0.0)))
-    terms |= calibration.split_error(statistics.mean_gradient)
-    return _Column("mean film", statistics.mean, terms)
+    terms["registration"] = float(np.sqrt(max(statistics.mean.random_std**2 - known, 0.0)))
+    terms |= calibration.split_error(statistics.mean.gradient)
+    return _Column("mean film", statistics.mean.value, terms)
 
 
 def _minimum_column(statistics: FilmStatistics, calibration: RunCurve) -> _Column:
     """The budget of the minimum film thickness."""
+    lowest = statistics.gap.minimum
     terms = {
-        _ALL_NOISE: statistics.minimum_random_std,
-        _FORM if statistics.minimum_departs else _MARKS: statistics.minimum_surface_std,
-        **calibration.split_error(statistics.minimum_gradient),
+        _ALL_NOISE: lowest.random_std,
+        _FORM if statistics.departs else _MARKS: lowest.surface_std,
+        **calibration.split_error(lowest.gradient),
     }
-    return _Column("minimum film", statistics.minimum, terms)
+    return _Column("minimum film", lowest.value, terms)
 
 
 def _as_dataset(columns: Sequence[_Column], name: str, trigger: int, frames: int) -> xr.Dataset:

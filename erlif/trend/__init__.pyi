@@ -23,6 +23,7 @@ from .form import Cause as Cause
 from .form import GapForm as GapForm
 from .form import judge_form as judge_form
 from .gap import ContactChoice as ContactChoice
+from .gap import FilmNumber as FilmNumber
 from .gap import GapMinimum as GapMinimum
 from .gap import GapShape as GapShape
 from .gap import choose_contact as choose_contact

@@ -50,20 +50,46 @@ class GapShape(StrEnum):
 _SHAPES = {GapShape.PLANE: 3, GapShape.LINE: 4, GapShape.POINT: 5}
 
 
-class GapMinimum(NamedTuple):
-    """Minimum of a smooth gap, with the parts of its standard deviation.
+class FilmNumber(NamedTuple):
+    """A number of the film of one trigger, with the parts of its standard deviation.
 
     Attributes
     ----------
     value : float
-        Minimum within the region. [um]
+        [um]
     random_std : float
-        From the noise of the ratio. [um]
+        From the noise of the ratio, new at every trigger. [um]
     surface_std : float
-        From marks and waviness of the surfaces about a smooth gap. [um]
+        From marks and waviness of the surfaces about a smooth gap, the same at every trigger. [um]
     gradient : Array
-        Change with the parameters of the calibration, in the order of
+        Change with the parameters of the calibration, (parameter,), in the order of
         `RatioCurve.full_covariance`.
+    """
+
+    value: float
+    random_std: float
+    surface_std: float
+    gradient: Array
+
+    def std(self, covariance: Array) -> float:
+        """Return the standard deviation by all parts, with a covariance of the parameters. [um]"""
+        shared = float(self.gradient @ covariance @ self.gradient)
+        return math.sqrt(self.random_std**2 + self.surface_std**2 + shared)
+
+    @classmethod
+    def unknown(cls, parameters: int) -> FilmNumber:
+        """Make the number of a film that has none."""
+        return cls(math.nan, math.nan, math.nan, np.full(parameters, math.nan))
+
+
+class GapMinimum(NamedTuple):
+    """Minimum and mean of a smooth gap within a region.
+
+    Attributes
+    ----------
+    minimum : FilmNumber
+    mean : FilmNumber
+        Over the whole region, also where its film is beyond the measurable range.
     place : Array
         Where the fitted gap has its minimum, (axis,): column and row of the image. [px]
     misfit : float
@@ -76,10 +102,8 @@ class GapMinimum(NamedTuple):
         By marks and waviness of the surfaces. [um2]
     """
 
-    value: float
-    random_std: float
-    surface_std: float
-    gradient: Array
+    minimum: FilmNumber
+    mean: FilmNumber
     place: Array
     misfit: float
     bend: Array
@@ -130,7 +154,7 @@ def find_gap_minimum(
     ... }))
     >>> sums, curve = sum_blocks(ratios, whole), FilmCurve.of(calibration)
     >>> found = find_gap_minimum(sums, curve, region=whole, sliding_along_x=True)
-    >>> print(f"{found.value:.3f}")
+    >>> print(f"{found.minimum.value:.3f}")
     3.000
     """
     blocks = average_blocks(sums, sliding_along_x=sliding_along_x)
@@ -150,14 +174,8 @@ def _fit_gap(
     shapes = np.stack([np.ones_like(s), s, z, blocks.along_squared, blocks.across_squared])
     count = _SHAPES[contact]
     fit = fit_blocks(blocks, curve, shapes[:count])
-    unknown = np.full(2, math.nan)
-    nothing = GapMinimum(
-        *(math.nan,) * 3,
-        np.full(len(curve.gradient), math.nan),
-        unknown,
-        math.nan,
-        *(unknown,) * 3,
-    )
+    unknown, number = np.full(2, math.nan), FilmNumber.unknown(len(curve.gradient))
+    nothing = GapMinimum(number, number, unknown, math.nan, *(unknown,) * 3)
     if fit is None:
         return nothing
 
@@ -174,28 +192,34 @@ def _fit_gap(
         misfit=_measure_misfit(blocks, fit, curve.calibration.thickness_range[1])
     )
 
+    # minimum and mean are linear in the amplitudes; the mean is that of the pixels
     _, b, c, d, e = np.pad(fit.amplitudes, (0, len(shapes) - count))
     along, across = _lowest_place(b, d), _lowest_place(c, e)
-    at = np.array([1.0, along, across, along**2, across**2])[:count]
-
-    # change of the minimum with the ratio of each block, through the reweighted fit
-    pull = np.linalg.solve(fit.curvature, at) @ fit.jacobian
-    by_block = pull * fit.response / fit.total_var
-    value, (random, surface) = float(at @ fit.amplitudes), _variance_parts(pull, fit, blocks)
-    tolerated = max(_TOLERATED, _TOLERATED_SHARE * value)
-    # below zero the smooth gap passes through a contact that is flattened
-    through = value + _BELOW_ZERO * math.sqrt(random + surface) < 0
-    if through:
-        return found._replace(misfit=max(found.misfit, 2 * MISFIT))
-    if found.misfit > MISFIT and surface > tolerated**2:
-        return found
-    return found._replace(
-        value=value,
-        random_std=math.sqrt(random),
-        surface_std=math.sqrt(surface),
-        gradient=np.asarray(-curve.calibration.gradient(fit.film) @ by_block),
-        place=_pixel_of(region, (along, across) if sliding_along_x else (across, along)),
+    lowest = np.array([1.0, along, across, along**2, across**2])
+    columns, rows = (_mean_square(pixels) for pixels in (region.columns, region.rows))
+    squares = (columns, rows) if sliding_along_x else (rows, columns)
+    minimum, mean = (
+        _number_of(at[:count], fit, blocks, curve) for at in (lowest, np.array([1, 0, 0, *squares]))
     )
+    tolerated = max(_TOLERATED, _TOLERATED_SHARE * minimum.value)
+    # below zero the smooth gap passes through a contact that is flattened
+    own = math.hypot(minimum.random_std, minimum.surface_std)
+    if minimum.value + _BELOW_ZERO * own < 0:
+        return found._replace(misfit=max(found.misfit, 2 * MISFIT))
+    if found.misfit > MISFIT and minimum.surface_std > tolerated:
+        return found
+    place = _pixel_of(region, (along, across) if sliding_along_x else (across, along))
+    return found._replace(minimum=minimum, mean=mean, place=place)
+
+
+def _number_of(at: Array, fit: BlockFit, blocks: BlockMeans, curve: FilmCurve) -> FilmNumber:
+    """A number of the gap that is the sum of its amplitudes times `at`."""
+    # its change with the ratio of each block, through the reweighted fit
+    pull = np.linalg.solve(fit.curvature, at) @ fit.jacobian
+    random, surface = _variance_parts(pull, fit, blocks)
+    by_block = pull * fit.response / fit.total_var
+    gradient = np.asarray(-curve.calibration.gradient(fit.film) @ by_block)
+    return FilmNumber(float(at @ fit.amplitudes), math.sqrt(random), math.sqrt(surface), gradient)
 
 
 def find_gap_minima(
@@ -229,7 +253,7 @@ def find_gap_minima(
     >>> found = find_gap_minima(
     ...     dark, curve, region=whole, sliding_along_x=True, contacts=[GapShape.LINE]
     ... )
-    >>> found[GapShape.LINE].value
+    >>> found[GapShape.LINE].minimum.value
     nan
     """
     blocks = average_blocks(sums, sliding_along_x=sliding_along_x)
@@ -259,8 +283,8 @@ def choose_contact(triggers: Sequence[Mapping[GapShape, GapMinimum]]) -> GapShap
     Examples
     --------
     >>> small, none = np.full(2, 1e-4), np.zeros(2)
-    >>> place = gradient = none
-    >>> bent = GapMinimum(1.0, 0.1, 0.1, gradient, place, 0.0, np.array([3.0, 2.0]), small, small)
+    >>> film = FilmNumber(1.0, 0.1, 0.1, none)
+    >>> bent = GapMinimum(film, film, none, 0.0, np.array([3.0, 2.0]), small, small)
     >>> str(choose_contact([{GapShape.POINT: bent}]))
     'point'
     >>> bent = bent._replace(bend=np.array([3.0, 0.01]))
@@ -316,6 +340,12 @@ class ContactChoice:
 def _lowest_place(slope: float, bend: float) -> float:
     """Position of the minimum of slope x + bend x^2 from -1 to 1."""
     return float(np.clip(-slope / (2 * bend), -1, 1)) if bend > 0 else -math.copysign(1.0, slope)
+
+
+def _mean_square(pixels: slice) -> float:
+    """Mean over some pixels of the square of their positions, which go from -1 to 1."""
+    count = int(pixels.stop - pixels.start)
+    return (count + 1) / (3 * (count - 1))
 
 
 def _variance_parts(pull: Array, fit: BlockFit, blocks: BlockMeans) -> tuple[float, float]:

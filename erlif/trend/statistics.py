@@ -4,17 +4,22 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import dataclass
 
 import numpy as np
 
 from erlif.calibration import RatioCurve
-from erlif.core.arrays import Array
 from erlif.core.products import RatioImages, ThicknessMaps, require
 from erlif.trend.blocks import BLOCK, BlockSums, Region, sum_blocks
 from erlif.trend.curve import FilmCurve
-from erlif.trend.gap import MISFIT, GapMinimum, GapShape, choose_contact, find_gap_minima
+from erlif.trend.gap import (
+    MISFIT,
+    FilmNumber,
+    GapMinimum,
+    GapShape,
+    choose_contact,
+    find_gap_minima,
+)
 
 _LEAST_PIXELS = 64  # measurable pixels of a mean, at least
 _BEYOND = 0.1  # of the thickest calibrated film, by which a mean may lie beyond the range
@@ -26,78 +31,23 @@ class FilmStatistics:
 
     Attributes
     ----------
-    mean : float
-        Mean over the measurable pixels. [um]
-    mean_std : float
-        Random and shared errors together. [um]
-    mean_random_std : float
-        The part of it that is new at every trigger. [um]
-    mean_gradient : Array
-        Change of the mean with what was fitted to the fixture, (parameter,), in the order of
-        `RatioCurve.full_covariance`.
-    minimum : float
-        Minimum of a smooth gap. [um]
-    minimum_std : float
-        Random and shared errors together, marks of the surfaces included. [um]
-    minimum_random_std : float
-        The part of it that is new at every trigger. [um]
-    minimum_surface_std : float
-        The part that marks and waviness of the surfaces leave, the same at every trigger. [um]
-    minimum_gradient : Array
-        As mean_gradient, for the minimum.
-    minimum_place : Array
-        Where the smooth gap has its minimum, (axis,): column and row of the image. [px]
+    mean : FilmNumber
+        Mean over the measurable pixels.
+    gap : GapMinimum
+        Minimum and mean of a smooth gap.
     beyond_range : float
         Share of the region outside the measurable range. The mean is that of the rest; the
-        minimum is not affected. [1]
-    minimum_misfit : float
-        Variance of smooth departures of the map from the gap, over that by noise and marks. [1]
+        gap is not affected. [1]
     """
 
-    mean: float
-    mean_std: float
-    mean_random_std: float
-    mean_gradient: Array
-    minimum: float
-    minimum_std: float
-    minimum_random_std: float
-    minimum_surface_std: float
-    minimum_gradient: Array
-    minimum_place: Array
+    mean: FilmNumber
+    gap: GapMinimum
     beyond_range: float
-    minimum_misfit: float = 0.0
 
     @property
-    def minimum_departs(self) -> bool:
+    def departs(self) -> bool:
         """Whether the departures of the map from the fitted gap exceed the limit."""
-        return self.minimum_misfit > MISFIT
-
-    def with_minimum(self, minimum: GapMinimum, covariance: Array) -> FilmStatistics:
-        """Return a copy with the minimum of another gap; `covariance` as for `with_errors`."""
-        return replace(self, **_numbers_of(minimum)).with_errors(covariance)
-
-    def with_errors(self, covariance: Array) -> FilmStatistics:
-        """Return a copy with the shared errors of another covariance.
-
-        Parameters
-        ----------
-        covariance : array
-            As `RatioCurve.full_covariance`.
-
-        Returns
-        -------
-        FilmStatistics
-        """
-        mean, minimum = (
-            float(gradient @ covariance @ gradient)
-            for gradient in (self.mean_gradient, self.minimum_gradient)
-        )
-        own = self.minimum_random_std**2 + self.minimum_surface_std**2
-        return replace(
-            self,
-            mean_std=math.sqrt(self.mean_random_std**2 + mean),
-            minimum_std=math.sqrt(own + minimum),
-        )
+        return self.gap.misfit > MISFIT
 
 
 def summarise_film(
@@ -160,7 +110,7 @@ def summarise_film(
     ...     calibration,
     ...     region=Region(slice(0, 64), slice(0, 64)),
     ... )
-    >>> round(found.mean, 2), round(found.minimum, 2), found.beyond_range
+    >>> round(found.mean.value, 2), round(found.gap.minimum.value, 2), found.beyond_range
     (3.0, 3.0, 0.0)
     """
     require(ratios, "log_ratio", "log_ratio_var", "flags")
@@ -199,44 +149,23 @@ def summarise_blocks(sums: BlockSums, curve: FilmCurve, minimum: GapMinimum) -> 
     >>> whole, curve = Region(slice(0, 32), slice(0, 32)), FilmCurve.of(example_calibration())
     >>> from erlif.trend import find_gap_minimum
     >>> minimum = find_gap_minimum(dark, curve, region=whole, sliding_along_x=True)
-    >>> summarise_blocks(dark, curve, minimum).mean
+    >>> summarise_blocks(dark, curve, minimum).mean.value
     nan
     """
-    mean, mean_random, mean_gradient = _average_film(sums, curve)
-    found = FilmStatistics(
-        mean=mean,
-        mean_std=math.nan,
-        mean_random_std=mean_random,
-        mean_gradient=mean_gradient,
-        **_numbers_of(minimum),
-        minimum_std=math.nan,
-        # of the otherwise valid pixels, those whose film lies outside the measurable range
-        beyond_range=sums.beyond / max(sums.valid + sums.beyond, 1),
-    )
-    return found.with_errors(curve.calibration.full_covariance)
+    # of the otherwise valid pixels, those whose film lies outside the measurable range
+    beyond = sums.beyond / max(sums.valid + sums.beyond, 1)
+    return FilmStatistics(_average_film(sums, curve), minimum, beyond)
 
 
-def _numbers_of(minimum: GapMinimum) -> dict[str, Any]:
-    """Fields of `FilmStatistics` that a minimum determines."""
-    return {
-        "minimum": minimum.value,
-        "minimum_random_std": minimum.random_std,
-        "minimum_surface_std": minimum.surface_std,
-        "minimum_gradient": minimum.gradient,
-        "minimum_place": minimum.place,
-        "minimum_misfit": minimum.misfit,
-    }
-
-
-def _average_film(sums: BlockSums, curve: FilmCurve) -> tuple[float, float, Array]:
-    """Mean over the measurable pixels, its random standard deviation and its gradient.
+def _average_film(sums: BlockSums, curve: FilmCurve) -> FilmNumber:
+    """Mean over the measurable pixels.
 
     The inverse h of the log ratio r is expanded about the mean log ratio m of each block,
     h(m) + h' (r - m) + h'' ((r - m)^2 - variance) / 2. The mean of this is the mean film whatever
     the size of the noise.
     """
     size = float(sums.measurable.sum())
-    unknown = math.nan, math.nan, np.full(len(curve.gradient), math.nan)
+    unknown = FilmNumber.unknown(len(curve.gradient))
     if size < _LEAST_PIXELS:
         return unknown
     some = sums.measurable > 0
@@ -264,4 +193,4 @@ def _average_film(sums: BlockSums, curve: FilmCurve) -> tuple[float, float, Arra
     # the error of the displacement is common to neighbours, the gradient of light that it acts on
     # is not: the product is correlated over about one block
     registration = math.sqrt(float((rate**2 * displaced).sum())) / size
-    return mean, math.hypot(random, BLOCK * registration), gradient
+    return FilmNumber(mean, math.hypot(random, BLOCK * registration), 0.0, gradient)

@@ -2,26 +2,33 @@
 
 import numpy as np
 
+from erlif.core.arrays import Array
 from erlif.pipeline.engines.results import FrameResult, TriggerResult
-from erlif.trend import FilmStatistics, FittedNumbers, PinPosition
+from erlif.trend import FilmNumber, FilmStatistics, FittedNumbers, GapMinimum, PinPosition
 
 
-def make_statistics(**changes) -> FilmStatistics:
-    """Statistics whose fields all differ."""
-    values = {
-        "mean": 5.0,
-        "mean_std": 0.05,
-        "mean_random_std": 0.02,
-        "mean_gradient": np.array([1.0, 2.0, 3.0]),
-        "minimum": 3.0,
-        "minimum_std": 0.06,
-        "minimum_random_std": 0.03,
-        "minimum_surface_std": 0.04,
-        "minimum_gradient": np.array([4.0, 5.0, 6.0]),
-        "minimum_place": np.array([70.0, 80.0]),
-        "beyond_range": 0.007,
-    }
-    return FilmStatistics(**(values | changes))
+def make_statistics(
+    *,
+    mean: float = 5.0,
+    minimum: float = 3.0,
+    random: float = 0.02,
+    surface: float = 0.04,
+    gradient: Array | None = None,
+    beyond_range: float = 0.007,
+    misfit: float = 0.1,
+) -> FilmStatistics:
+    """Statistics whose numbers all differ, with one gradient where it is given."""
+    gradients = np.array([[1.0, 2.0, 3.0], [4.0, 5.0, 6.0], [0.5, 1.5, 2.5]])
+    if gradient is not None:
+        gradients = np.tile(gradient, (3, 1))
+    gap = GapMinimum(
+        FilmNumber(minimum, 1.5 * random, surface, gradients[1]),
+        FilmNumber(mean + 1, 0.5 * random, 0.5 * surface, gradients[2]),
+        np.array([70.0, 80.0]),
+        misfit,
+        *np.full((3, 2), np.nan),
+    )
+    return FilmStatistics(FilmNumber(mean, random, 0.0, gradients[0]), gap, beyond_range)
 
 
 def make_position(

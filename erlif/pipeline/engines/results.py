@@ -25,6 +25,7 @@ from erlif.ratio import (
 )
 from erlif.thickness import NO_PATCH, PatchMean, sample_patch
 from erlif.trend import (
+    FilmNumber,
     FilmStatistics,
     FittedNumbers,
     GapMinimum,
@@ -171,11 +172,16 @@ class TriggerResult:
         def extend(gradient: Array) -> Array:
             return np.concatenate([gradient, weight * gradient[..., like : like + 1]], axis=-1)
 
+        def extended(number: FilmNumber) -> FilmNumber:
+            return number._replace(gradient=extend(number.gradient))
+
         statistics, position = self.statistics, self.position
         statistics = replace(
             statistics,
-            mean_gradient=extend(statistics.mean_gradient),
-            minimum_gradient=extend(statistics.minimum_gradient),
+            mean=extended(statistics.mean),
+            gap=statistics.gap._replace(
+                minimum=extended(statistics.gap.minimum), mean=extended(statistics.gap.mean)
+            ),
         )
         if position is not None:
             form = replace(position.form, gradient=extend(position.form.gradient))
@@ -184,18 +190,16 @@ class TriggerResult:
 
     def to_arrays(self) -> dict[str, AnyArray]:
         """Arrays by name, for a file."""
-        arrays = {
-            f"film_{one.name}": np.asarray(getattr(self.statistics, one.name))
-            for one in fields(FilmStatistics)
-        }
+        arrays: dict[str, AnyArray] = {}
+        for one in fields(FilmStatistics):
+            arrays |= _flatten(f"film_{one.name}", getattr(self.statistics, one.name))
         if self.position is not None:
             for key, numbers in ("pin", self.position), ("form", self.position.form):
                 arrays |= {
                     f"{key}_{one.name}": getattr(numbers, one.name) for one in fields(FittedNumbers)
                 }
         for contact, minimum in self.minima.items():
-            numbers_of = minimum._asdict().items()
-            arrays |= {f"gap_{contact}_{name}": np.asarray(value) for name, value in numbers_of}
+            arrays |= _flatten(f"gap_{contact}", minimum)
         arrays["pixels"] = np.array(self.pixels, np.int64)
         for name, (kind, shape) in _OF_FRAMES.items():
             rows = np.array([getattr(one, name) for one in self.frames], kind)
@@ -205,17 +209,15 @@ class TriggerResult:
     @classmethod
     def from_arrays(cls, arrays: Mapping[str, AnyArray]) -> TriggerResult:
         """Read back what `to_arrays` made."""
-        kept: dict[str, Any] = {}
-        for one in fields(FilmStatistics):
-            # numbers of the statistics are floats, their gradients and places arrays
-            kept[one.name] = _as_stored(arrays[f"film_{one.name}"])
-        statistics = FilmStatistics(**kept)
+        statistics = FilmStatistics(
+            _number(arrays, "film_mean"),
+            _gap(arrays, "film_gap"),
+            float(arrays["film_beyond_range"]),
+        )
         minima = {
-            contact: GapMinimum(
-                *(_as_stored(arrays[f"gap_{contact}_{name}"]) for name in GapMinimum._fields)
-            )
+            contact: _gap(arrays, f"gap_{contact}")
             for contact in GapShape
-            if f"gap_{contact}_value" in arrays
+            if f"gap_{contact}_misfit" in arrays
         }
 
         frames = tuple(
@@ -245,9 +247,27 @@ class TriggerResult:
         return cls(statistics, frames, tuple(arrays["pixels"].tolist()), position, minima)
 
 
-def _as_stored(value: AnyArray) -> Any:
-    """A float from an array without dimensions, other arrays as they are."""
-    return value if value.ndim else float(value)
+def _flatten(name: str, value: Any) -> dict[str, AnyArray]:
+    """Arrays of a number, or of a tuple with names."""
+    if not isinstance(value, FilmNumber | GapMinimum):
+        return {name: np.asarray(value)}
+    parts = (_flatten(f"{name}_{part}", one) for part, one in value._asdict().items())
+    return {key: array for part in parts for key, array in part.items()}
+
+
+def _number(arrays: Mapping[str, AnyArray], name: str) -> FilmNumber:
+    """Read back what `_flatten` made of the number of a film."""
+    *parts, gradient = (arrays[f"{name}_{part}"] for part in FilmNumber._fields)
+    value, random, surface = map(float, parts)
+    return FilmNumber(value, random, surface, gradient)
+
+
+def _gap(arrays: Mapping[str, AnyArray], name: str) -> GapMinimum:
+    """Read back what `_flatten` made of a gap."""
+    minimum, mean = (_number(arrays, f"{name}_{part}") for part in ("minimum", "mean"))
+    place, misfit, *bends = (arrays[f"{name}_{part}"] for part in GapMinimum._fields[2:])
+    bend, random, surface = bends
+    return GapMinimum(minimum, mean, place, float(misfit), bend, random, surface)
 
 
 def frames_in(results: Iterable[TriggerResult]) -> list[FrameResult]:

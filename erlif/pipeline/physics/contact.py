@@ -8,7 +8,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from erlif.calibration import RunCurve
 from erlif.core.notes import Note, remark, warn
 from erlif.pipeline.engines.results import TriggerResult
 from erlif.trend import GapShape, choose_contact
@@ -20,16 +19,12 @@ _GAPS = {
 }
 
 
-def settle_contact(
-    results: Sequence[TriggerResult], calibration: RunCurve
-) -> tuple[list[TriggerResult], GapShape]:
+def settle_contact(results: Sequence[TriggerResult]) -> tuple[list[TriggerResult], GapShape]:
     """Choose the kind of contact of the run and set the minimum of all triggers by it.
 
     Parameters
     ----------
     results : sequence of TriggerResult
-    calibration : RunCurve
-        Whose covariance the error of the minimum has.
 
     Returns
     -------
@@ -41,10 +36,8 @@ def settle_contact(
     if not any(one.minima for one in results):
         return list(results), GapShape.LINE
     contact = choose_contact([one.minima for one in results])
-    covariance = calibration.full_covariance
     return [
-        replace(one, statistics=one.statistics.with_minimum(one.minima[contact], covariance))
-        for one in results
+        replace(one, statistics=replace(one.statistics, gap=one.minima[contact])) for one in results
     ], contact
 
 
@@ -70,7 +63,7 @@ def note_contact(results: Sequence[TriggerResult], contact: GapShape) -> list[No
         )
         notes.append(remark("film_min", text))
     statistics = [one.statistics for one in results]
-    count = sum(one.minimum_departs and math.isnan(one.minimum) for one in statistics)
+    count = sum(one.departs and math.isnan(one.gap.minimum.value) for one in statistics)
     if count:
         total = len(results)
         text = (

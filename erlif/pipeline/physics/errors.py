@@ -32,12 +32,12 @@ def describe_errors(statistics: Sequence[FilmStatistics], calibration: RunCurve)
     dict of str to variable
     """
     columns: dict[str, list[dict[str, float]]] = {"film_mean_error": [], "film_min_error": []}
-    means = calibration.split_errors([one.mean_gradient for one in statistics])
-    minima = calibration.split_errors([one.minimum_gradient for one in statistics])
+    means = calibration.split_errors([one.mean.gradient for one in statistics])
+    minima = calibration.split_errors([one.gap.minimum.gradient for one in statistics])
     for one, mean, minimum in zip(statistics, means, minima, strict=True):
-        columns["film_mean_error"].append({"noise": one.mean_random_std, "marks": 0.0} | mean)
-        surface = "form" if one.minimum_departs else "marks"
-        noise = {"noise": one.minimum_random_std, surface: one.minimum_surface_std}
+        columns["film_mean_error"].append({"noise": one.mean.random_std, "marks": 0.0} | mean)
+        surface, lowest = "form" if one.departs else "marks", one.gap.minimum
+        noise = {"noise": lowest.random_std, surface: lowest.surface_std}
         columns["film_min_error"].append(noise | minimum)
 
     known = {term for rows in columns.values() for row in rows for term in row}

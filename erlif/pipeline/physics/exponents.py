@@ -23,8 +23,12 @@ from erlif.trend import LARGEST_BEYOND, fit_exponent, mean_at_constant_minimum
 # change, and the change that never counts.
 _MOVED, _UNMOVED = 3.0, 0.01
 
-# Variables of the two statistics.
-_FILM_OF = {"minimum": "film_min", "mean": "film_mean"}
+# The film of each exponent.
+_FILM_OF = {
+    "speed_exponent": "film_min",
+    "speed_exponent_mean": "film_mean",
+    "speed_exponent_gap_mean": "film_gap_mean",
+}
 
 
 def describe_exponents(
@@ -34,9 +38,9 @@ def describe_exponents(
     *,
     plane: ObjectPlane | None = None,
 ) -> dict[str, Any]:
-    """Speed exponents of the minimum and of the mean film, as variables of the film.
+    """Speed exponents of the minimum and of both mean films, as variables of the film.
 
-    Empty where the film has no speed or no load. With a plane and positions of the pin, the mean
+    Empty where the film has no speed or no load. With a plane and positions of the pin, a mean
     film has no exponent where the place of the minimum moves so far that this alone gives one
     beyond the error.
     """
@@ -45,47 +49,44 @@ def describe_exponents(
         return {}
 
     statistics = [result.statistics for result in results]
-    films = {
-        "minimum": np.array([one.minimum for one in statistics]),
-        "mean": np.array(
-            [one.mean if one.beyond_range <= LARGEST_BEYOND else np.nan for one in statistics]
-        ),
+    numbers = {
+        "speed_exponent": [one.gap.minimum for one in statistics],
+        "speed_exponent_mean": [one.mean for one in statistics],
+        "speed_exponent_gap_mean": [one.gap.mean for one in statistics],
     }
+    part = np.array([one.beyond_range > LARGEST_BEYOND for one in statistics])
     speed, load = film[name].values, film["joint_load"].values
     shared = scipy.linalg.block_diag(calibration.full_covariance, np.eye(1))
 
     exponents: dict[str, Any] = {}
     moved = np.array([]) if plane is None else _moved_mean(film, plane)
-    for variable, kind in (("speed_exponent", "minimum"), ("speed_exponent_mean", "mean")):
+    for variable, films in numbers.items():
+        values = np.array([one.value for one in films])
+        if variable == "speed_exponent_mean":
+            values[part] = np.nan
+        random = np.array([one.random_std for one in films])
         # marks of the surfaces are the same at every trigger; the mean film includes them as
         # they are
-        surface = [one.minimum_surface_std if kind == "minimum" else 0.0 for one in statistics]
+        gradient = [[*one.gradient, one.surface_std] for one in films]
         exponent = fit_exponent(
-            films[kind],
-            np.array([getattr(one, f"{kind}_random_std") for one in statistics]),
+            values,
+            random,
             speed=speed,
             load=load,
-            gradient=np.column_stack(
-                [[getattr(one, f"{kind}_gradient") for one in statistics], surface]
-            ),
+            gradient=np.array(gradient),
             covariance=shared,
         )
         alone: dict[str, float] = {}
-        if kind == "mean" and moved.size:
-            counted = np.where(np.isfinite(films[kind]), moved, np.nan)
-            geometry = fit_exponent(
-                counted,
-                np.array([one.mean_random_std for one in statistics]),
-                speed=speed,
-                load=load,
-            ).value
+        if variable != "speed_exponent" and moved.size:
+            counted = np.where(np.isfinite(values), moved, np.nan)
+            geometry = fit_exponent(counted, random, speed=speed, load=load).value
             if abs(geometry) > max(_MOVED * exponent.std, _UNMOVED):
                 alone = {"geometry": geometry, "fitted": exponent.value}
                 exponent = replace(exponent, value=math.nan, std=math.nan, log_scale=math.nan)
         exponents[variable] = FILM[variable].fill(
             exponent.value,
             **alone,
-            long_name=f"power of |{name}|/load that {_FILM_OF[kind]} follows",
+            long_name=f"power of |{name}|/load that {_FILM_OF[variable]} follows",
             speed=name,
             log_scale=exponent.log_scale,
             triggers_used=exponent.triggers,

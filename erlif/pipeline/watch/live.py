@@ -167,14 +167,15 @@ class LiveFilm:
         maps, result = self.task.measure_pair(read, 0, 0.0)
         light, saturated = measure_counts(read.counts, pairs.full_scales)
         film, name = result.statistics, arrival.pages[0].name
+        covariance = self.task.curve.full_covariance
         pair = LivePair(
             arrival.place,
             name,
             arrival.time,
-            film.minimum,
-            film.minimum_std,
-            film.mean,
-            film.mean_std,
+            film.gap.minimum.value,
+            film.gap.minimum.std(covariance),
+            film.mean.value,
+            film.mean.std(covariance),
             result.pixels[0] / maps["flags"].size,
             light,
             saturated,
@@ -192,10 +193,10 @@ class LiveFilm:
         if not result.minima:
             return None
         covariance = self.task.curve.full_covariance
-        films = {}
-        for contact, minimum in result.minima.items():
-            film = result.statistics.with_minimum(minimum, covariance)
-            films[contact] = film.minimum, film.minimum_std
+        films = {
+            contact: (gap.minimum.value, gap.minimum.std(covariance))
+            for contact, gap in result.minima.items()
+        }
         return LiveGaps(films, result.minima[GapShape.POINT])
 
 

@@ -6,6 +6,7 @@ import numpy as np
 import xarray as xr
 
 from erlif.calibration import RunCurve, calibration_of
+from erlif.core.arrays import Array
 from erlif.core.errors import ConfigError, ErlifError
 from erlif.core.products import RatioImages, ThicknessMaps
 from erlif.core.tables import read_table
@@ -40,9 +41,9 @@ def summarise_region(
     Returns
     -------
     xarray.Dataset
-        film_mean and film_min with their _std, _std_random and _std_shared [um]; film_min_x and
-        film_min_y, column and row of the minimum in the image [px]; pixels and share_valid, number
-        and share of the valid pixels. NaN where too few are valid.
+        film_mean, film_min and film_gap_mean with their _std, _std_random and _std_shared [um];
+        film_min_x and film_min_y, column and row of the minimum in the image [px]; pixels and
+        share_valid, number and share of the valid pixels. NaN where too few are valid.
 
     Raises
     ------
@@ -68,7 +69,8 @@ def summarise_region(
     for trigger in range(film.sizes["trigger"]):
         one = maps.isel(trigger=trigger).load()
         calibration = calibration_of(film, trigger)
-        row = _tabulate(_summarise(one, calibration, contact, along_x=along_x))
+        found = _summarise(one, calibration, contact, along_x=along_x)
+        row = _tabulate(found, calibration.full_covariance)
         row["film_min_x"] += region.columns.start
         row["film_min_y"] += region.rows.start
         row["pixels"] = int((one.flags == 0).sum())
@@ -125,13 +127,15 @@ def _summarise(
     )
 
 
-def _tabulate(one: FilmStatistics) -> dict[str, float]:
+def _tabulate(one: FilmStatistics, covariance: Array) -> dict[str, float]:
     """Values and standard deviations of a trigger by their names; places from the region's edge."""
-    row = dict(zip(("film_min_x", "film_min_y"), one.minimum_place.tolist(), strict=True))
-    for name, value, std, random in (
-        ("film_mean", one.mean, one.mean_std, one.mean_random_std),
-        ("film_min", one.minimum, one.minimum_std, one.minimum_random_std),
+    row = dict(zip(("film_min_x", "film_min_y"), one.gap.place.tolist(), strict=True))
+    for name, number in (
+        ("film_mean", one.mean),
+        ("film_min", one.gap.minimum),
+        ("film_gap_mean", one.gap.mean),
     ):
-        row[name], row[f"{name}_std"], row[f"{name}_std_random"] = value, std, random
+        std, random = number.std(covariance), number.random_std
+        row[name], row[f"{name}_std"], row[f"{name}_std_random"] = number.value, std, random
         row[f"{name}_std_shared"] = float(np.sqrt(max(std**2 - random**2, 0.0)))
     return row

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import numpy.testing as npt
 import pytest
-from scenes.results import make_position, make_result
+from scenes.results import make_position, make_result, make_statistics
 
 from erlif.core.notes import Level
 from erlif.io.ingest import FramePairs, Page
@@ -19,7 +19,7 @@ from erlif.pipeline.engines.results import (
     mean_drift,
 )
 from erlif.ratio import PairRatio
-from erlif.trend import GapMinimum, GapShape
+from erlif.trend import GapShape
 
 PAIRS = FramePairs(Path(), ((), ()), (64, 64), (12, 12))
 
@@ -27,8 +27,7 @@ PAIRS = FramePairs(Path(), ((), ()), (64, 64), (12, 12))
 def test_result_survives_a_file(tmp_path):
     """Arrays of a trigger are kept in one file until the film is written."""
     result = replace(make_result(0, 5, minimum=math.nan), position=make_position((0.01, 0.02)))
-    values = [1.0, 0.1, 0.2, np.ones(3), np.zeros(2), 0.5, np.ones(2), np.ones(2), np.ones(2)]
-    result = replace(result, minima={one: GapMinimum(*values) for one in GapShape})
+    result = replace(result, minima=dict.fromkeys(GapShape, make_statistics(mean=4.0).gap))
     np.savez(tmp_path / "trigger.npz", **result.to_arrays())
     with np.load(tmp_path / "trigger.npz") as arrays:
         npt.assert_equal(asdict(TriggerResult.from_arrays(arrays)), asdict(result))

@@ -74,7 +74,7 @@ def test_trigger_without_frames_is_outside_the_overlap(task):
     maps, result = task([])
     assert (maps["flags"] == Flag.OUTSIDE_OVERLAP).all()
     assert np.isnan(maps["thickness"]).all()
-    assert np.isnan([result.statistics.mean, result.statistics.minimum]).all()
+    assert np.isnan([result.statistics.mean.value, result.statistics.gap.minimum.value]).all()
     assert result.frames == ()
 
 

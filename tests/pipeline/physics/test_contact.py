@@ -10,7 +10,7 @@ from scenes.results import make_result
 from erlif.core.notes import Level
 from erlif.pipeline.physics.contact import note_contact, settle_contact
 from erlif.show.plots import example_calibration
-from erlif.trend import GapMinimum, GapShape
+from erlif.trend import FilmNumber, GapMinimum, GapShape
 
 CALIBRATION = example_calibration()
 
@@ -18,9 +18,8 @@ CALIBRATION = example_calibration()
 def minimum(value, bend=(0.0, 0.0), misfit=0.1):
     """Minimum of a gap whose curvatures are known to 0.1 um."""
     gradient, known = np.ones(len(CALIBRATION.full_covariance)), np.full(2, 0.005)
-    return GapMinimum(
-        value, 0.01, 0.02, gradient, np.zeros(2), misfit, np.array(bend), known, known
-    )
+    film = FilmNumber(value, 0.01, 0.02, gradient)
+    return GapMinimum(film, film, np.zeros(2), misfit, np.array(bend), known, known)
 
 
 def result(bend, value=1.0, misfit=0.1):
@@ -34,25 +33,25 @@ def result(bend, value=1.0, misfit=0.1):
     [((0.0, 0.1), "plane", 1), ((1.0, 0.1), "line", 2), ((0.0, 1.0), "point", 3)],
 )
 def test_all_triggers_have_the_minimum_of_one_gap(bend, contact, factor):
-    results, chosen = settle_contact([result(bend), result(bend, 1.5)], CALIBRATION)
+    results, chosen = settle_contact([result(bend), result(bend, 1.5)])
     assert chosen == contact
-    assert [one.statistics.minimum for one in results] == [factor, 1.5 * factor]
+    assert [one.statistics.gap.minimum.value for one in results] == [factor, 1.5 * factor]
     shared = CALIBRATION.full_covariance.sum()  # of a gradient of ones
-    assert results[0].statistics.minimum_std == pytest.approx(math.sqrt(5e-4 + shared))
+    assert results[0].statistics.gap.minimum.std(CALIBRATION.full_covariance) == pytest.approx(
+        math.sqrt(5e-4 + shared)
+    )
     (note,) = note_contact(results, chosen)
     assert (note.level, note.subject) == (Level.NOTE, "film_min")
 
 
 def test_a_pin_keeps_its_minimum():
     results = [make_result(0)]
-    assert settle_contact(results, CALIBRATION) == (results, GapShape.LINE)
+    assert settle_contact(results) == (results, GapShape.LINE)
     assert note_contact(results, GapShape.LINE) == []
 
 
 def test_triggers_without_a_smooth_gap_are_counted():
-    results, chosen = settle_contact(
-        [result((1.0, 1.0)), result((1.0, 1.0), math.nan, misfit=8.0)], CALIBRATION
-    )
+    results, chosen = settle_contact([result((1.0, 1.0)), result((1.0, 1.0), math.nan, misfit=8.0)])
     _, note = note_contact(results, chosen)
     assert note.level is Level.WARNING
     assert "NaN at 1 of 2 triggers" in note.text

@@ -1,7 +1,6 @@
 """Errors of the films by source: they add up to the stated ones, and the largest is named."""
 
 import re
-from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -9,7 +8,7 @@ import numpy.testing as npt
 import pytest
 import xarray as xr
 from scenes.film import run_settings
-from scenes.results import make_result
+from scenes.results import make_statistics
 
 from erlif.calibration import RunCurve
 from erlif.pipeline.physics.errors import describe_errors, name_largest_error
@@ -29,21 +28,23 @@ def test_sources_of_error_add_up_and_the_largest_is_named():
     rng = np.random.default_rng(1)
     statistics = []
     for k in range(3):
-        one = make_result(k, k).statistics
         gradient = calibration.film_gradient(4.0 + k) + 1e-3 * rng.normal(size=parameters)
-        one = replace(one, mean=4.0 + k, mean_gradient=gradient, minimum_gradient=gradient)
-        statistics.append(one.with_errors(calibration.full_covariance))
+        statistics.append(make_statistics(mean=4.0 + k, gradient=gradient))
 
     film = xr.Dataset(describe_errors(statistics, calibration))
-    for name, stated in (("film_mean_error", "mean_std"), ("film_min_error", "minimum_std")):
+    for name, numbers in (
+        ("film_mean_error", [one.mean for one in statistics]),
+        ("film_min_error", [one.gap.minimum for one in statistics]),
+    ):
         total = np.sqrt((film[name] ** 2).sum("error_term"))
-        npt.assert_allclose(total, [getattr(one, stated) for one in statistics], rtol=1e-9)
+        stated = [one.std(calibration.full_covariance) for one in numbers]
+        npt.assert_allclose(total, stated, rtol=1e-9)
 
-    nothing = replace(statistics[0], mean_gradient=np.full(parameters, np.nan))
+    nothing = make_statistics(gradient=np.full(parameters, np.nan))
     assert np.isnan(describe_errors([nothing], calibration)["film_mean_error"]).all()
 
     # what a gap leaves of a map that has another form is no mark of the surfaces
-    departing = replace(statistics[1], minimum_misfit=2.0)
+    departing = make_statistics(gradient=gradient, misfit=2.0)
     both = xr.Dataset(describe_errors([statistics[0], departing], calibration)).film_min_error
     assert both.sel(error_term="form").values.tolist() == [0.0, 0.04]
     assert both.sel(error_term="marks").values.tolist() == [0.04, 0.0]

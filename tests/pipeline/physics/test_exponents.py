@@ -23,11 +23,9 @@ def power_law():
         make_result(
             minimum=3 * value**0.62,
             mean=6 * value**0.4,
-            minimum_random_std=0.01,
-            mean_random_std=0.01,
-            minimum_surface_std=0.0,
-            minimum_gradient=nothing,
-            mean_gradient=nothing,
+            random=0.01,
+            surface=0.0,
+            gradient=nothing,
         )
         for value in speed
     ]
@@ -82,8 +80,7 @@ def test_a_mean_that_follows_the_place_of_the_minimum_has_no_exponent(calibratio
     line = plane.view.load_line
     angle = (plane.along[plane.within] - line) / plane.view.radius
     films = 230 - 225 * np.cos(angle - side[:, np.newaxis]).mean(axis=1)
-    nothing = {"mean_gradient": np.zeros(3), "minimum_gradient": np.zeros(3)}
-    results = [make_result(mean=one, mean_random_std=0.005, **nothing) for one in films]
+    results = [make_result(mean=one, random=0.005, gradient=np.zeros(3)) for one in films]
     place = 225 * np.stack([np.cos(side), np.sin(side)], axis=1)
     columns = {"rocker_speed": speed, "joint_load": np.full(12, 222.0)}
     film = xr.Dataset({name: ("trigger", one) for name, one in columns.items()})
@@ -101,9 +98,11 @@ def test_a_mean_that_follows_the_place_of_the_minimum_has_no_exponent(calibratio
 def test_marks_of_the_surfaces_widen_the_exponent_of_the_minimum_alone(power_law, calibration):
     film, results = power_law
     plain = xr.Dataset(describe_exponents(film, results, calibration))
-    marked = [
-        replace(one, statistics=replace(one.statistics, minimum_surface_std=0.2)) for one in results
-    ]
+    marked = []
+    for one in results:
+        gap = one.statistics.gap
+        gap = gap._replace(minimum=gap.minimum._replace(surface_std=0.2))
+        marked.append(replace(one, statistics=replace(one.statistics, gap=gap)))
     found = xr.Dataset(describe_exponents(film, marked, calibration))
     assert found.speed_exponent_std > 2 * plain.speed_exponent_std
     assert found.speed_exponent_mean_std == plain.speed_exponent_mean_std

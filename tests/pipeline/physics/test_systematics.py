@@ -8,6 +8,7 @@ import numpy.testing as npt
 import pytest
 from scenes.film import run_settings
 from scenes.fixture import with_systematics
+from scenes.results import make_statistics
 
 from erlif.calibration import RunCurve
 from erlif.core.terms import RISE
@@ -26,7 +27,6 @@ from erlif.show.plots import example_calibration
 from erlif.trend import (
     BackgroundEstimate,
     CourseChange,
-    FilmStatistics,
     FittedNumbers,
     PinPosition,
     Trend,
@@ -178,7 +178,7 @@ def test_films_follow_the_course_by_the_share_of_their_frames_after_it():
     drifts = follow_course(results, before, replace(STEP, frame=None), pairs=4)
     for found, weights in ((stepped, (0.0, 0.5, 1.0, 0.0)), (drifts, (0.0, 0.5, 1.0, 0.0))):
         for result, weight in zip(found, weights, strict=True):
-            gradient = result.statistics.mean_gradient
+            gradient = result.statistics.mean.gradient
             npt.assert_allclose(gradient[:-1], np.arange(size))
             npt.assert_allclose(gradient[-1], weight * ratio)
             npt.assert_allclose(result.position.gradient[:, -1], weight * ratio)
@@ -189,9 +189,7 @@ def test_films_follow_the_course_by_the_share_of_their_frames_after_it():
 def make_result(frames, size):
     """A trigger whose film changes by n um with parameter n."""
     gradient = np.arange(size, dtype=float)
-    statistics = FilmStatistics(
-        *(5.0, 0.1, 0.1, gradient, 4.0, 0.1, 0.1, 0.1, gradient, np.zeros(2), 0.0)
-    )
+    statistics = make_statistics(random=0.1, gradient=gradient)
     numbers = [np.zeros(n) for n in (4, 2)]
     rows = [(value, np.eye(len(value)), np.eye(len(value))) for value in numbers]
     pin, form = ((*row, np.tile(gradient, (len(row[0]), 1))) for row in rows)
