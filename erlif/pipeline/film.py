@@ -33,6 +33,7 @@ from erlif.pipeline.engines.results import (
     mean_drift,
     share_passed,
 )
+from erlif.pipeline.physics.agreement import describe_agreement
 from erlif.pipeline.physics.contact import note_contact, settle_contact
 from erlif.pipeline.physics.dark import describe_dark_levels
 from erlif.pipeline.physics.errors import describe_errors, name_largest_error
@@ -206,6 +207,7 @@ def with_theory(draft: FilmDraft) -> FilmDraft:
     theory = join_theories(settings, predict_theory(settings, film), prediction.triggers)
     film = film.merge(theory, combine_attrs="drop_conflicts")
     film = film.assign(describe_exponents(film, draft.results, draft.curve, plane=plane))
+    film = film.assign(describe_agreement(film, settings))
     with stage("physics", _logger):
         physics = state_physics(film, settings, frames)
     if physics:

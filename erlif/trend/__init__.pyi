@@ -1,3 +1,9 @@
+from .agreement import Correlation as Correlation
+from .agreement import Factor as Factor
+from .agreement import correlate as correlate
+from .agreement import fast_triggers as fast_triggers
+from .agreement import film_factor as film_factor
+from .agreement import find_delay as find_delay
 from .background import BackgroundEstimate as BackgroundEstimate
 from .background import estimate_background as estimate_background
 from .bleaching import Trend as Trend

@@ -44,7 +44,7 @@ def describe_exponents(
     film has no exponent where the place of the minimum moves so far that this alone gives one
     beyond the error.
     """
-    name = _speed_of_trend(film)
+    name = speed_of_trend(film)
     if name not in film or "joint_load" not in film:
         return {}
 
@@ -118,7 +118,7 @@ def note_moved_mean(film: xr.Dataset) -> list[Note]:
     return [warn("film_mean", text)]
 
 
-def _speed_of_trend(film: xr.Dataset) -> str:
+def speed_of_trend(film: xr.Dataset) -> str:
     """Name of the speed: that of the joint, unless there is none or the log has its own."""
     computed = "rocker_speed" in film
     if "sliding_speed" in film:

@@ -1,0 +1,149 @@
+"""Film against speed and theory: ratios to the formulas, correlation and delay, as variables."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from scipy.optimize import brentq
+
+from erlif.core.variables import FILM
+from erlif.io.settings import RunSettings
+from erlif.pipeline.physics.exponents import speed_of_trend
+from erlif.pipeline.physics.joint import describe_joint
+from erlif.trend import (
+    LARGEST_BEYOND,
+    LubricatedJoint,
+    VogelLaw,
+    correlate,
+    fast_triggers,
+    film_factor,
+    find_delay,
+    predict_film,
+    viscosity_at,
+)
+
+# Ratios, and the theory that each is over.
+_THEORIES = {
+    "film_over_hamrock_dowson": "film_hamrock_dowson",
+    "film_over_theory": "film_theory",
+    "film_over_predicted": "film_predicted_min",
+}
+_WIDEST = 7.0  # largest logarithm of the viscosity that a film would take over that of [oil]
+_STEP = 0.01  # of this logarithm, for a derivative
+
+
+def describe_agreement(film: xr.Dataset, settings: RunSettings) -> dict[str, Any]:
+    """Ratios of the minimum film to theory, and its correlation with the speed.
+
+    Parameters
+    ----------
+    film : xarray.Dataset
+        With films, theory, speed and load (trigger), as far as they are known.
+    settings : RunSettings
+
+    Returns
+    -------
+    dict of str to variable
+        Empty without a speed.
+    """
+    name = speed_of_trend(film)
+    if name not in film:
+        return {}
+    return _compare_with_theories(film, settings, name) | _follow_speed(film, name)
+
+
+def _compare_with_theories(film: xr.Dataset, settings: RunSettings, speed: str) -> dict[str, Any]:
+    """Ratios of the minimum film to the films of theory that there are."""
+    fast = fast_triggers(film[speed].values)
+    stroke = film.stroke.values if "stroke" in film else None
+    joint = describe_joint(settings)
+    ratios: dict[str, Any] = {}
+    for name, theory in _THEORIES.items():
+        if theory not in film:
+            continue
+        expected = np.where(fast & (film[theory].values > 0), film[theory].values, np.nan)
+        ratio, std, random = (
+            film[one].values / expected
+            for one in ("film_min", "film_min_std", "film_min_std_random")
+        )
+        factor = film_factor(ratio, random, std, speed=film[speed].values, stroke=stroke)
+        attrs = {
+            "factor": factor.value,
+            "factor_std_random": factor.std_random,
+            "factor_std_shared": factor.std_shared,
+            **{key: getattr(factor, key) for key in ("low", "high", "outward", "back")},
+        }
+        if joint is not None and theory != "film_predicted_min":
+            attrs |= _match_viscosity(film, joint, theory, speed, factor.std)
+        ratios[name] = FILM[name].fill(ratio, **attrs)
+        ratios[f"{name}_std"] = FILM[f"{name}_std"].fill(std)
+        ratios[f"{name}_std_random"] = FILM[f"{name}_std_random"].fill(random)
+    return ratios
+
+
+def _match_viscosity(
+    film: xr.Dataset, joint: LubricatedJoint, theory: str, speed: str, factor_std: float
+) -> dict[str, float]:
+    """Viscosity with which the median of the film over a theory is 1, beside that of [oil]."""
+    fast = fast_triggers(film[speed].values)
+    given = float(np.median(viscosity_at(film, joint.viscosity)[fast]))
+    measured = film.film_min.values
+
+    def factor(log: float) -> float:
+        """Median factor at a viscosity times exp(log)."""
+        one = joint.viscosity
+        times = math.exp(log)
+        thicker = replace(one, a=times * one.a) if isinstance(one, VogelLaw) else times * one
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # of ranges; the film has them as notes
+            expected = predict_film(film, replace(joint, viscosity=thicker))[theory].values
+        ratio = measured[fast] / np.where(expected[fast] > 0, expected[fast], np.nan)
+        return float(np.nanmedian(ratio)) if np.isfinite(ratio).any() else math.nan
+
+    ends = factor(-_WIDEST), factor(_WIDEST)
+    found = {"viscosity": math.nan, "viscosity_std": math.nan, "viscosity_given": given}
+    if ends[0] > 1 > ends[1] > 0:
+        log = float(brentq(lambda one: math.log(factor(one)), -_WIDEST, _WIDEST, xtol=1e-4))
+        power = math.log(factor(log - _STEP) / factor(log + _STEP)) / (2 * _STEP)
+        viscosity = given * math.exp(log)
+        # a relative error of the factor, which is 1 here
+        relative = factor_std / factor(0.0) / power
+        found |= {"viscosity": viscosity, "viscosity_std": viscosity * relative}
+    return found
+
+
+def _follow_speed(film: xr.Dataset, name: str) -> dict[str, Any]:
+    """Correlation of the films with the speed, and the delay of the minimum behind it."""
+    speed = film[name].values
+    against = {"speed": speed}
+    if "joint_load" in film:
+        against["speed over load"] = speed / film["joint_load"].values
+    part = film.share_beyond_range.values > LARGEST_BEYOND
+    names = ("film_min", "film_mean", "film_gap_mean")
+    rows = []
+    for one in names:
+        values = np.where(part & (one == "film_mean"), np.nan, film[one].values)
+        random = film[f"{one}_std_random"].values
+        rows.append([correlate(values, random, each) for each in against.values()])
+
+    found: dict[str, Any] = {
+        "correlated_film": FILM["correlated_film"].fill(np.array(names)),
+        "correlated_with": FILM["correlated_with"].fill(np.array(list(against))),
+    }
+    table = np.array(rows)
+    for k, variable in enumerate(("rank", "", "low", "high")):
+        full = "_".join(filter(None, ("speed_correlation", variable)))
+        found[full] = FILM[full].fill(table[..., k], speed=name)
+    if "crank_angle" in film:
+        signed = (
+            speed * film.stroke.values if name == "sliding_speed" and "stroke" in film else speed
+        )
+        delay, std = find_delay(film.film_min.values, signed, film.crank_angle.values)
+        found["speed_delay"] = FILM["speed_delay"].fill(delay, speed=name)
+        found["speed_delay_std"] = FILM["speed_delay_std"].fill(std)
+    return found

@@ -1,0 +1,236 @@
+"""Agreement of the film with theory and with speed: its ratio to a formula, correlation, delay."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+import scipy
+from scipy.interpolate import CubicSpline
+from scipy.optimize import minimize_scalar
+
+from erlif.core.arrays import Array, Mask
+from erlif.trend.exponent import LEAST_TRIGGERS, SLOWEST
+
+_LEAST_SPREAD = 0.05  # of the logarithm of the speed, below which no correlation is determined
+_95 = 1.96  # standard deviations of a 95 % interval
+_MEDIAN = math.sqrt(math.pi / 2)  # std of a median over that of a mean, normal errors
+
+# Farthest triggers of a cycle that has a delay, and the largest delay looked for: |speed| has two
+# maxima in a cycle. [degree]
+_GAP, _LATEST = 45.0, 90.0
+# Gain in chi-square by the speed that is no chance, of 37 delays, and no other smooth course: it
+# explains more than half of what the trend leaves as well.
+_GAIN = 20.0
+_DETERMINED = 20.0  # largest standard deviation of a delay that is stated [degree]
+
+
+class Factor(NamedTuple):
+    """Film over theory, over the triggers above a tenth of the highest speed.
+
+    Attributes
+    ----------
+    value : float
+        Median. [1]
+    std_random, std_shared : float
+        Its standard deviation by what is new at every trigger, and by what all share. [1]
+    low, high : float
+        Smallest and largest ratio. [1]
+    outward, back : float
+        Medians of the two strokes; NaN where there is one direction alone. [1]
+    """
+
+    value: float
+    std_random: float
+    std_shared: float
+    low: float
+    high: float
+    outward: float
+    back: float
+
+    @property
+    def std(self) -> float:
+        """Standard deviation by both. [1]"""
+        return math.hypot(self.std_random, self.std_shared)
+
+
+class Correlation(NamedTuple):
+    """Correlation of the film with a speed.
+
+    Attributes
+    ----------
+    rank : float
+        Spearman's coefficient of the measured films. [1]
+    log : float
+        Pearson's coefficient of the logarithms. [1]
+    log_low, log_high : float
+        95 % interval of this coefficient for the true film. [1]
+    """
+
+    rank: float
+    log: float
+    log_low: float
+    log_high: float
+
+
+def fast_triggers(speed: Array) -> Mask:
+    """Triggers above a tenth of the highest speed: squeeze carries the film below."""
+    size = np.abs(speed)
+    return np.asarray(size >= SLOWEST * np.nanmax(size, initial=0.0))
+
+
+def film_factor(
+    ratio: Array, random_std: Array, std: Array, *, speed: Array, stroke: Array | None = None
+) -> Factor:
+    """Median of the film over a theory, with its errors.
+
+    Parameters
+    ----------
+    ratio, random_std, std : array, (trigger,)
+        Film over theory, the random part of its standard deviation, and all of it; NaN where there
+        is none. [1]
+    speed : array, (trigger,)
+        Its sign does not matter.
+    stroke : array, (trigger,), optional
+        +1 outward, -1 back.
+
+    Returns
+    -------
+    Factor
+        NaN without a trigger.
+
+    Examples
+    --------
+    >>> ones = np.ones(9)
+    >>> found = film_factor(5 * ones, 0.3 * ones, 0.5 * ones, speed=ones)
+    >>> found.value, round(found.std_random, 3), round(found.std_shared, 3)
+    (5.0, 0.125, 0.4)
+    """
+    use = fast_triggers(speed) & np.isfinite(ratio) & np.isfinite(std)
+    if not use.any():
+        return Factor(*(math.nan,) * 7)
+    random = _MEDIAN * float(np.sqrt(np.mean(random_std[use] ** 2) / use.sum()))
+    shared = float(np.median(np.sqrt(np.maximum(std[use] ** 2 - random_std[use] ** 2, 0.0))))
+    strokes = np.zeros(len(ratio)) if stroke is None else stroke
+    ways = [ratio[use & (strokes == way)] for way in (1, -1)]
+    both = [float(np.median(way)) if way.size else math.nan for way in ways]
+    low, high = float(ratio[use].min()), float(ratio[use].max())
+    return Factor(float(np.median(ratio[use])), random, shared, low, high, *both)
+
+
+def correlate(film: Array, random_std: Array, speed: Array) -> Correlation:
+    """Correlation of the film with a speed over the triggers.
+
+    Noise of the film lowers the coefficients (Spearman 1904). The interval is that of the true film
+    at these triggers, for which the loss is made good. It is all of -1 to 1 where the film is
+    constant within its noise.
+
+    Parameters
+    ----------
+    film, random_std : array, (trigger,)
+        Film and the random part of its standard deviation; NaN is left out. [um]
+    speed : array, (trigger,)
+        Speed, or speed over load; its sign does not matter.
+
+    Returns
+    -------
+    Correlation
+        NaN with fewer than five triggers, or a speed that hardly varies.
+
+    Examples
+    --------
+    >>> speed = np.linspace(0.2, 2.5, 20)
+    >>> found = correlate(3.0 * speed**0.62, np.full(20, 0.01), speed)
+    >>> round(found.rank, 3), round(found.log, 3), found.log_low > 0.99
+    (1.0, 1.0, True)
+    """
+    size = np.abs(speed)
+    use = (film > 0) & np.isfinite(random_std) & (size > 0)
+    if use.sum() < LEAST_TRIGGERS or np.std(np.log(size[use])) < _LEAST_SPREAD:
+        return Correlation(*(math.nan,) * 4)
+    x, y = np.log(size[use]), np.log(film[use])
+    if np.ptp(y) == 0:
+        return Correlation(0.0, 0.0, -1.0, 1.0)
+    error = random_std[use] / film[use]
+    rank, log = float(scipy.stats.spearmanr(x, y).statistic), float(np.corrcoef(x, y)[0, 1])
+    noise, variance = float(np.mean(error**2)), float(np.var(y, ddof=1))
+    true = variance - noise
+    if true < 2 * noise * math.sqrt(2 / len(y)):  # no change beyond the noise
+        return Correlation(rank, log, -1.0, 1.0)
+
+    # without the loss by noise, and its effect to first order
+    share = noise / true
+    middle = min(max(log * math.sqrt(variance / true), -1.0), 1.0)
+    spread = _95 * math.sqrt((share * (1 - middle**2) + 0.5 * (middle * share) ** 2) / len(y))
+    low, high = max(middle - spread, -1.0), min(middle + spread, 1.0)
+    return Correlation(rank, log, low, high)
+
+
+def find_delay(film: Array, speed: Array, angle: Array) -> tuple[float, float]:
+    """Delay of the film behind the size of the speed, in degrees of the drive.
+
+    The film is fitted by a + b |v(angle - delay)| + c n with the measured speed, a periodic spline
+    between the triggers n: a film that sinks has no delay by that. The error follows from the
+    scatter about the fit, independent from trigger to trigger.
+
+    Parameters
+    ----------
+    film : array, (trigger,)
+        NaN is left out. [um]
+    speed : array, (trigger,)
+        With its sign.
+    angle : array, (trigger,)
+        Of the drive, 0 to 360. [degree]
+
+    Returns
+    -------
+    delay, std : float
+        Positive where the film is late. NaN where triggers do not cover the cycle, the speed or the
+        film hardly changes, or the error is above 20 degrees. [degree]
+
+    Examples
+    --------
+    >>> angle = np.arange(0.0, 360.0, 10.0)
+    >>> film = 3 + np.abs(np.sin(np.radians(angle - 15.0)))
+    >>> [round(one) for one in find_delay(film, np.sin(np.radians(angle)), angle)]
+    [15, 0]
+    """
+    unknown = math.nan, math.nan
+    use = np.isfinite(film)
+    if use.sum() < LEAST_TRIGGERS or not np.ptp(np.abs(speed)) > 0:
+        return unknown
+    phase, first = np.unique(angle, return_index=True)
+    closed = np.append(phase, phase[0] + 360.0)
+    if np.diff(closed).max() > _GAP:
+        return unknown
+    spline = CubicSpline(closed, np.append(speed[first], speed[first[0]]), bc_type="periodic")
+    number = np.flatnonzero(use) / film.size
+    rest = np.stack([np.ones_like(number), number])
+
+    def fit(delay: float) -> tuple[float, float]:
+        """Mean square about the fit at a delay, and its b."""
+        design = np.vstack([np.abs(spline(angle[use] - delay)), rest])
+        amplitudes = np.linalg.lstsq(design.T, film[use], rcond=None)[0]
+        return float(np.mean((film[use] - amplitudes @ design) ** 2)), float(amplitudes[0])
+
+    # the film of a joint rises with the speed; the best of a grid is refined
+    grid = np.arange(-_LATEST, _LATEST + 1, 5.0)
+    squares = [square if slope > 0 else math.inf for square, slope in map(fit, grid)]
+    best = float(grid[int(np.argmin(squares))])
+    found = minimize_scalar(lambda one: fit(one)[0], bounds=(best - 5, best + 5), method="bounded")
+    delay = float(found.x)
+    square, slope = fit(delay)
+
+    # change of the fitted film with the delay, as far as the other amplitudes do not follow it
+    before, at, after = (np.abs(spline(angle[use] - delay + step)) for step in (1.0, 0.0, -1.0))
+    others = np.vstack([at, rest]).T
+    bend = slope * (after - before) / 2
+    bend = bend - others @ np.linalg.lstsq(others, bend, rcond=None)[0]
+    free = use.sum() - 4
+    off = film[use] - np.linalg.lstsq(rest.T, film[use], rcond=None)[0] @ rest
+    explained = float(np.mean(off**2)) - square
+    if slope <= 0 or abs(best) == _LATEST or explained * free < max(_GAIN, free) * square:
+        return unknown
+    std = math.sqrt(square * use.sum() / free / float(bend @ bend))
+    return (delay, std) if std < _DETERMINED else unknown

@@ -1,0 +1,91 @@
+"""Film against theory and speed: factors, correlations and delays of films of known truth."""
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+import scipy
+from scenes.fixture import assert_covers
+
+from erlif.trend import correlate, film_factor, find_delay
+
+ANGLE = np.linspace(0.0, 360.0, 50, endpoint=False)
+SPEED = 2.5 * np.sin(np.radians(ANGLE)) * (1 + 0.2 * np.cos(np.radians(ANGLE))) + 1e-3
+LATE = np.interp(ANGLE - 12.0, ANGLE, np.abs(SPEED), period=360.0)
+
+
+def noisy(film, noise, rng):
+    return film * (1 + noise * rng.normal(size=film.size))
+
+
+def test_factor_is_the_median_of_fast_triggers_by_stroke():
+    """Of the slow triggers, which are left out, the ratio is 100."""
+    fast, stroke = np.abs(SPEED) > 0.25, np.sign(SPEED)
+    ratio = np.where(fast, np.where(stroke > 0, 2.0, 4.0), 100.0)
+    found = film_factor(ratio, 0.03 * ratio, 0.05 * ratio, speed=SPEED, stroke=stroke)
+    assert (found.low, found.high, found.outward, found.back) == (2, 4, 2, 4)
+    shared = np.median(0.04 * ratio[fast])
+    npt.assert_allclose([found.std_shared, found.std], [shared, np.hypot(found.std_random, shared)])
+    assert np.isnan(film_factor(ratio * np.nan, ratio, ratio, speed=SPEED)).all()
+
+
+def test_random_error_of_a_factor_is_its_scatter():
+    rng, ones = np.random.default_rng(1), np.ones(50)
+    found = [
+        film_factor(noisy(5.0 * ones, 0.02, rng), 0.1 * ones, 0.1 * ones, speed=SPEED)
+        for _ in range(200)
+    ]
+    assert_covers([(one.value - 5.0) / one.std for one in found])
+
+
+@pytest.mark.parametrize("noise", [0.003, 0.02, 0.1])
+@pytest.mark.parametrize(
+    "film",
+    [
+        3.0 * np.abs(SPEED) ** 0.6 + 0.3,
+        2.0 + LATE,
+        4.0 + 0.5 * np.sin(np.radians(2 * ANGLE + 70.0)) + 0.2 * np.abs(SPEED),
+    ],
+    ids=["power", "late", "other"],
+)
+def test_the_interval_holds_the_correlation_of_the_true_film(film, noise):
+    rng, x = np.random.default_rng(2), np.log(np.abs(SPEED))
+    true = np.corrcoef(x, np.log(film))[0, 1]
+    inside = []
+    for _ in range(300):
+        one = noisy(film, noise, rng)
+        found = correlate(one, noise * one, SPEED)
+        inside.append(found.log_low <= true <= found.log_high)
+        assert found.log == pytest.approx(np.corrcoef(x, np.log(one))[0, 1])
+        assert found.rank == pytest.approx(scipy.stats.spearmanr(np.abs(SPEED), one).statistic)
+    assert np.mean(inside) > 0.95 - 3 * np.sqrt(0.95 * 0.05 / 300)
+
+
+def test_a_constant_film_has_no_correlation():
+    rng, flat = np.random.default_rng(3), np.full(50, 5.0)
+    found = [correlate(noisy(flat, 0.01, rng), 0.01 * flat, SPEED) for _ in range(100)]
+    assert np.mean([one.log_low < 0 < one.log_high for one in found]) > 0.95
+    assert np.mean([one.log_high - one.log_low for one in found]) > 1.5
+    assert np.isnan(correlate(flat, 0.01 * flat, np.full(50, 2.0))).all()
+    assert correlate(flat, 0 * flat, SPEED)[1:] == (0.0, -1.0, 1.0)
+
+
+@pytest.mark.parametrize("delay", [-20.0, 0.0, 12.0, 35.0])
+def test_the_delay_of_a_film_comes_back_whatever_its_trend(delay):
+    """Film of the shifted speed, which sinks by 1 um over the cycle, with 1 % of noise."""
+    rng, fine = np.random.default_rng(4), np.linspace(0.0, 360.0, 3600, endpoint=False)
+    speed = np.abs(2.5 * np.sin(np.radians(fine)) * (1 + 0.2 * np.cos(np.radians(fine))) + 1e-3)
+    film = 4.0 + np.interp(ANGLE - delay, fine, speed, period=360.0) - np.arange(50) / 50
+    found = np.array([find_delay(noisy(film, 0.01, rng), SPEED, ANGLE) for _ in range(60)])
+    assert abs(found[:, 0].mean() - delay) < 0.3
+    scatter = found[:, 0].std(ddof=1)
+    npt.assert_allclose(found[:, 1].mean(), scatter, rtol=0.4, atol=0.2)
+
+
+def test_films_that_do_not_follow_the_speed_have_no_delay():
+    rng = np.random.default_rng(5)
+    for film in (np.full(50, 5.0), np.linspace(6.0, 5.0, 50), 5.0 - 0.5 * np.abs(SPEED)):
+        for _ in range(40):
+            delay, _ = find_delay(noisy(film, 0.01, rng), SPEED, ANGLE)
+            assert np.isnan(delay)
+    half = ANGLE < 180.0
+    assert np.isnan(find_delay(LATE[half], SPEED[half], ANGLE[half])).all()
