@@ -43,4 +43,5 @@ plt.show()
 
 speed = film.rocker_speed.values
 for name in ("film_min", "film_predicted_min", "film_theory"):
-    print(f"{name}: {erlif.prediction.speed_correlation(film[name].values, speed):+.2f}")
+    values = film[name].values
+    print(f"{name}: {erlif.trend.correlate(values, 0 * values, speed).rank:+.2f}")

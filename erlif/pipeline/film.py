@@ -45,7 +45,6 @@ from erlif.pipeline.physics.position import describe_positions, note_form
 from erlif.pipeline.physics.prediction import (
     frames_of_run,
     join_theories,
-    note_correlation,
     note_difference,
     predict_theory,
     try_prediction,
@@ -218,7 +217,6 @@ def with_theory(draft: FilmDraft) -> FilmDraft:
         *note_moved_mean(film),
         *prediction.notes,
         *note_difference(film, settings.prediction),
-        *note_correlation(film),
     )
     return draft.adding(film, *notes, frames=prediction.frames)
 

@@ -24,5 +24,4 @@ from .triggers import average_triggers as average_triggers
 from .triggers import gap_in_view as gap_in_view
 from .triggers import predict_frames as predict_frames
 from .triggers import predict_triggers as predict_triggers
-from .triggers import speed_correlation as speed_correlation
 from .triggers import summarise_gap as summarise_gap

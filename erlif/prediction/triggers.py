@@ -236,33 +236,6 @@ def _describe_positions(
     return xr.Dataset({name: table[name].fill(values) for name, values in columns.items()})
 
 
-def speed_correlation(film: Array, speed: Array) -> float:
-    """Correlation of the film with the size of the speed, to a hundredth; NaN below three values.
-
-    Parameters
-    ----------
-    film : array, (trigger,)
-        Film thickness; NaN is left out.
-    speed : array, (trigger,)
-        Speed; its sign does not matter.
-
-    Returns
-    -------
-    float
-        Pearson's coefficient; a small negative one is 0, not -0.
-
-    Examples
-    --------
-    >>> speed_correlation(np.array([1.0, 2.0, 3.0, 2.0]), np.array([1.0, 2.0, -3.0, -2.0]))
-    1.0
-    """
-    known = np.isfinite(film) & np.isfinite(speed)
-    size = np.abs(speed[known])
-    if known.sum() < 3 or np.ptp(size) == 0 or np.ptp(film[known]) == 0:
-        return float("nan")
-    return round(float(np.corrcoef(film[known], size)[0, 1]), 2) + 0.0
-
-
 @dataclass(frozen=True)
 class ImageLine:
     """Places of the image along the sliding direction.

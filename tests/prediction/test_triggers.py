@@ -20,7 +20,6 @@ from erlif.prediction import (
     gap_in_view,
     predict_frames,
     predict_triggers,
-    speed_correlation,
     summarise_gap,
 )
 
@@ -135,13 +134,6 @@ def test_a_fitted_guided_film_is_led_in():
     npt.assert_allclose(found.film_predicted_min, minimum, atol=0.02)
     assert found.film_predicted_min.attrs["start_film"] == pytest.approx(minimum[0], abs=0.02)
     npt.assert_allclose(found.elapsed_cycles, np.arange(25) / 25, atol=1e-12)
-
-
-def test_correlation_needs_three_values_that_differ():
-    falling = speed_correlation(np.array([3.0, 2.0, 1.0]), np.array([-1.0, 2.0, 3.0]))
-    assert falling == pytest.approx(-1.0)
-    assert np.isnan(speed_correlation(np.array([3.0, np.nan, 1.0]), np.array([1.0, 2.0, 3.0])))
-    assert np.isnan(speed_correlation(np.array([3.0, 2.0, 1.0]), np.full(3, 2.0)))
 
 
 PLACE = np.linspace(-0.01, 0.012, 2001)

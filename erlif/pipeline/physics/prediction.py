@@ -9,7 +9,7 @@ import xarray as xr
 
 from erlif.core.arrays import Array
 from erlif.core.errors import ConfigError, ErlifError
-from erlif.core.notes import Note, remark, warn
+from erlif.core.notes import Note, warn
 from erlif.io.ingest import Run
 from erlif.io.settings import CrankRockerSettings, PredictionOptions, RunSettings
 from erlif.models.mechanism import CrankRocker
@@ -22,7 +22,6 @@ from erlif.prediction import (
     follow_motion,
     gap_in_view,
     predict_triggers,
-    speed_correlation,
 )
 from erlif.trend import LubricatedJoint, compare_with_roughness, predict_film, viscosity_at
 
@@ -346,33 +345,6 @@ def join_theories(settings: RunSettings, steady: xr.Dataset, predicted: xr.Datas
     for name in ("film_theory", "film_hamrock_dowson"):
         both[name].attrs["comment"] = f"steady formula, for reference: {reason}"
     return both
-
-
-def note_correlation(film: xr.Dataset) -> list[Note]:
-    """Correlation of the film with the size of the speed, measured and by theory.
-
-    Parameters
-    ----------
-    film : xarray.Dataset
-        With film_min, film_predicted_min, film_theory and rocker_speed (trigger).
-
-    Returns
-    -------
-    list of Note
-        Empty without a prediction, or where the measured film has no correlation.
-    """
-    if "film_predicted_min" not in film or "rocker_speed" not in film:
-        return []
-    names = ("film_min", "film_predicted_min", "film_theory")
-    speed = film["rocker_speed"].values
-    measured, predicted, steady = (speed_correlation(film[name].values, speed) for name in names)
-    if not np.isfinite([measured, predicted, steady]).all():
-        return []
-    text = (
-        f"minimum film and |speed| have a correlation of {measured:+.2f}; the transient prediction "
-        f"gives {predicted:+.2f}, the steady regime map {steady:+.2f}"
-    )
-    return [remark("theory", text)]
 
 
 def note_difference(film: xr.Dataset, options: PredictionOptions) -> list[Note]:

@@ -26,7 +26,7 @@ from erlif.show.plots.maps import (
     state_reason,
 )
 from erlif.show.plots.style import MINIMUM, OUTWARD, TWO_COLUMNS, AnyFigure, pt, styled
-from erlif.show.report.prediction import describe_correlations
+from erlif.show.report.prediction import describe_correlation
 
 _TALL = 0.42  # height by width of the two panels over cycle and run
 _THIRD = 0.26  # of two columns, for each of three maps
@@ -173,8 +173,8 @@ def prediction_figure(
     else:
         film_over_run(film, frames, ax=right)
     title = triggers.bars_of(film).title
-    if correlations := describe_correlations(film).replace("-", "−"):
-        title += f"\ncorrelation with |speed|: {correlations}"
+    if correlation := describe_correlation(film).replace("-", "−"):
+        title += f"\ncorrelation with |speed|: {correlation}"
     style.legend_of_figure(figure, title=title)
     style.letter_panels(left, right)
     return figure

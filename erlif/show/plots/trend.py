@@ -14,6 +14,7 @@ from matplotlib.lines import Line2D
 
 from erlif.core.arrays import Array, Mask
 from erlif.show.plots import style
+from erlif.show.plots.agreement import film_over_theory, has_ratio
 from erlif.show.plots.style import MEAN, MINIMUM, MUTED, OUTWARD, RETURN, AnyFigure, pt, styled
 from erlif.show.plots.triggers import (
     bars_of,
@@ -30,7 +31,7 @@ _LABELS = {
     "sliding_speed": "sliding speed over load, v/F [10⁻³ m s⁻¹ N⁻¹]",
 }
 
-_TALL = 0.52  # height by width
+_TALL, _TWO_ROWS = 0.52, 1.6  # height by width of one row of panels, and two rows over it
 _MILLI = 1e3  # speed over load is drawn in thousandths
 _DASHES = (0, (3, 1.5))
 _DASH_DOT = (0, (4, 1.5, 1, 1.5))
@@ -230,7 +231,7 @@ def _describe_beyond(curve: Array, low: float, high: float) -> list[str]:
 
 @styled
 def speed_figure(film: xr.Dataset, *, figure: AnyFigure | None = None) -> AnyFigure:
-    """Draw the measured film with its fit, and beside it with theory.
+    """Draw the measured film with its fit, beside it with theory, and below over theory.
 
     Theory that differs from the film by more than a factor of three is beyond the axis; the legend
     states its range. Arguments that are not listed are those of `erlif.plots`.
@@ -256,8 +257,14 @@ def speed_figure(film: xr.Dataset, *, figure: AnyFigure | None = None) -> AnyFig
         film_against_speed(film, ax=figure.add_subplot())
         return figure
 
-    figure = style.new_figure(
-        style.TWO_COLUMNS, _TALL * style.TWO_COLUMNS, given=figure, named=film
-    )
-    style.draw_panels(figure.subplots(1, 2), (film_against_speed, film_and_theory), film)
+    drawings = [
+        film_against_speed,
+        film_and_theory,
+        *([film_over_theory] if has_ratio(film) else []),
+    ]
+    tall = _TALL * style.TWO_COLUMNS * (1 if len(drawings) == 2 else _TWO_ROWS)
+    figure = style.new_figure(style.TWO_COLUMNS, tall, given=figure, named=film)
+    places = "ab" if len(drawings) == 2 else "ab;cc"
+    panels = figure.subplot_mosaic(places, height_ratios=[1.0, 0.6][: 1 + (len(drawings) == 3)])
+    style.draw_panels(panels.values(), drawings, film)
     return figure

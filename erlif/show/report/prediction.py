@@ -12,23 +12,10 @@ from erlif.core.arrays import Array
 from erlif.core.notes import join_notes
 from erlif.io.files import settings_of
 from erlif.pipeline.physics.prediction import describe_sideways, note_difference
-from erlif.prediction import Estimate, ModelComparison, speed_correlation
+from erlif.prediction import Estimate, ModelComparison
 from erlif.prediction.comparison import DESCRIBED
 from erlif.show.report.layout import TABLES, decimals, print_rows
-
-
-def describe_correlations(film: xr.Dataset) -> str:
-    """Correlation of the minimum film with the size of the speed over the triggers."""
-    if "film_predicted_min" not in film or "rocker_speed" not in film:
-        return ""
-    speed = film["rocker_speed"].values
-    # a run directory has a prediction without a measured film
-    lines = [
-        speed_correlation(film[name].values, speed) if name in film else np.nan
-        for name in ("film_min", "film_predicted_min")
-    ]
-    measured, predicted = (f"{value:+.2f}" if np.isfinite(value) else "none" for value in lines)
-    return f"measured {measured}, predicted {predicted}"
+from erlif.trend import correlate
 
 
 def describe_difference(film: xr.Dataset) -> str:
@@ -113,11 +100,24 @@ def summarise_prediction(prediction: xr.Dataset) -> str:
     source = "fitted to the measured minima" if attrs["start_film_fitted"] else "as given"
     rows["minimum at the first frame"] = f"{attrs['start_film']:.4g} um, {source}"
     rows["measured less predicted"] = describe_difference(prediction)
-    rows["correlation with |speed|"] = describe_correlations(prediction)
+    rows["correlation with |speed|"] = describe_correlation(prediction)
     if "settings" in attrs:
         notes = note_difference(prediction, settings_of(prediction).prediction)
         rows["notes"] = join_notes(notes)
     return print_rows(f"{name}: {attrs['model']}, {minimum.size} triggers", rows)
+
+
+def describe_correlation(prediction: xr.Dataset) -> str:
+    """Rank correlation of predicted and measured minimum with the size of the speed."""
+    if "rocker_speed" not in prediction:
+        return ""
+    speed, texts = prediction["rocker_speed"].values, []
+    # a run directory has a prediction without a measured film
+    for name, title in (("film_min", "measured"), ("film_predicted_min", "predicted")):
+        if name in prediction:
+            film = prediction[name].values
+            texts.append(f"{title} {correlate(film, 0 * film, speed).rank:+.2f}")
+    return ", ".join(texts)
 
 
 _SMALL_PART = 0.01  # of an error, below which one of its parts is not printed

@@ -12,15 +12,23 @@ from erlif.core.arrays import Array
 from erlif.core.flags import Flag, describe_share
 from erlif.core.notes import Level, rank_notes, split_notes
 from erlif.core.units import count_of
-from erlif.io.files import applicable_theory, flag_shares, takes
+from erlif.io.files import applicable_theory, flag_shares, formula_label, takes
+from erlif.show.report.agreement import (
+    describe_correlations,
+    describe_delay,
+    describe_factor,
+    describe_following,
+    describe_other_factors,
+)
 from erlif.show.report.layout import TABLES, print_columns, print_rows
-from erlif.show.report.prediction import describe_correlations, describe_difference
+from erlif.show.report.prediction import describe_difference
 from erlif.trend import LEAST_TRIGGERS
 
 _CALIBRATION_TITLE = 34  # columns of the titles of a calibration
 _TITLE = 10  # columns of the titles of a short summary
-_LINES, _COLUMNS = 10, 80  # of a short summary; files and the next command make it twelve
+_COLUMNS = 80
 _NOTABLE = 0.01  # share of the region beyond the range from which a mean is that of a part
+_WHOLE = ("formula", "speed")  # rows of which a short summary has every sentence
 _AT = (0.1, 0.5)  # places in the calibrated range whose uncertainty is printed
 
 
@@ -47,7 +55,7 @@ def summarise(film: xr.Dataset) -> str:
     >>> lines[0]
     'example: 6 triggers from 6 frame pairs of 64 x 24 pixels'
     >>> print(*[line for line in lines if "n =" in line], sep="\\n")
-      power of speed over load    minimum: n = 0.600 ± 0.010, mean: n = 0.600 ± 0.010; 6 triggers
+      power of speed over load    minimum n = 0.600 ± 0.010, mean n = 0.600 ± 0.010
     """
     return print_rows(_first_line(film), describe_film(film, flag_shares(film)))
 
@@ -69,7 +77,7 @@ def _describe_size(film: xr.Dataset) -> str:
 
 @takes(film="film")
 def summarise_briefly(film: xr.Dataset) -> str:
-    """Describe a film in ten lines of 80 columns at most; `summarise` has the rest.
+    """Describe a film in ten lines of 80 columns, and each warning; `summarise` has the rest.
 
     Parameters
     ----------
@@ -79,8 +87,8 @@ def summarise_briefly(film: xr.Dataset) -> str:
     Returns
     -------
     str
-        The first warnings, film, valid pixels, power of the speed, theory, the largest error, and
-        how many warnings and notes there are beside.
+        The warnings, film, valid pixels, film over Hamrock-Dowson, correlation, power and delay of
+        film and speed, what carries the film, and the largest error.
 
     Examples
     --------
@@ -89,26 +97,12 @@ def summarise_briefly(film: xr.Dataset) -> str:
     example: 6 triggers from 6 frame pairs of 64 x 24 pixels
       film      min 2.51 ± 0.03 to 3.49 ± 0.03, mean 3.27 ± 0.02 to 4.54 ± 0.02 um
     """
-    lines: list[str] = []
+    lines = [_first_line(film, columns=_COLUMNS)]
+    for shown, text in enumerate(_split_notes(film)[0].splitlines()):
+        lines += _wrapped("" if shown else "warning", _first_clause(text))
     for title, text in describe_briefly(film, flag_shares(film)).items():
-        short = text if title == "exponent" else _first_sentence(text)
-        lines += _wrapped(title, short, most=2 if title == "theory" else 1)
-
-    # warnings come first and take what is left, two lines at least; one line counts the rest
-    first = [_first_line(film, columns=_COLUMNS)]
-    warned, noted = _split_notes(film)
-    warnings = warned.splitlines()
-    for shown, text in enumerate(warnings):
-        wrapped = _wrapped("" if shown else "warning", _first_sentence(text))
-        if len(first) + len(lines) + len(wrapped) >= _LINES:
-            warnings = warnings[shown:]
-            break
-        first += wrapped
-    else:
-        warnings = []
-    counts = (len(warnings), "warning"), (len(noted.splitlines()), "note")
-    more = " and ".join(count_of(count, word) for count, word in counts if count)
-    return "\n".join(first + lines + _wrapped("more", f"{more}: -v, or the report" if more else ""))
+        lines += _wrapped(title, text if title in _WHOLE else _first_sentence(text))
+    return "\n".join(lines)
 
 
 def describe_briefly(film: xr.Dataset, shares: Array) -> dict[str, str]:
@@ -125,24 +119,30 @@ def describe_briefly(film: xr.Dataset, shares: Array) -> dict[str, str]:
     dict of str to str
         Text by title, of those that are known.
     """
-    at_speed = _describe_theory(film).split("\n")[0]
-    theory = f"at the highest speed {at_speed}" if at_speed else ""
+    following = describe_following(film)
+    powers = "; ".join(filter(None, [_describe_trend(film), describe_delay(film)]))
     lost = ", ".join(_list_flags(shares, largest=True)[:2])
     texts = {
         "film": _describe_films(film),
         "valid": f"{shares[:, 0].mean():.1%} of the pixels{lost and '; '}{lost}",
-        "exponent": _describe_trend(film),
-        "theory": str(film.attrs.get("physics", "")) or theory,
+        "formula": describe_factor(film),
+        "speed": "\n".join(filter(None, [following, powers])),
+        "carrier": str(film.attrs.get("physics", "")),
         "error": str(film.attrs.get("largest_error", "")),
     }
     return {title: text for title, text in texts.items() if text}
 
 
-def _wrapped(title: str, text: str, *, most: int = 2) -> list[str]:
-    """A title and a text of at most so many lines; a longer one is cut."""
+def _wrapped(title: str, text: str) -> list[str]:
+    """A title and the lines of a text, none beyond the columns."""
     width = _COLUMNS - _TITLE - 2
-    lines = textwrap.wrap(text, width, max_lines=most, placeholder=" ...", break_long_words=False)
+    lines = [line for part in text.split("\n") for line in textwrap.wrap(part, width)]
     return [f"  {title if k == 0 else '':{_TITLE}s}{line}" for k, line in enumerate(lines)]
+
+
+def _first_clause(text: str) -> str:
+    """What a warning says first; the rest is why, and what to do."""
+    return _first_sentence(text).partition("; ")[0]
 
 
 def _first_sentence(text: str) -> str:
@@ -197,7 +197,9 @@ def describe_film(film: xr.Dataset, shares: Array) -> dict[str, str]:
         "power of speed over load": _describe_trend(film),
         "theory at the top speed": _describe_theory(film),
         "measured less predicted": describe_difference(film),
-        "correlation with |speed|": describe_correlations(film),
+        "film over Hamrock-Dowson": describe_factor(film),
+        "film over other theory": describe_other_factors(film),
+        "correlation with the speed": describe_correlations(film),
         "what carries the film": str(film.attrs.get("physics", "")),
         "notes": noted,
     }
@@ -302,8 +304,7 @@ def _describe_trend(film: xr.Dataset) -> str:
             return "not determined: speed over load is constant"
         return f"not determined: {used} of {all_of} triggers usable, {LEAST_TRIGGERS} needed"
     minimum, mean = _power(film, "speed_exponent"), _power(film, "speed_exponent_mean")
-    used = exponent.attrs["triggers_used"]
-    return f"minimum: {minimum}, mean: {mean}; {used} triggers"
+    return f"minimum {minimum}, mean {mean}"
 
 
 def _power(film: xr.Dataset, name: str) -> str:
@@ -325,7 +326,7 @@ def _describe_theory(film: xr.Dataset) -> str:
     formula = float(film.film_hamrock_dowson[top])
     return (
         f"{float(theory[top]):.3g} um, {theory.attrs['regime']} ({speed:.3f} m/s, "
-        f"{load:.0f} N); line contact, Dowson and Higginson: {formula:.3g} um\n"
+        f"{load:.0f} N); {formula_label(film)}: {formula:.3g} um\n"
         f"{theory.attrs['reason']}"
     )
 

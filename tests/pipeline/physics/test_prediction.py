@@ -17,7 +17,6 @@ from erlif.pipeline.physics.prediction import (
     build_motion,
     film_along_sliding,
     join_theories,
-    note_correlation,
     note_difference,
     predict_run,
     swinging_joint,
@@ -157,25 +156,6 @@ def test_the_transient_film_is_the_theory_and_the_steady_ones_stay_for_reference
     reason = "swings by 24.4 deg in 0.263 s and carries oil 7.11 mm to and fro"
     for name in ("film_theory", "film_hamrock_dowson"):
         assert reason in found[name].attrs["comment"]
-
-
-def test_a_note_sets_the_correlation_with_speed_beside_those_of_theory():
-    one = settings()
-    predicted = predict_run(plane(one), film(), frames()).triggers
-    whole = join_theories(one, steady(), predicted).merge(film())
-    assert note_correlation(whole) == []  # no speed
-    speed = np.array([1.0, -2.0, 3.0, -4.0, 5.0, -6.0])
-    whole = whole.assign(
-        rocker_speed=("trigger", speed),
-        film_min=("trigger", 10.0 - abs(speed)),
-        film_theory=("trigger", 20 * abs(speed)),
-        film_predicted_min=("trigger", np.array([1.0, 2.0, 1.0, 1.0, 2.0, 1.0])),
-    )
-    # 0 for the prediction: it is symmetric about the middle of the speeds
-    text = str(note_correlation(whole)[0])
-    assert "correlation of -1.00" in text
-    assert "prediction gives +0.00, the steady regime map +1.00" in text
-    assert note_correlation(whole.drop_vars("film_predicted_min")) == []
 
 
 KNOWN_TO = 0.04  # um

@@ -83,7 +83,7 @@ def copy_with(film_path, film, directory):
 
 
 def test_page_begins_with_the_film_and_ends_with_its_numbers(page):
-    assert "minimum: n = 0.600 ± 0.010" in page.texts["summary"]
+    assert "minimum n = 0.600 ± 0.010" in page.texts["summary"]
     assert "gain < measured" in page.texts["summary"] + page.texts["numbers"]
     summary = page.texts["numbers"]
     # power of the minimum, K, registration, and 3 of 80 columns outside the overlap

@@ -11,12 +11,12 @@ from erlif.prediction.least_squares import Minimum
 from erlif.show.report import summarise_prediction
 from erlif.show.report.prediction import (
     carrying_sentences,
-    describe_correlations,
+    describe_correlation,
     describe_difference,
     summarise_comparison,
 )
 
-SPEED = np.array([-2.0, -1.0, 1.0, 2.0])
+SPEED = np.array([-3.0, -2.0, -1.0, 1.5, 2.5, 3.5])
 ATTRS = {
     "title": "predicted oil-film thickness, test",
     "model": "transient Reynolds, pin guided",
@@ -30,10 +30,10 @@ def films(**columns):
 
 
 def test_correlations_are_those_with_the_size_of_the_speed():
-    film = films(rocker_speed=SPEED, film_min=abs(SPEED), film_predicted_min=-abs(SPEED))
-    assert describe_correlations(film) == "measured +1.00, predicted -1.00"
-    assert describe_correlations(film.drop_vars("film_min")) == "measured none, predicted -1.00"
-    assert describe_correlations(film.drop_vars("rocker_speed")) == ""
+    film = films(rocker_speed=SPEED, film_min=abs(SPEED), film_predicted_min=5 - abs(SPEED))
+    assert describe_correlation(film) == "measured +1.00, predicted -1.00"
+    assert describe_correlation(film.drop_vars("film_min")) == "predicted -1.00"
+    assert describe_correlation(film.drop_vars("rocker_speed")) == ""
 
 
 def held(sideways):

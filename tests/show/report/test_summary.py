@@ -68,10 +68,10 @@ def test_a_power_that_is_not_known_is_given_in_words(film):
         speed_exponent_mean_std=film.speed_exponent_mean_std * np.nan,
     )
     line = line_of(summarise(unknown), "power of speed over load")
-    assert line == "minimum: n = 0.600 ± 0.010, mean: not determined; 6 triggers"
+    assert line == "minimum n = 0.600 ± 0.010, mean not determined"
     unknown = film.assign(speed_exponent_std=film.speed_exponent_std * np.nan)
     line = line_of(summarise(unknown), "power of speed over load")
-    assert line.startswith("minimum: n = 0.600, error unknown, mean: n = 0.400 ± 0.010")
+    assert line.startswith("minimum n = 0.600, error unknown, mean n = 0.400 ± 0.010")
     assert "nan" not in summarise_in_a_line(unknown)
 
 
@@ -83,7 +83,7 @@ def test_theory_is_that_of_the_highest_speed(film):
     assert theory.startswith(f"{20 * scene.minimum_film()[top]:.3g} um, isoviscous-rigid")
     assert f"({0.03336 * abs(speeds[top]):.3f} m/s, 222 N)" in theory
     assert theory.endswith(
-        f"line contact, Dowson and Higginson: {0.3 * scene.minimum_film()[top]:.3g} um"
+        f"Hamrock-Dowson, line contact (2.65): {0.3 * scene.minimum_film()[top]:.3g} um"
     )
     assert "the largest governs" in summarise(steady)
 
@@ -170,24 +170,53 @@ def test_terms_stand_below_their_kind_within_80_columns(budget):
     assert max(map(len, print_budget(wide).splitlines())) <= 80
 
 
-def test_a_short_summary_has_ten_lines_of_80_columns(film):
-    """The first warning stands in it whatever else there is, and all others are counted."""
-    warnings = "\n".join(f"warning: camera{k}: {'a long word ' * 30}. Cure." for k in (1, 2))
-    sentence = f"Squeeze carries the film ({'very strong ' * 20}). Advice."
-    noted = film.assign_attrs(
-        notes=f"{warnings}\none", physics=sentence, largest_error="wall: 9 nm. x"
+def with_agreement(film):
+    """A film with all that a summary says of speed and theory, in numbers of five digits."""
+    attrs = dict.fromkeys(("low", "high", "outward", "back"), 1.2346)
+    attrs |= {"factor": 1.2346, "factor_std_random": 0.0123, "factor_std_shared": 0.0456}
+    attrs |= {"viscosity": 0.12345, "viscosity_std": 0.0123, "viscosity_given": 0.12}
+    table = ("correlated_film", "correlated_with"), np.full((3, 2), -0.123)
+    names = [f"speed_correlation{part}" for part in ("_rank", "", "_low", "_high")]
+    return film.assign(dict.fromkeys(names, table)).assign(
+        film_over_hamrock_dowson=("trigger", np.ones(film.sizes["trigger"]), attrs),
+        correlated_film=["film_min", "film_mean", "film_gap_mean"],
+        correlated_with=["speed", "speed over load"],
+        speed_delay=-12.3,
+        speed_delay_std=2.3,
+    )
+
+
+def test_a_short_summary_has_ten_lines_and_one_for_each_warning(film):
+    """Twelve with the lines of files and of the next command, and no sentence is cut."""
+    sentence = "Squeeze carries the film of a free pin (very strong: BIC 457 below any guided pin)"
+    noted = with_agreement(film).assign_attrs(
+        notes="warning: camera1: first; why. Cure.\nwarning: camera2: second. Cure.\none",
+        physics=f"{sentence}. Advice.",
+        largest_error="wall: 9 nm. x",
     )
     for shown in (film, noted, scene.without_valid_pixels(noted), noted.isel(trigger=[0])):
         lines = summarise_briefly(shown).splitlines()
-        assert len(lines) <= 10
+        warned = str(shown.attrs.get("notes", "")).count("warning: ")
+        assert len(lines) <= 10 + warned
         assert max(map(len, lines)) <= 80
     long = film.assign_attrs(title=f"oil-film thickness, {'a long name ' * 9}")
     assert len(summarise_briefly(long).splitlines()[0]) == 80
     text = summarise_briefly(noted)
-    assert line_of(text, "warning").startswith("camera1: a long word")
-    assert line_of(text, "more").startswith("1 warning and 1 note:")
+    assert line_of(text, "warning") == "camera1: first"
+    assert "camera2: second" in text
     assert line_of(text, "error") == "wall: 9 nm"
+    assert sentence in " ".join(text.split())
     assert "Cure" not in text
+
+
+def test_film_over_hamrock_dowson_and_its_correlation_are_stated(film):
+    text = " ".join(summarise_briefly(with_agreement(film)).split())
+    assert "1.235 ± 0.012 ± 0.046 times Hamrock-Dowson, line contact (2.65); 1.23 to 1.23" in text
+    assert "out 1.23, back 1.23; takes 0.12 ± 0.01 of 0.12 Pa s" in text
+    assert "correlation -0.12 (-0.12 to -0.12), rank -0.12; of the mean -0.12" in text
+    assert "n = 0.600 ± 0.010, mean n = 0.400 ± 0.010; 12 ± 2° early" in text
+    whole = summarise(with_agreement(film))
+    assert line_of(whole, "correlation with the speed").startswith("speed: film_min -0.12 (-0.12")
 
 
 def test_each_end_of_a_range_has_its_own_error(film):
@@ -206,4 +235,4 @@ def test_an_unknown_power_has_its_reason(film, used, reason):
     """Five triggers are enough for a power, unless their speed is the same."""
     unknown = film.speed_exponent.copy(data=np.nan).assign_attrs(triggers_used=used)
     text = summarise_briefly(film.assign(speed_exponent=unknown))
-    assert line_of(text, "exponent") == f"not determined: {reason}"
+    assert line_of(text, "speed") == f"not determined: {reason}"

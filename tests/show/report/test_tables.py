@@ -54,7 +54,6 @@ def test_results_are_rows_of_the_summary_and_stand_against_theory(film):
     assert rows["Valid pixels"] == "90.0%"
     assert rows["Load"] == "222.4 N"
     assert rows["Minimum film thickness"].count(" ± 0.03 µm (trigger ") == 2
-    assert "−" in rows["Correlation with |speed|"]
     assert rows["Theory"] == "transient film"
     assert rows["Reason for this theory"] == "the joint swings"
     steady = dict(results_table(film.drop_vars("film_predicted_min"), shares).rows)
