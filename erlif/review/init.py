@@ -383,14 +383,16 @@ def _first(kinds: tuple[str, ...]) -> str:
 def _draft_motion(draft: _Draft, survey: Survey, kind: str) -> None:
     """Draft log and mechanism, and for a linkage joint and oil."""
     draft.remarks["mechanism"] = (
-        f"Other tribometers: erlif init --overwrite --kind {', '.join(KINDS[1:-1])} or static."
+        f"Other tribometers: erlif init --overwrite --kind {', '.join(KINDS[1:-1])} or static. "
+        "The film theory of a ball, barrel or roller needs [contact] and [oil]."
     )
+    draft.leave_out.append("contact")
     if kind in _LINKAGES:
         _draft_log(draft, survey, kind)
         draft.set("oil.viscosity", GAP, "Remove this line where a vogel law is given below.")
         return
 
-    # line contact of a pin in a bushing describes no other tribometer
+    # a pin in a bushing is no part of another tribometer
     draft.leave_out += ["joint", "oil", "prediction"]
     if kind == "static":
         draft.leave_out.append("mechanism")

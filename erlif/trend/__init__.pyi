@@ -58,6 +58,7 @@ from .rigidity import solve_equations as solve_equations
 from .statistics import FilmStatistics as FilmStatistics
 from .statistics import summarise_blocks as summarise_blocks
 from .statistics import summarise_film as summarise_film
+from .theory import LubricatedContact as LubricatedContact
 from .theory import LubricatedJoint as LubricatedJoint
 from .theory import Solid as Solid
 from .theory import VogelLaw as VogelLaw

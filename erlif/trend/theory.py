@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -13,10 +14,44 @@ from erlif.core.errors import ConfigError
 from erlif.core.products import require
 from erlif.core.variables import FILM
 from erlif.models.contact import conformal_radius, contact_modulus
-from erlif.models.film import dowson_higginson_film, film_parameter, line_contact_film
+from erlif.models.film import (
+    HAMROCK_DOWSON_ELLIPTICAL,
+    HAMROCK_DOWSON_LINE,
+    ContactFilm,
+    elliptical_contact_film,
+    film_parameter,
+    line_contact_film,
+)
 from erlif.models.oil import vogel_viscosity
 
 _ZERO_CELSIUS = 273.15
+
+
+class _Form(NamedTuple):
+    """What the films of a contact are called, and where they come from."""
+
+    name: str
+    label: str
+    formula: str
+    source: str
+    choice: str
+
+
+_LINE = _Form(
+    "line-contact",
+    HAMROCK_DOWSON_LINE,
+    "h/R = 2.65 G^0.54 U^0.7 W^-0.13",
+    "Dowson and Higginson (1966), often quoted as Hamrock-Dowson",
+    "curve of Moes through the four regimes of a line contact (Venner and Lubrecht 2000), within "
+    "8 %; the largest asymptote names the regime",
+)
+_ELLIPTICAL = _Form(
+    "elliptical-contact",
+    HAMROCK_DOWSON_ELLIPTICAL,
+    "h/Rx = 3.63 U^0.68 G^0.49 W^-0.073 (1 - exp(-0.68 k))",
+    "Hamrock and Dowson (1977)",
+    "the largest film of the four regimes of an elliptical contact (Hamrock and Dowson 1979)",
+)
 
 
 @dataclass(frozen=True)
@@ -58,6 +93,60 @@ class VogelLaw:
 
 
 @dataclass(frozen=True)
+class LubricatedContact:
+    """Two bodies that touch along a line, or in a point or ellipse, and their oil.
+
+    Attributes
+    ----------
+    radius : float
+        Reduced radius along the motion. [m]
+    radius_across : float or None
+        Reduced radius across it; None for a line contact. [m]
+    length : float or None
+        Loaded length of a line contact; None for another. [m]
+    body, counterbody : Solid
+    viscosity : float or VogelLaw
+        Dynamic viscosity [Pa s], or its law with temperature.
+    pressure_viscosity : float
+        Barus coefficient. [1/Pa]
+    stroke : float
+        Travel of the entrained oil in half a cycle. [m]
+    entrainment : float
+        Mean of both surface speeds over that of the faster one: half where one rests. [1]
+    """
+
+    radius: float
+    radius_across: float | None
+    length: float | None
+    body: Solid
+    counterbody: Solid
+    viscosity: float | VogelLaw
+    pressure_viscosity: float
+    stroke: float = math.inf
+    entrainment: float = 0.5
+
+    def films(self, speed: Array, load: Array, viscosity: Array) -> ContactFilm:
+        """Films at surface speeds [m/s], loads [N] and viscosities [Pa s] of one shape."""
+        shared: dict[str, Any] = {
+            "viscosity": viscosity,
+            "pressure_viscosity": self.pressure_viscosity,
+            "contact_modulus": contact_modulus(
+                self.body.youngs_modulus,
+                poisson_1=self.body.poissons_ratio,
+                youngs_2=self.counterbody.youngs_modulus,
+                poisson_2=self.counterbody.poissons_ratio,
+            ),
+            "stroke": self.stroke,
+        }
+        mean = speed * self.entrainment
+        if self.length is not None:
+            line = load / self.length
+            return line_contact_film(mean, load_per_length=line, radius=self.radius, **shared)
+        radii = {"radius_along": self.radius, "radius_across": self.radius_across}
+        return elliptical_contact_film(mean, load=load, **radii, **shared)
+
+
+@dataclass(frozen=True)
 class LubricatedJoint:
     """The loaded joint and its oil.
 
@@ -95,8 +184,22 @@ class LubricatedJoint:
         """Conformal radius of pin and bushing. [m]"""
         return float(conformal_radius(self.pin_radius, bushing_radius=self.bushing_radius))
 
+    @property
+    def contact(self) -> LubricatedContact:
+        """The line contact of pin and bushing."""
+        return LubricatedContact(
+            self.radius,
+            None,
+            self.length,
+            self.pin,
+            self.bushing,
+            self.viscosity,
+            self.pressure_viscosity,
+            self.stroke,
+        )
 
-def predict_film(triggers: xr.Dataset, joint: LubricatedJoint) -> xr.Dataset:
+
+def predict_film(triggers: xr.Dataset, contact: LubricatedContact | LubricatedJoint) -> xr.Dataset:
     """Film thickness expected at the speed and load of each trigger.
 
     Parameters
@@ -104,13 +207,14 @@ def predict_film(triggers: xr.Dataset, joint: LubricatedJoint) -> xr.Dataset:
     triggers : xarray.Dataset
         sliding_speed [m s-1] and load [N]; temperature [degree_Celsius] where the viscosity follows
         Vogel's law; film_min [um] for the film parameter; dim trigger.
-    joint : LubricatedJoint
+    contact : LubricatedContact or LubricatedJoint
 
     Returns
     -------
     xarray.Dataset
-        film_hamrock_dowson, the 2.65 line-contact formula [um]; film_theory, the film of the
-        governing regime [um], with regimes and limits as attributes; film_parameter [1] where
+        film_hamrock_dowson, the piezoviscous-elastic minimum film [um], its formula and source as
+        attributes; film_theory and film_theory_central, the minimum and central film over all
+        regimes [um], with regime and limits as attributes; film_regime; film_parameter [1] where
         roughness and film_min are given.
 
     Raises
@@ -130,50 +234,40 @@ def predict_film(triggers: xr.Dataset, joint: LubricatedJoint) -> xr.Dataset:
     'isoviscous-rigid'
     """
     require(triggers, "sliding_speed", "joint_load")
-    contact = {
-        "load_per_length": triggers["joint_load"].values / joint.length,
-        "viscosity": viscosity_at(triggers, joint.viscosity),
-        "pressure_viscosity": joint.pressure_viscosity,
-        "radius": joint.radius,
-        "contact_modulus": contact_modulus(
-            joint.pin.youngs_modulus,
-            poisson_1=joint.pin.poissons_ratio,
-            youngs_2=joint.bushing.youngs_modulus,
-            poisson_2=joint.bushing.poissons_ratio,
-        ),
-    }
-
-    # one surface moves, the other rests: the entrainment speed is half the sliding speed
-    speed = triggers.sliding_speed.values / 2
-    theory = line_contact_film(speed, stroke=joint.stroke, **contact)
-    formula = dowson_higginson_film(speed, **contact)
+    if isinstance(contact, LubricatedJoint):
+        contact = contact.contact
+    viscosity = viscosity_at(triggers, contact.viscosity)
+    speed = triggers.sliding_speed.values
+    theory = contact.films(speed, triggers["joint_load"].values, viscosity)
+    form = _LINE if contact.length is not None else _ELLIPTICAL
 
     # film_theory is named after the regime of most triggers
     regimes, count = np.unique(np.asarray(theory.regime), return_counts=True)
     chosen = str(regimes[np.argmax(count)])
     gV, gE = float(np.median(theory.gV)), float(np.median(theory.gE))
-    reason = (
-        "the largest of the four line-contact asymptotes governs; "
-        f"gV = {gV:.3g}, gE = {gE:.3g} (medians)"
-    )
     film_theory = FILM["film_theory"].fill(
         1e6 * np.asarray(theory.film),
-        long_name=f"steady line-contact film, {chosen} regime",
+        long_name=f"steady {form.name} film, {chosen} regime",
         regime=chosen,
-        reason=reason,
+        reason=f"{form.choice}; gV = {gV:.3g}, gE = {gE:.3g} (medians)",
         notes="\n".join(theory.notes),
     )
+    hard = 1e6 * np.asarray(theory.piezoviscous_elastic)
+    formula = {"long_name": form.label, "formula": form.formula, "source": form.source}
     regime = np.broadcast_to(np.asarray(theory.regime, dtype=str), speed.shape)
     predicted = xr.Dataset(
         {
-            "film_hamrock_dowson": FILM["film_hamrock_dowson"].fill(1e6 * np.asarray(formula)),
+            "film_hamrock_dowson": FILM["film_hamrock_dowson"].fill(hard, **formula),
             "film_theory": film_theory,
+            "film_theory_central": FILM["film_theory_central"].fill(
+                1e6 * np.asarray(theory.central)
+            ),
             "film_regime": FILM["film_regime"].fill(regime),
         }
     )
 
     if "film_min" in triggers:
-        sides = joint.pin.roughness, joint.bushing.roughness
+        sides = contact.body.roughness, contact.counterbody.roughness
         predicted = predicted.assign(compare_with_roughness(triggers.film_min, *sides))
     return predicted
 

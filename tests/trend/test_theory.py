@@ -26,10 +26,11 @@ def at(speed, load, **more):
     )
 
 
-# film in um: the largest of the four line-contact asymptotes with E' = 2E* and the mean speed
+# film in um: 2.65 by hand; the minimum by tests/oracles/line_contact.py, of which the curve is
+# within 0.3 % for both
 @pytest.mark.parametrize(
     ("pounds", "theory", "hamrock_dowson", "regime"),
-    [(50, 128.4, 1.92, "isoviscous-rigid"), (1333, 7.05, 1.25, "isoviscous-elastic")],
+    [(50, 128.45, 1.92, "isoviscous-rigid"), (1333, 8.525, 1.25, "isoviscous-elastic")],
 )
 def test_theory_of_the_acrylic_joint(pounds, theory, hamrock_dowson, regime):
     predicted = predict_film(at(SPEED, pounds * POUND), joint())
@@ -69,9 +70,9 @@ VOGEL = VogelLaw(0.0001, 900.0, -100.0)
 
 
 def test_viscosity_by_vogels_law_follows_the_temperature():
-    """The isoviscous-rigid film is proportional to viscosity: 25 and 40 degC."""
+    """The film of hardly loaded bodies is proportional to viscosity: 25 and 40 degC."""
     predicted = predict_film(
-        at([SPEED] * 2, [222.4] * 2, temperature=[25.0, 40.0]), joint(viscosity=VOGEL)
+        at([SPEED] * 2, [0.2224] * 2, temperature=[25.0, 40.0]), joint(viscosity=VOGEL)
     )
     cold, warm = predicted.film_theory.values
     npt.assert_allclose(cold / warm, np.exp(900 / 125 - 900 / 140), rtol=1e-6)

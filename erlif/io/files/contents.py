@@ -14,6 +14,7 @@ from erlif.io.files.film import open_film
 from erlif.io.files.soundness import read_settings
 from erlif.io.files.wanted import takes
 from erlif.io.settings import RegionOfInterest, RunSettings
+from erlif.models.film import HAMROCK_DOWSON_LINE
 
 
 @takes(film="part of a film")
@@ -288,6 +289,21 @@ def applicable_theory(film: xr.Dataset) -> xr.DataArray | None:
 
 
 HAMROCK_DOWSON_LINE = "Hamrock-Dowson, line contact (2.65)"
+
+
+@takes(film="part of a film")
+def formula_label(film: xr.Dataset) -> str:
+    """Name of the formula behind film_hamrock_dowson: line contact (2.65), or elliptical.
+
+    Examples
+    --------
+    >>> from erlif.show.plots import example_film
+    >>> formula_label(example_film())
+    'Hamrock-Dowson, line contact (2.65)'
+    """
+    # films of before the formula was stated are those of a line contact
+    attrs = film.film_hamrock_dowson.attrs
+    return str(attrs["long_name"]) if "formula" in attrs else HAMROCK_DOWSON_LINE
 
 
 @takes(film="part of a film")

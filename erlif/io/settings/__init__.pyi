@@ -11,6 +11,7 @@ from .reading import read_run_settings as read_run_settings
 from .reading import settings_of as settings_of
 from .schema import json_schema as json_schema
 from .tables import CameraSettings as CameraSettings
+from .tables import ContactSettings as ContactSettings
 from .tables import CrankRockerSettings as CrankRockerSettings
 from .tables import EncoderSettings as EncoderSettings
 from .tables import FixtureProfile as FixtureProfile

@@ -7,6 +7,7 @@ with it (`Quantity`), so that settings are stored as the user wrote them.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Annotated, Any, Literal, Self
@@ -113,6 +114,9 @@ def quantity(
 
 
 Length = Annotated[float, *quantity("length", "5.5 cm", "m", Gt(0))]
+CurvatureRadius = Annotated[
+    float, *quantity("radius, negative where the body is hollow", "9.5 mm", "m")
+]
 Distance = Annotated[float, *quantity("length, or 0 mm", "0.06 mm", "m", Ge(0))]
 Angle = Annotated[float, *quantity("angle", "0 deg", "rad")]
 Speed = Annotated[float, *quantity("speed of rotation", "114 rpm", "rad/s", Gt(0))]
@@ -484,6 +488,64 @@ class JointSettings(Settings):
             )
 
 
+class BodySettings(MaterialSettings):
+    """A body of the contact: its curvature, its material and its surface."""
+
+    radius: CurvatureRadius | None = Field(None, examples=["9.525 mm"])
+    """Radius of a ball. Default: the body is flat."""
+    radius_along: CurvatureRadius | None = Field(None, examples=["9.525 mm"])
+    """Radius along the sliding direction, negative in a bore. Default: radius."""
+    radius_across: CurvatureRadius | None = Field(None, examples=["50 mm"])
+    """Radius across the sliding direction, negative in a groove. Default: radius."""
+
+    def faults(self) -> Iterator[str]:
+        if 0 in (self.radius, self.radius_along, self.radius_across):
+            yield "a radius must not be zero; leave it out where the body is flat"
+
+    def curvature(self, own: float | None) -> float:
+        """Curvature in one direction, of its `own` radius or that of the ball. [1/m]"""
+        radius = own or self.radius
+        return 0.0 if radius is None else 1 / radius
+
+
+class ContactSettings(Settings):
+    """Ball, barrel or roller on a disc, ring or plane, in place of [joint]."""
+
+    length: Length | None = Field(None, examples=["10 mm"])
+    """Length of a line contact across the sliding direction, as of a roller. Default: the bodies
+    touch in a point."""
+    load: Force | None = Field(None, examples=["20 N"])
+    """Load on the contact, where neither the encoder log nor [mechanism] has one."""
+    slide_to_roll: float = Field(2.0, strict=True, ge=0)
+    """Slide-to-roll ratio: difference of the two surface speeds over their mean. The speed of
+    [mechanism], or of the log, is that of the faster surface: the mean is that speed over
+    1 + slide_to_roll/2. 2 is pure sliding, 0 pure rolling."""
+    body: BodySettings
+    counterbody: BodySettings
+
+    @property
+    def radii(self) -> tuple[float, float]:
+        """Reduced radii along and across the sliding direction, infinite where flat. [m]"""
+        one, other = self.body, self.counterbody
+        along = one.curvature(one.radius_along) + other.curvature(other.radius_along)
+        across = one.curvature(one.radius_across) + other.curvature(other.radius_across)
+        return 1 / along if along else math.inf, 1 / across if across else math.inf
+
+    def faults(self) -> Iterator[str]:
+        along, across = self.radii
+        if not 0 < along < math.inf or across < 0:
+            yield (
+                "the bodies must touch in a point or a line: make the sum of their curvatures, "
+                "1/radius and negative where hollow, positive along the sliding direction and not "
+                "negative across it"
+            )
+        if (self.length is None) == math.isinf(across):
+            yield (
+                "give radius or radius_across of a body, for a contact in a point, or length, for "
+                "bodies that are straight across the sliding direction"
+            )
+
+
 class VogelSettings(Settings):
     """Vogel's law, viscosity = a exp(b/(T - c))."""
 
@@ -740,6 +802,7 @@ class RunSettings(Settings):
     encoder: EncoderSettings | None = None
     mechanism: MechanismSettings | None = None
     joint: JointSettings | None = None
+    contact: ContactSettings | None = None
     oil: OilSettings | None = None
     registration: RegistrationOptions = RegistrationOptions()
     thickness: ThicknessOptions = ThicknessOptions()
@@ -796,15 +859,32 @@ class RunSettings(Settings):
         if self.light.ratio == "correct" and self.reference.region is None:
             yield 'ratio = "correct" in [light] needs a patch of known film: add [reference]'
 
-        here = getattr(self.mechanism, "load", None)
-        if here is not None and self.joint is not None and self.joint.load is not None:
-            yield "give the load once, in [mechanism] or in [joint]"
+        if self.joint is not None and self.contact is not None:
+            yield (
+                "give [joint], for a pin in a bushing, or [contact], for a ball, barrel or roller "
+                "on a disc, ring or plane, not both"
+            )
+
+        if len(self._loads) > 1:
+            yield f"give the load once, in {' or in '.join(self._loads)}"
+
+    @property
+    def _loads(self) -> dict[str, float]:
+        tables = {"mechanism": self.mechanism, "joint": self.joint, "contact": self.contact}
+        loads = {f"[{name}]": getattr(table, "load", None) for name, table in tables.items()}
+        return {name: load for name, load in loads.items() if load is not None}
 
     @property
     def load(self) -> float | None:
-        """Load of the settings, for a log without one; None where neither table gives it. [N]"""
-        of_mechanism: float | None = getattr(self.mechanism, "load", None)
-        return self.joint.load if self.joint and self.joint.load else of_mechanism
+        """Load of the settings, for a log without one; None where no table gives it. [N]"""
+        return next(iter(self._loads.values()), None)
+
+    @property
+    def surfaces(self) -> tuple[MaterialSettings, ...]:
+        """The two sides of [joint] or of [contact]; empty without either."""
+        if self.joint is not None:
+            return self.joint.pin, self.joint.bushing
+        return () if self.contact is None else (self.contact.body, self.contact.counterbody)
 
 
 class FixtureProfile(Settings):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 import xarray as xr
 
 from erlif.core.errors import ConfigError
@@ -31,7 +32,7 @@ from erlif.kinematics import (
     locate_slider,
 )
 from erlif.models.mechanism import CrankRocker, SliderCrank
-from erlif.trend import LubricatedJoint, Solid, VogelLaw
+from erlif.trend import LubricatedContact, LubricatedJoint, Solid, VogelLaw
 
 
 def build_linkage(links: CrankRockerSettings | SliderCrankSettings) -> Mechanism:
@@ -74,6 +75,12 @@ def locate_run(run: Run) -> xr.Dataset:
                 pin_radius=None if settings.joint is None else settings.joint.pin_radius,
                 encoder=describe_encoder_settings(settings),
             )
+            linkage = build_linkage(links)
+            if settings.contact is not None and isinstance(linkage, SliderCrank):
+                crank = np.radians(located.crank_angle.values)
+                speed = np.abs(linkage.slider_speed(crank, crank_speed=links.crank_speed))
+                attrs = {"units": "m s-1", "long_name": "speed of the slider"}
+                located["sliding_speed"] = ("frame", speed, attrs)
             # a logged speed stands in place of a computed one, for every kind of motion
             logged = locate_logged(log)
             names = [name for name in ("sliding_speed",) if name in logged]
@@ -137,6 +144,36 @@ def describe_joint(settings: RunSettings) -> LubricatedJoint | None:
     )
 
 
+def describe_contact(settings: RunSettings) -> LubricatedContact | None:
+    """The line or point contact of [joint] or [contact], as the theory needs it.
+
+    Parameters
+    ----------
+    settings : RunSettings
+
+    Returns
+    -------
+    LubricatedContact or None
+        None where both are absent, or [oil] is.
+    """
+    joint, contact, oil = describe_joint(settings), settings.contact, settings.oil
+    if joint is not None or contact is None or oil is None:
+        return None if joint is None else joint.contact
+    along, across = contact.radii
+    entrainment = 1 / (1 + contact.slide_to_roll / 2)
+    return LubricatedContact(
+        radius=along,
+        radius_across=None if contact.length is not None else across,
+        length=contact.length,
+        body=_describe_solid(contact.body),
+        counterbody=_describe_solid(contact.counterbody),
+        viscosity=_describe_viscosity(oil),
+        pressure_viscosity=oil.pressure_viscosity,
+        stroke=2 * entrainment * _entrained_travel(settings, None),
+        entrainment=entrainment,
+    )
+
+
 def joint_and_oil(settings: RunSettings) -> tuple[JointSettings, OilSettings]:
     """[joint] and [oil] of settings that have been found to have both, as by `swinging_joint`."""
     assert settings.joint is not None
@@ -152,13 +189,16 @@ def missing_load() -> ConfigError:
     )
 
 
-def _entrained_travel(settings: RunSettings, pin_radius: float) -> float:
+def _entrained_travel(settings: RunSettings, pin_radius: float | None) -> float:
     """Travel of the entrained oil in half a cycle; infinite where the motion never turns back. [m]
 
-    The oil moves at half the speed of the one moving surface.
+    The oil moves at half the speed of the one moving surface: that of a pin of `pin_radius`, else
+    that of the slider or disc.
     """
     match settings.mechanism:
-        case CrankRockerSettings() | SliderCrankSettings() as links:
+        case SliderCrankSettings(crank=crank) if pin_radius is None:
+            return crank
+        case CrankRockerSettings() | SliderCrankSettings() as links if pin_radius is not None:
             return entrained_stroke(build_linkage(links), pin_radius=pin_radius)
         case SinusoidalSettings(stroke=stroke):
             return stroke / 2

@@ -14,7 +14,12 @@ from erlif.io.ingest import Run
 from erlif.io.settings import CrankRockerSettings, PredictionOptions, RunSettings
 from erlif.models.mechanism import CrankRocker
 from erlif.models.reynolds import Journal
-from erlif.pipeline.physics.joint import build_linkage, describe_joint, joint_and_oil
+from erlif.pipeline.physics.joint import (
+    build_linkage,
+    describe_contact,
+    describe_joint,
+    joint_and_oil,
+)
 from erlif.pipeline.plane import ObjectPlane
 from erlif.prediction import (
     FrameMotion,
@@ -300,20 +305,20 @@ def predict_theory(settings: RunSettings, film: xr.Dataset) -> xr.Dataset:
     Returns
     -------
     xarray.Dataset
-        As `erlif.trend.predict_film`; empty without [joint].
+        As `erlif.trend.predict_film`; empty without [joint] and [contact].
 
     Raises
     ------
     ConfigError
         If Vogel's law has no temperature.
     """
-    joint = describe_joint(settings)
-    if joint is not None and "sliding_speed" in film and "joint_load" in film:
-        return predict_film(film, joint)
-    if settings.joint is None or "film_min" not in film:
+    contact = describe_contact(settings)
+    if contact is not None and "sliding_speed" in film and "joint_load" in film:
+        return predict_film(film, contact)
+    if not settings.surfaces or "film_min" not in film:
         return xr.Dataset()
-    sides = settings.joint.pin.roughness, settings.joint.bushing.roughness
-    return compare_with_roughness(film.film_min, *sides)
+    one, other = settings.surfaces
+    return compare_with_roughness(film.film_min, one.roughness, other.roughness)
 
 
 def join_theories(settings: RunSettings, steady: xr.Dataset, predicted: xr.Dataset) -> xr.Dataset:

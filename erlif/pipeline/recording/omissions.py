@@ -49,7 +49,7 @@ def _lacking(
     """Yield each missing table, the variables that need it, and the remedy."""
     moving = "sliding_speed" in triggers or "rocker_speed" in triggers
     if settings.mechanism is None and not moving:
-        theory = _THEORY if settings.joint is not None else ()
+        theory = _THEORY if settings.surfaces else ()
         motion = ("stroke", "crank_angle", "sliding_speed", *theory, *_EXPONENTS)
         cure = (
             "A static film needs none; for a film in motion add [mechanism], or a column of the "
@@ -67,10 +67,10 @@ def _lacking(
         cure = f'Add the column to the log, or load = "20 N" to {tables}.'
         yield "column load_N", ("joint_load", *_EXPONENTS), cure
 
-    if settings.joint is None:
+    if not settings.surfaces:
         speed = ("sliding_speed",) if settings.linkage is not None else ()
         theory = _THEORY if moving else ()
-        cure = "Add [joint] for a pin in a bushing; its line contact describes no other one."
+        cure = "Add [joint] for a pin in a bushing, or [contact] for a ball, barrel or roller."
         yield "[joint]", (*speed, *theory, "film_parameter", *_POSITION), cure
     elif settings.oil is None and moving:
         yield "[oil]", _THEORY, "Add [oil] for the theory."

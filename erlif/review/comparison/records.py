@@ -16,7 +16,7 @@ from erlif.core.arrays import Array
 from erlif.core.errors import ErlifError
 from erlif.io.files import applicable_theory, region_of, settings_of
 from erlif.io.settings import RunSettings
-from erlif.pipeline.physics.joint import describe_joint
+from erlif.pipeline.physics.joint import describe_contact
 from erlif.review.comparison.calibrations import key_of, quadratic
 from erlif.review.comparison.cells import CELL, average_cells, cell_edges, noise_inflation
 from erlif.trend import LARGEST_BEYOND, viscosity_at
@@ -179,11 +179,11 @@ def _conditions(film: xr.Dataset, settings: RunSettings, calibration: RunCurve) 
     """Speed, load, viscosity and theory of the triggers, and the reference patch, where known."""
     name = next((each for each in ("rocker_speed", "sliding_speed") if each in film), "")
     theory = applicable_theory(film)
-    joint = describe_joint(settings)
+    contact = describe_contact(settings)
     viscosity = None
-    if joint is not None and ("temperature" in film or isinstance(joint.viscosity, float)):
+    if contact is not None and ("temperature" in film or isinstance(contact.viscosity, float)):
         conditions = film[[each for each in ("film_min", "temperature") if each in film]]
-        viscosity = viscosity_at(conditions.reset_coords(drop=True), joint.viscosity)
+        viscosity = viscosity_at(conditions.reset_coords(drop=True), contact.viscosity)
         viscosity = np.broadcast_to(viscosity, (film.sizes["trigger"],))
 
     # the patch shows drift of cameras and light, which no calibration may take out

@@ -13,6 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
 from erlif.core.arrays import Array, Mask
+from erlif.io.files import formula_label
 from erlif.show.plots import style
 from erlif.show.plots.agreement import film_over_theory, has_ratio
 from erlif.show.plots.style import MEAN, MINIMUM, MUTED, OUTWARD, RETURN, AnyFigure, pt, styled
@@ -161,8 +162,7 @@ def film_and_theory(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]
     -------
     list of Artist
         Measured points of both strokes, the transient film at the triggers where it is predicted,
-        the film of the regime that the regime map selects, the line-contact formula of Dowson and
-        Higginson (1966).
+        the film of the regime that the regime map selects, the film of Hamrock-Dowson.
 
     Examples
     --------
@@ -189,7 +189,7 @@ def film_and_theory(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]
     low, high = _range_of_film(film, ("film_theory", "film_hamrock_dowson"))
     for name, colour, dashes, label in (
         ("film_theory", RETURN, "-", f"regime map, {regime}"),
-        ("film_hamrock_dowson", OUTWARD, _DASH_DOT, "Dowson and Higginson, piezoviscous-elastic"),
+        ("film_hamrock_dowson", OUTWARD, _DASH_DOT, formula_label(film)),
     ):
         curve = film[name].values[order]
         label = "\n".join([label, *_describe_beyond(curve, low, high)])

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import xarray as xr
 
 from erlif.core.tables import read_table
-from erlif.io.files import settings_of
+from erlif.io.files import formula_label, settings_of
 from erlif.show.plots.triggers import has_varying_speed
 
 
@@ -89,6 +89,6 @@ def _explain_steady(film: xr.Dataset, comment: str) -> str:
         return ""
     steady, formula = (float(film[name].max()) for name in ("film_theory", "film_hamrock_dowson"))
     return (
-        f"At the highest speed the steady regime map gives {steady:.3g} µm and the line-contact "
-        f"formula of Dowson and Higginson {formula:.3g} µm. They do not apply: {reason}."
+        f"At the highest speed the steady regime map gives {steady:.3g} µm and "
+        f"{formula_label(film)} {formula:.3g} µm. They do not apply: {reason}."
     )

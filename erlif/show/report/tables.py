@@ -12,7 +12,7 @@ from markupsafe import Markup
 from erlif.core.arrays import AnyArray, Array
 from erlif.core.flags import FLAG_COLOURS, Flag, describe_share
 from erlif.io.conversion import table_csv, trigger_columns
-from erlif.io.files import applicable_theory, motion_of, settings_of
+from erlif.io.files import applicable_theory, formula_label, motion_of, settings_of
 from erlif.show.plots.files import FigureSource
 from erlif.show.report.layout import (
     TABLES,
@@ -108,7 +108,7 @@ def _theory_rows(film: xr.Dataset) -> list[tuple[str, str]]:
         ("Range of the theory", span),
         ("Reason for this theory", str(theory.attrs.get("reason", ""))),
         *steady,
-        ("Line contact, Dowson and Higginson", f"{with_span(film.film_hamrock_dowson.values)} µm"),
+        (formula_label(film), f"{with_span(film.film_hamrock_dowson.values)} µm"),
     ]
 
 

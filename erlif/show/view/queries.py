@@ -16,7 +16,7 @@ from erlif.core.errors import ErlifError
 from erlif.core.flags import FLAG_COLOURS, Flag, count_flags
 from erlif.core.statistics import film_limits
 from erlif.core.tables import read_table
-from erlif.io.files import axis_labels, driven_link, fastest_trigger, region_of
+from erlif.io.files import axis_labels, driven_link, fastest_trigger, formula_label, region_of
 from erlif.show.view import measures
 from erlif.show.view.exports import map_csv, map_tiff
 from erlif.show.view.films import FilmReader, axis_of, check_one_grid
@@ -445,6 +445,8 @@ def describe_cycle(film: xr.Dataset) -> dict[str, Any]:
         {name: title for name, title in table.items() if name in film}
         for table in (_TABLES["axes"], _TABLES["films"])
     )
+    if "film_hamrock_dowson" in films:
+        films["film_hamrock_dowson"] = formula_label(film)
     if "film_predicted_min" in films:  # the steady film of a joint that swings is far off
         films.pop("film_theory", None)
     link = driven_link(film)
