@@ -288,24 +288,6 @@ def applicable_theory(film: xr.Dataset) -> xr.DataArray | None:
     return next((film[name] for name in names if name in film), None)
 
 
-HAMROCK_DOWSON_LINE = "Hamrock-Dowson, line contact (2.65)"
-
-
-@takes(film="part of a film")
-def formula_label(film: xr.Dataset) -> str:
-    """Name of the formula behind film_hamrock_dowson: line contact (2.65), or elliptical.
-
-    Examples
-    --------
-    >>> from erlif.show.plots import example_film
-    >>> formula_label(example_film())
-    'Hamrock-Dowson, line contact (2.65)'
-    """
-    # films of before the formula was stated are those of a line contact
-    attrs = film.film_hamrock_dowson.attrs
-    return str(attrs["long_name"]) if "formula" in attrs else HAMROCK_DOWSON_LINE
-
-
 @takes(film="part of a film")
 def formula_label(film: xr.Dataset) -> str:
     """Name of the formula behind film_hamrock_dowson: line contact (2.65), or elliptical.

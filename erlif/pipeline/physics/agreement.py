@@ -14,10 +14,10 @@ from scipy.optimize import brentq
 from erlif.core.variables import FILM
 from erlif.io.settings import RunSettings
 from erlif.pipeline.physics.exponents import speed_of_trend
-from erlif.pipeline.physics.joint import describe_joint
+from erlif.pipeline.physics.joint import describe_contact
 from erlif.trend import (
     LARGEST_BEYOND,
-    LubricatedJoint,
+    LubricatedContact,
     VogelLaw,
     correlate,
     fast_triggers,
@@ -61,7 +61,7 @@ def _compare_with_theories(film: xr.Dataset, settings: RunSettings, speed: str) 
     """Ratios of the minimum film to the films of theory that there are."""
     fast = fast_triggers(film[speed].values)
     stroke = film.stroke.values if "stroke" in film else None
-    joint = describe_joint(settings)
+    contact = describe_contact(settings)
     ratios: dict[str, Any] = {}
     for name, theory in _THEORIES.items():
         if theory not in film:
@@ -78,8 +78,8 @@ def _compare_with_theories(film: xr.Dataset, settings: RunSettings, speed: str) 
             "factor_std_shared": factor.std_shared,
             **{key: getattr(factor, key) for key in ("low", "high", "outward", "back")},
         }
-        if joint is not None and theory != "film_predicted_min":
-            attrs |= _match_viscosity(film, joint, theory, speed, factor.std)
+        if contact is not None and theory != "film_predicted_min":
+            attrs |= _match_viscosity(film, contact, theory, speed, factor.std)
         ratios[name] = FILM[name].fill(ratio, **attrs)
         ratios[f"{name}_std"] = FILM[f"{name}_std"].fill(std)
         ratios[f"{name}_std_random"] = FILM[f"{name}_std_random"].fill(random)
@@ -87,21 +87,21 @@ def _compare_with_theories(film: xr.Dataset, settings: RunSettings, speed: str) 
 
 
 def _match_viscosity(
-    film: xr.Dataset, joint: LubricatedJoint, theory: str, speed: str, factor_std: float
+    film: xr.Dataset, contact: LubricatedContact, theory: str, speed: str, factor_std: float
 ) -> dict[str, float]:
     """Viscosity with which the median of the film over a theory is 1, beside that of [oil]."""
     fast = fast_triggers(film[speed].values)
-    given = float(np.median(viscosity_at(film, joint.viscosity)[fast]))
+    given = float(np.median(viscosity_at(film, contact.viscosity)[fast]))
     measured = film.film_min.values
 
     def factor(log: float) -> float:
         """Median factor at a viscosity times exp(log)."""
-        one = joint.viscosity
+        one = contact.viscosity
         times = math.exp(log)
         thicker = replace(one, a=times * one.a) if isinstance(one, VogelLaw) else times * one
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # of ranges; the film has them as notes
-            expected = predict_film(film, replace(joint, viscosity=thicker))[theory].values
+            expected = predict_film(film, replace(contact, viscosity=thicker))[theory].values
         ratio = measured[fast] / np.where(expected[fast] > 0, expected[fast], np.nan)
         return float(np.nanmedian(ratio)) if np.isfinite(ratio).any() else math.nan
 

@@ -26,10 +26,11 @@ def describe_factor(film: xr.Dataset) -> str:
         return ""
     value, random, shared = (attrs[f"factor{part}"] for part in ("", "_std_random", "_std_shared"))
     digits = decimals(np.hypot(random, shared), 2)
-    low, high, outward, back = (f"{attrs[key]:.3g}" for key in ("low", "high", "outward", "back"))
+    low, high = (f"{attrs[key]:.3g}" for key in ("low", "high"))
+    outward, back = (f"{attrs[key]:.3g}" for key in ("outward", "back"))
     strokes = "" if "nan" in (outward, back) else f", out {outward}, back {back}"
     return (
-        f"{value:.{digits}f} ± {random:.{digits}f} ± {shared:.{digits}f} times "
+        f"{value:.{digits}f} ± {random:.{digits}f} ± {shared:.{digits}f} × "
         f"{formula_label(film)}; {low} to {high}{strokes}{_describe_viscosity(attrs)}"
     )
 

@@ -90,5 +90,5 @@ def _explain_steady(film: xr.Dataset, comment: str) -> str:
     steady, formula = (float(film[name].max()) for name in ("film_theory", "film_hamrock_dowson"))
     return (
         f"At the highest speed the steady regime map gives {steady:.3g} µm and "
-        f"{formula_label(film)} {formula:.3g} µm. They do not apply: {reason}."
+        f"{formula_label(film)} {formula:.3g} µm; they stand for reference, as {reason}."
     )

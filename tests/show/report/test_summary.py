@@ -211,7 +211,7 @@ def test_a_short_summary_has_ten_lines_and_one_for_each_warning(film):
 
 def test_film_over_hamrock_dowson_and_its_correlation_are_stated(film):
     text = " ".join(summarise_briefly(with_agreement(film)).split())
-    assert "1.235 ± 0.012 ± 0.046 times Hamrock-Dowson, line contact (2.65); 1.23 to 1.23" in text
+    assert "1.235 ± 0.012 ± 0.046 × Hamrock-Dowson, line contact (2.65); 1.23 to 1.23" in text
     assert "out 1.23, back 1.23; takes 0.12 ± 0.01 of 0.12 Pa s" in text
     assert "correlation -0.12 (-0.12 to -0.12), rank -0.12; of the mean -0.12" in text
     assert "n = 0.600 ± 0.010, mean n = 0.400 ± 0.010; 12 ± 2° early" in text
