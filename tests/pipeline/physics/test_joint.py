@@ -58,15 +58,18 @@ GLASS = {"youngs_modulus": "75 GPa", "poissons_ratio": 0.22}
 TURNING = {"kind": "rotation", "radius": "20 mm", "speed": "60 rpm"}
 
 
+BARREL = {"radius_along": "10 mm", "radius_across": "20 mm"}
+
+
 @pytest.mark.parametrize(
     ("body", "counterbody", "more", "along", "across"),
     [
         ({"radius": "9.5 mm"}, {}, {}, 9.5e-3, 9.5e-3),
-        # 1/10 - 1/50 and 1/20 along and across, of a barrel in a ring
-        ({"radius_along": "10 mm", "radius_across": "20 mm"}, {"radius_along": "-50 mm"}, {}, 12.5e-3, 20e-3),
+        # 1/10 - 1/50 along and 1/20 across, of a barrel in a ring
+        (BARREL, {"radius_along": "-50 mm"}, {}, 12.5e-3, 20e-3),
         ({"radius_along": "8 mm"}, {}, {"length": "12 mm"}, 8e-3, None),
     ],
-)  # fmt: skip
+)
 def test_radii_of_a_contact(body, counterbody, more, along, across):
     contact = {"body": STEEL | body, "counterbody": GLASS | counterbody, **more}
     found = describe_contact(run_settings(joint=None, contact=contact, mechanism=TURNING))
@@ -90,33 +93,25 @@ def test_rolling_entrains_more_oil():
 
 
 @pytest.mark.parametrize(
-    ("changes", "words"),
+    ("body", "counterbody", "more", "words"),
     [
-        ({"contact": {"body": STEEL | {"radius": "9.5 mm"}, "counterbody": GLASS}}, "not both"),
-        ({"joint": None, "contact": {"body": STEEL, "counterbody": GLASS}}, "touch in a point"),
-        (
-            {"joint": None, "contact": {"body": STEEL | {"radius_along": "8 mm"}, "counterbody": GLASS}},
-            "or length",
-        ),
-        (
-            {
-                "joint": None,
-                "contact": {"body": STEEL | {"radius": "9 mm"}, "counterbody": GLASS, "length": "1 mm"},
-            },
-            "or length",
-        ),
-        (
-            {
-                "joint": None,
-                "contact": {"body": STEEL | {"radius": "9 mm"}, "counterbody": GLASS | {"radius": "0 mm"}},
-            },
-            "must not be zero",
-        ),
+        ({}, {}, {}, "must touch in a point or a line"),
+        ({"radius": "9 mm"}, {"radius_along": "-8 mm"}, {}, "must touch in a point or a line"),
+        ({"radius_along": "8 mm"}, {}, {}, "or length"),
+        ({"radius": "9 mm"}, {}, {"length": "1 mm"}, "or length"),
+        ({"radius": "9 mm"}, {"radius": "0 mm"}, {}, "must not be zero"),
     ],
-)  # fmt: skip
-def test_contacts_that_are_refused(changes, words):
+)
+def test_bodies_that_do_not_touch_as_stated_are_refused(body, counterbody, more, words):
+    contact = {"body": STEEL | body, "counterbody": GLASS | counterbody, **more}
     with pytest.raises(ValueError, match=words):
-        run_settings(**changes)
+        run_settings(joint=None, contact=contact, mechanism=TURNING)
+
+
+def test_joint_and_contact_together_are_refused():
+    contact = {"body": STEEL | {"radius": "9 mm"}, "counterbody": GLASS}
+    with pytest.raises(ValueError, match="not both"):
+        run_settings(contact=contact)
 
 
 def test_slider_of_a_crank_slides_at_its_own_speed(run):
