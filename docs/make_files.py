@@ -153,6 +153,8 @@ VARIABLE_ATTRIBUTES = (
         "Of film_theory and film_predicted_min: the name of the prediction, or the lubrication "
         "regime of most triggers.",
     ),
+    Attribute("formula", "Of film_hamrock_dowson: the formula, whose name is its long_name."),
+    Attribute("source", "Of film_hamrock_dowson: where the formula was published."),
     Attribute("reason", "Of film_theory and film_predicted_min: why this one was selected."),
     Attribute(
         "notes",

@@ -2,10 +2,10 @@
 Regime map of the line contact
 ==============================
 
-Four asymptotes describe the film of a steady line contact. The largest of them governs. In the
-variables of Moes, the viscosity parameter :math:`g_V` and the elasticity parameter :math:`g_E`,
-each regime is an area of the map. The points are one acrylic and three steel joints of the same
-geometry at the same speed.
+Four asymptotes describe the film of a steady line contact. The largest of them names the regime,
+and a smooth curve through them gives the film. In the variables of Moes, the viscosity parameter
+:math:`g_V` and the elasticity parameter :math:`g_E`, each regime is an area of the map. The points
+are one acrylic and three steel joints of the same geometry at the same speed.
 """
 
 import matplotlib.pyplot as plt

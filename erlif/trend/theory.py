@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -27,31 +27,17 @@ from erlif.models.oil import vogel_viscosity
 _ZERO_CELSIUS = 273.15
 
 
-class _Form(NamedTuple):
-    """What the films of a contact are called, and where they come from."""
-
-    name: str
-    label: str
-    formula: str
-    source: str
-    choice: str
-
-
-_LINE = _Form(
-    "line-contact",
-    HAMROCK_DOWSON_LINE,
-    "h/R = 2.65 G^0.54 U^0.7 W^-0.13",
-    "Dowson and Higginson (1966), often quoted as Hamrock-Dowson",
-    "curve of Moes through the four regimes of a line contact (Venner and Lubrecht 2000), within "
-    "8 %; the largest asymptote names the regime",
-)
-_ELLIPTICAL = _Form(
-    "elliptical-contact",
-    HAMROCK_DOWSON_ELLIPTICAL,
-    "h/Rx = 3.63 U^0.68 G^0.49 W^-0.073 (1 - exp(-0.68 k))",
-    "Hamrock and Dowson (1977)",
-    "the largest film of the four regimes of an elliptical contact (Hamrock and Dowson 1979)",
-)
+# Name, formula and source of film_hamrock_dowson.
+_LINE = {
+    "long_name": HAMROCK_DOWSON_LINE,
+    "formula": "h/R = 2.65 G^0.54 U^0.7 W^-0.13",
+    "source": "Dowson and Higginson (1966), often quoted as Hamrock-Dowson",
+}
+_ELLIPTICAL = {
+    "long_name": HAMROCK_DOWSON_ELLIPTICAL,
+    "formula": "h/Rx = 3.63 U^0.68 G^0.49 W^-0.073 (1 - exp(-0.68 k))",
+    "source": "Hamrock and Dowson (1977)",
+}
 
 
 @dataclass(frozen=True)
@@ -187,16 +173,9 @@ class LubricatedJoint:
     @property
     def contact(self) -> LubricatedContact:
         """The line contact of pin and bushing."""
-        return LubricatedContact(
-            self.radius,
-            None,
-            self.length,
-            self.pin,
-            self.bushing,
-            self.viscosity,
-            self.pressure_viscosity,
-            self.stroke,
-        )
+        oil = self.viscosity, self.pressure_viscosity
+        bodies = self.pin, self.bushing
+        return LubricatedContact(self.radius, None, self.length, *bodies, *oil, self.stroke)
 
 
 def predict_film(triggers: xr.Dataset, contact: LubricatedContact | LubricatedJoint) -> xr.Dataset:
@@ -239,7 +218,15 @@ def predict_film(triggers: xr.Dataset, contact: LubricatedContact | LubricatedJo
     viscosity = viscosity_at(triggers, contact.viscosity)
     speed = triggers.sliding_speed.values
     theory = contact.films(speed, triggers["joint_load"].values, viscosity)
-    form = _LINE if contact.length is not None else _ELLIPTICAL
+    if contact.length is not None:
+        shape, formula = "line", _LINE
+        choice = (
+            "curve of Moes through the four regimes of a line contact (Venner and Lubrecht 2000), "
+            "within 8 %; the largest asymptote names the regime"
+        )
+    else:
+        shape, formula = "elliptical", _ELLIPTICAL
+        choice = "the largest film of the four regimes of an ellipse (Hamrock and Dowson 1979)"
 
     # film_theory is named after the regime of most triggers
     regimes, count = np.unique(np.asarray(theory.regime), return_counts=True)
@@ -247,21 +234,19 @@ def predict_film(triggers: xr.Dataset, contact: LubricatedContact | LubricatedJo
     gV, gE = float(np.median(theory.gV)), float(np.median(theory.gE))
     film_theory = FILM["film_theory"].fill(
         1e6 * np.asarray(theory.film),
-        long_name=f"steady {form.name} film, {chosen} regime",
+        long_name=f"steady {shape}-contact film, {chosen} regime",
         regime=chosen,
-        reason=f"{form.choice}; gV = {gV:.3g}, gE = {gE:.3g} (medians)",
+        reason=f"{choice}; gV = {gV:.3g}, gE = {gE:.3g} (medians)",
         notes="\n".join(theory.notes),
     )
     hard = 1e6 * np.asarray(theory.piezoviscous_elastic)
-    formula = {"long_name": form.label, "formula": form.formula, "source": form.source}
+    central = 1e6 * np.asarray(theory.central)
     regime = np.broadcast_to(np.asarray(theory.regime, dtype=str), speed.shape)
     predicted = xr.Dataset(
         {
             "film_hamrock_dowson": FILM["film_hamrock_dowson"].fill(hard, **formula),
             "film_theory": film_theory,
-            "film_theory_central": FILM["film_theory_central"].fill(
-                1e6 * np.asarray(theory.central)
-            ),
+            "film_theory_central": FILM["film_theory_central"].fill(central),
             "film_regime": FILM["film_regime"].fill(regime),
         }
     )

@@ -99,7 +99,7 @@ def test_curve_of_moes_against_reynolds_equation(modulus, load, gE, gV, films, r
 
 
 def test_film_of_the_flow_over_the_minimum_of_rigid_cylinders():
-    """1 + c*^2 at the exit c* of Martin; the constants of Moes over those of Martin and Blok."""
+    """1 + c*^2 at the exit c* of Martin, and the constants of Moes over Martin's and Blok's."""
     npt.assert_allclose(CENTRAL_OVER_MINIMUM, 1 + martin_constant()[1] ** 2, rtol=1e-6)
     npt.assert_allclose(3.0 / (martin_constant()[0] / 2), CENTRAL_OVER_MINIMUM, rtol=1e-4)
     npt.assert_allclose(1.287 / (BLOK_CONSTANT / 2 ** (2 / 3)), CENTRAL_OVER_MINIMUM, rtol=1e-3)

@@ -68,14 +68,14 @@ def rigid_pressure(across, *, cells=150, far=150.0):
         active = changed
 
 
-def rigid_film(across, share, *, far=150.0):
+def rigid_film(across, share, *, cells=150, far=150.0):
     """gV = G W^3/U^2 and h/Rx (W/U)^2 of rigid bodies in Barus' oil.
 
     With the reduced pressure q = (1 - exp(-alpha p))/alpha the problem is that of constant
     viscosity. `share` is the largest alpha q; at 1 the pressure is unbounded and the film no longer
     depends on the load.
     """
-    q, area = rigid_pressure(across, far=far)
+    q, area = rigid_pressure(across, cells=cells, far=far)
     film = (12 * np.sqrt(2) * q.max() / share) ** (2 / 3)  # over Rx (G U)^(2/3)
     load = 2 * film * (-np.log1p(-share * q / q.max()) @ area)  # W G^(1/3) U^(-2/3)
     return load**3, film * load**2

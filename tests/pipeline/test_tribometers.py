@@ -9,12 +9,15 @@ import numpy as np
 import numpy.testing as npt
 import pytest
 import xarray as xr
+from oracles.point_contact import rigid_film
 from scenes.fixture import assert_covers
 
 import erlif
 from conftest import SMALL, Laboratory
 from erlif.pipeline.watch.watch import Watch
 from erlif.show.notebook import summarise_region
+from erlif.show.plots import film_and_theory
+from erlif.show.report.tables import results_table
 from tests.pipeline.watch.test_follow import wait_until
 
 KINDS = ("rotation", "sinusoidal", "static", "ball")
@@ -215,6 +218,52 @@ def test_curvature_of_a_ball_is_no_mark_of_its_surface(ball_on_disc):
     roi = erlif.files.region_of(film)
     part = summarise_region(film, x=roi.x, y=roi.y)
     assert float(np.abs((part.film_min - film.film_min) / film.film_min_std).max()) < 1
+
+
+BALL = """
+[contact]
+body = { radius = "100 mm", youngs_modulus = "206 GPa", poissons_ratio = 0.3, roughness = "30 nm" }
+counterbody = { youngs_modulus = "206 GPa", poissons_ratio = 0.3, roughness = "40 nm" }
+
+[oil]
+viscosity = "0.12 Pa s"
+pressure_viscosity = "20 1/GPa"
+"""
+
+
+def test_film_of_a_ball_is_that_of_reynolds_equation(tmp_path):
+    """Rigid ball of 100 mm under 2 N on a disc at 125.7 mm/s: measured over theory is 1."""
+    _, film_number = rigid_film(1.0, 0.02, cells=100, far=300.0)
+    groups = 0.12 * np.pi * 0.02 * 0.1 / 2.0  # eta u R/F with u at half the speed of the disc
+    true = 0.1e6 * film_number * groups**2
+    rig = replace(
+        SMALL,
+        mechanism="rotation",
+        contact="ball",
+        pictures=5,
+        load=2.0,
+        load_swing=0.0,
+        film_table=(true,) * 5,
+        field_width=3.0,
+    )
+    lab = Laboratory.simulated(tmp_path, seed=8, rig=rig)
+    film = lab.process_copy("theory", add=BALL)
+    npt.assert_allclose(true, 2.0, atol=0.05)
+    npt.assert_allclose(film.film_theory, true, rtol=0.015)
+    assert set(film.film_regime.values) == {"isoviscous-rigid"}
+    assert "stroke" not in film.film_theory.attrs["notes"]  # a disc carries its oil all the way
+    error = 4 * float(film.film_min_std.max())
+    npt.assert_allclose(film.film_min, film.film_theory, atol=error + 0.015 * true)
+    npt.assert_allclose(film.film_parameter, film.film_min / 0.05)
+
+    # the formula of the other regime is named by what it is
+    label = "Hamrock-Dowson, elliptical"
+    formula = film.film_hamrock_dowson
+    assert formula.attrs["long_name"] == label == erlif.files.formula_label(film)
+    assert "1977" in formula.attrs["source"]
+    assert float(formula.max()) < 0.2 * true
+    assert label in "".join(map(str, results_table(film, erlif.files.flag_shares(film)).rows))
+    assert label in [line.get_label().split("\n")[0] for line in film_and_theory(film)]
 
 
 @pytest.mark.slow

@@ -292,6 +292,15 @@ def applicable_theory(film: xr.Dataset) -> xr.DataArray | None:
 def formula_label(film: xr.Dataset) -> str:
     """Name of the formula behind film_hamrock_dowson: line contact (2.65), or elliptical.
 
+    Parameters
+    ----------
+    film : Dataset
+        With film_hamrock_dowson.
+
+    Returns
+    -------
+    str
+
     Examples
     --------
     >>> from erlif.show.plots import example_film

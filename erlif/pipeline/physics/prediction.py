@@ -347,7 +347,7 @@ def join_theories(settings: RunSettings, steady: xr.Dataset, predicted: xr.Datas
         "reason": reason,
         "notes": _describe_assumptions(settings, predicted, regime),
     }
-    for name in ("film_theory", "film_hamrock_dowson"):
+    for name in steady.keys() & {"film_theory", "film_theory_central", "film_hamrock_dowson"}:
         both[name].attrs["comment"] = f"steady formula, for reference: {reason}"
     return both
 

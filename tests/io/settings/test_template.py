@@ -63,7 +63,7 @@ def test_commented_keys_hold_values_that_the_reader_accepts():
         if not line.startswith(("offset", "vogel", "pulse", "bins")):  # in place of others
             lines.append(line)
     raw = tomllib.loads("\n".join(lines))
-    for table in tables_of(RunSettings):
+    for table in (one for one in tables_of(RunSettings) if one.path[:1] != ("contact",)):
         part = raw
         for name in table.path:
             part = part.setdefault(name, {}) if table.required else part.get(name, {})
