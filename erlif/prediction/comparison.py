@@ -44,7 +44,7 @@ POWERS = {
 }
 
 # Of the line-contact formula.
-LINE_CONTACT = "piezoviscous-elastic"
+LINE = "piezoviscous-elastic"
 
 # Any power of speed over load, alone and above an offset: laws of no theory.
 POWER = ("a power of speed over load", "a power of speed over load above an offset")
@@ -314,7 +314,7 @@ def compare_models(
         )
         try:
             fit = fit_held(given=given)
-            if held == "free" and _drifts(fit.inflation, problem) and "drift" not in fit.names:
+            if held == "free" and _misses(fit.inflation, problem) and "drift" not in fit.names:
                 wide = replace(given or GivenErrors(), drift=_DRIFT_STD)
                 drifting = fit_held(given=wide)
                 if drifting.minimum.log_likelihood > fit.minimum.log_likelihood + _WEAK:
@@ -331,16 +331,17 @@ def compare_models(
 
     # closed forms take no time beside the transient films
     simple = [
-        (STEADY[n], _steady(problem, film, POWERS[regime if n == "film_theory" else LINE_CONTACT]))
+        (STEADY[n], _law(problem, film, viscous=POWERS[regime if n == "film_theory" else LINE]))
         for n, film in (steady or {}).items()
     ]
-    candidates = [(CONSTANT, _constant(problem)), (SQUEEZE, _squeeze(problem)), *simple]
     if drive is not None:
-        candidates += [(name, _power(problem, drive, name == POWER[1])) for name in POWER]
+        laws = ("power",), ("power", "offset")
+        simple += [(n, _law(problem, drive, *law)) for n, law in zip(POWER, laws, strict=True)]
+    candidates = [(CONSTANT, _constant(problem)), (SQUEEZE, _squeeze(problem)), *simple]
     for done, (name, closed) in enumerate(candidates, len(transient)):
         progress("fit", done, total)
         # laws without a theory are for films that no theory describes to their errors
-        if name in POWER and min(one.inflation for one in fitted) <= DRIFTING:
+        if name in POWER and not _misses(min(one.inflation for one in fitted), problem):
             continue
         least = LeastSquares(problem.observations(), closed.unknowns, closed.predict)
         try:
@@ -364,8 +365,8 @@ def compare_models(
     return replace(_rank(fitted, fits, oil, guided), not_fitted=failures)
 
 
-def _drifts(inflation: float, problem: Problem) -> bool:
-    """Whether so many residuals exceed their errors by so much that the viscosity may change."""
+def _misses(inflation: float, problem: Problem) -> bool:
+    """Whether so many residuals exceed their errors by so much that something else happens."""
     return inflation > DRIFTING and problem.measured.value[problem.frames.measured].size >= _MANY
 
 
@@ -425,7 +426,7 @@ def _verdict(
         strength = f" ({next(name for limit, name in _STRENGTHS if rivals[0].bic < limit)})"
     found, viscosity = best.estimates, best.estimates.get("viscosity")
     carrier: str | None = best.name
-    times = f"{found['factor']} times the formula, which would take " if "factor" in found else ""
+    times = f"{found['factor']} times it, which would take " if "factor" in found else ""
     if best.name in POWER:
         carrier = None
         text = f"The film follows speed over load to the power {found['power']}{strength}"
@@ -524,54 +525,43 @@ def _constant(problem: Problem) -> _ClosedForm:
     return _ClosedForm(_plain_unknowns(start), predict, lambda value, std: {})
 
 
-def _steady(problem: Problem, film: Array, power: float) -> _ClosedForm:
-    """A steady film times any factor, in one direction; it has this power of the viscosity."""
+def _law(problem: Problem, shape: Array, *more: str, viscous: float = np.nan) -> _ClosedForm:
+    """A film of a shape (trigger,) times any factor, in one direction.
+
+    Of `more`, it is to a "power" and above an "offset"; `viscous` is the power of the viscosity.
+    """
     journal = problem.orbits.journal
     distance, direction = _distances(problem)
-    shape = np.nan_to_num(np.asarray(film, dtype=float)[problem.frames.measured])
-    mean = max(float(shape.mean()), 1e-12)
-    factor = max(float((journal.clearance - distance).mean()), 1e-9) / mean
+    film = np.maximum(journal.clearance - distance, 1e-9)
+    size = np.maximum(np.nan_to_num(shape[problem.frames.measured]), 0.0)
+    top = max(float(size.max()), 1e-300)
+    relative = np.log(np.maximum(size / top, 1e-12))
+    offset = 0.9 * film.min() if "offset" in more else 0.0
+    begin = {"power": 0.5, "offset": offset / journal.clearance}
+    start = {"factor": float(np.log(max((film - offset).mean() / np.mean(size / top), 1e-9)))}
+    start |= {name: begin[name] for name in more} | direction
 
     def predict(sets: Array) -> Array:
-        films = np.exp(np.minimum(sets[:, :1], 50.0)) * shape
+        by_name = dict(zip(start, sets.T[..., np.newaxis], strict=True))
+        films = np.exp(np.minimum(by_name["factor"] + by_name.get("power", 1.0) * relative, 50.0))
+        films = films + journal.clearance * by_name.get("offset", 0.0)
         return _pointed(problem, journal.clearance - films, sets[:, -1])
 
     def read(value: Array, std: Array) -> dict[str, Estimate]:
-        times, thicker = (float(np.exp(value[0] / root)) for root in (1.0, power))
-        eta = journal.viscosity * thicker
-        return {
-            "factor": _about(times, times * std[0], "1"),
-            "viscosity": _about(eta, eta * std[0] / power, "Pa s"),
+        named = zip(start, value, std, strict=True)
+        found = {name: _about(one, error, "1") for name, one, error in named}
+        error = found.pop("factor").std
+        times = float(np.exp(value[0])) / top
+        eta = journal.viscosity * times ** (1 / viscous)
+        by_formula = {
+            "factor": _about(times, times * error, "1"),
+            "viscosity": _about(eta, eta * error / viscous, "Pa s"),
         }
+        if "offset" in found:
+            found["offset"] = found["offset"].times(journal.clearance, "m")
+        return {name: found[name] for name in more} or by_formula
 
-    return _ClosedForm(_plain_unknowns({"factor": np.log(factor), **direction}), predict, read)
-
-
-def _power(problem: Problem, drive: Array, above: bool) -> _ClosedForm:
-    """A film in proportion to a power of speed over load, above an offset or not."""
-    clearance = problem.orbits.journal.clearance
-    distance, direction = _distances(problem)
-    size = np.abs(drive[problem.frames.measured])
-    relative = np.log(np.maximum(size / max(float(size.max()), 1e-300), 1e-12))
-    film = np.maximum(clearance - distance, 1e-9)
-    fast = relative > np.log(0.1)  # from a tenth of the top speed on, as the speed exponent
-    least = float(film.min()) if above else 0.0
-    power, first = np.polyfit(relative[fast], np.log(film[fast] - 0.9 * least), 1)
-    start = {"power": max(float(power), 0.1), "size": float(first)}
-    start |= {"offset": 0.9 * least / clearance} if above else {}
-
-    def predict(sets: Array) -> Array:
-        films = np.exp(np.minimum(sets[:, :1] * relative + sets[:, 1:2], 50.0))
-        films = films + clearance * sets[:, 2:3] if above else films
-        return _pointed(problem, clearance - films, sets[:, -1])
-
-    def read(value: Array, std: Array) -> dict[str, Estimate]:
-        found = {"power": _about(value[0], std[0], "1")}
-        if above:
-            found["offset"] = _about(clearance * value[2], clearance * std[2], "m")
-        return found
-
-    return _ClosedForm(_plain_unknowns({**start, **direction}, "power", "offset"), predict, read)
+    return _ClosedForm(_plain_unknowns(start, *more), predict, read)
 
 
 def _squeeze(problem: Problem) -> _ClosedForm:

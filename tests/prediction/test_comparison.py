@@ -95,7 +95,7 @@ def test_steady_film_is_recognised_and_has_any_viscosity():
     assert abs(factor.value - 3.0) < 3 * factor.std
     npt.assert_allclose(viscosity.value, 0.12 * factor.value, rtol=1e-12)  # h over eta u
     assert "the viscosity not: " in found.verdict
-    assert f"{factor} times the formula" in found.verdict
+    assert f": {factor} times it" in found.verdict
 
 
 def walking(rng):

@@ -126,7 +126,8 @@ GUIDED = ("free", "guided")
 KINDS = {
     "formula": Kind(formula, "The film follows the steady line-contact formula"),
     "formula x 5": Kind(
-        lambda rng: formula(rng, 5.03), "The film agrees in shape with the steady line"
+        lambda rng: formula(rng, 5.03),
+        "The shape is that of the steady line-contact formula, the viscosity not",
     ),
     "power": Kind(power, "The film follows speed over load to the power"),
     "power above an offset": Kind(
@@ -140,7 +141,8 @@ KINDS = {
     ),
     "guided pin": Kind(guided, "The swing carries the film of a guided pin", GUIDED),
     "other oil": Kind(
-        lambda rng: free(rng, 3 * OIL), "The film agrees in shape with a pin that is free sideways"
+        lambda rng: free(rng, 3 * OIL),
+        "The shape is that of a pin that is free sideways, the viscosity not",
     ),
     "stick-slip": Kind(stick_slip, "No model fits"),
     "warming": Kind(lambda rng: free(rng, falls=0.12), "Squeeze carries the film of a pin that is"),
