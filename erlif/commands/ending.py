@@ -18,6 +18,9 @@ from erlif.core.errors import ErlifError
 # Exit status where the input or the usage is at fault.
 BAD_INPUT = 2
 
+# Exit status where the input leaves nothing of what was asked for.
+NO_RESULT = 3
+
 # Exit status where erlif is at fault.
 DEFECT = 1
 

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import click
 
+from erlif.commands.ending import NO_RESULT
 from erlif.commands.lines import wrap
 from erlif.commands.options import OVERWRITE, PATH, expect_output, output_option
 from erlif.commands.progress import working
@@ -20,7 +21,8 @@ def pressure(film: Path, output: Path | None, overwrite: bool) -> None:
     """Find the pressure in the film of an oscillating joint.
 
     Writes pressure.nc and its figure. The Reynolds equation is solved on the measured film and its
-    rate. The load is not put in: the one that the pressure makes is compared with it.
+    rate. The load is not put in: the one that the pressure makes is compared with it. The exit
+    status is 3 where no trigger has a pressure; pressure.nc then states why.
 
     \b
     Example:
@@ -46,3 +48,5 @@ def pressure(film: Path, output: Path | None, overwrite: bool) -> None:
         click.echo(wrap(result.attrs["given"]))
         written.append(write_pressure_figure(result, picture))
     click.echo(f"written: {', '.join(str(path) for path in written)}")
+    if len(written) == 1:
+        click.get_current_context().exit(NO_RESULT)

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
+from functools import partial
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -13,7 +14,7 @@ from erlif.core.arrays import Array
 from erlif.core.errors import ModelError
 from erlif.core.progress import Progress, silent
 from erlif.models.reynolds import Journal
-from erlif.prediction.fit import LOAD_LINE_STD, MISFIT, MotionFit, fit_motion
+from erlif.prediction.fit import LOAD_LINE_STD, Estimate, MotionFit, fit_motion
 from erlif.prediction.given import GivenErrors
 from erlif.prediction.least_squares import (
     LeastSquares,
@@ -33,6 +34,21 @@ STEADY = {
     "film_theory": "the steady film of the regime map",
 }
 
+# Powers of the viscosity, which are those of the speed, in films of the regime map and by the
+# line-contact formula (`erlif.models.film`).
+POWERS = {
+    "isoviscous-rigid": 1.0,
+    "piezoviscous-rigid": 2 / 3,
+    "isoviscous-elastic": 0.6,
+    "piezoviscous-elastic": 0.7,
+}
+
+# Of the line-contact formula.
+LINE = "piezoviscous-elastic"
+
+# Any power of speed over load, alone and above an offset: laws of no theory.
+POWER = ("a power of speed over load", "a power of speed over load above an offset")
+
 # A long joint under its load without rotation, eps / sqrt(1 - eps^2) linear in time.
 SQUEEZE = "squeeze in closed form"
 
@@ -43,9 +59,6 @@ HELD = {
     "spring": "a pin on a sideways spring",
 }
 
-# The largest likelihood of a guided pin: any course along the load, at one sideways place.
-ANY_GUIDED = "any guided pin"
-
 # A pin at rest, which no theory of a moving film needs.
 CONSTANT = "a constant gap"
 
@@ -53,20 +66,33 @@ CONSTANT = "a constant gap"
 # candidate leave up to 1.1, photographed ones up to 1.7 (docs/theory/which.md).
 DESCRIBED = 3.0
 
+# The factor from which a viscosity that changes within the run is looked for, the number of values
+# from which so small a factor is no chance, and the width of that change.
+DRIFTING, _MANY, _DRIFT_STD = 1.2, 100, 0.3
+
+# Standard deviation of the viscosity of the oil in the joint where none is stated, relative.
+OIL_STD = 0.3
+
 _CARRIES = {
-    SQUEEZE: "squeeze carries the film, and the film shows no rotation of the bushing",
-    HELD["free"]: "squeeze carries the film of a pin that is free sideways, and the pin sinks",
-    HELD[
-        "guided"
-    ]: "the swing carries the film of a pin that is guided: cavities rectify its wedge",
-    HELD["spring"]: "squeeze and swing carry the film of a pin on a sideways spring",
-    STEADY["film_hamrock_dowson"]: "the film follows the steady line-contact formula",
-    ANY_GUIDED: "the pin stays on one line, as a guided one does",
-    STEADY["film_theory"]: "the film follows the steady formula of the regime map",
+    SQUEEZE: "Squeeze carries the film, without a sign of rotation",
+    HELD["free"]: "Squeeze carries the film of a pin that is free sideways",
+    HELD["guided"]: "The swing carries the film of a guided pin: cavities rectify its wedge",
+    HELD["spring"]: "Squeeze and swing carry the film of a pin on a sideways spring",
+    STEADY["film_hamrock_dowson"]: "The film follows the steady line-contact formula",
+    STEADY["film_theory"]: "The film follows the steady formula of the regime map",
 }
 
 # Differences of BIC below which the evidence has a name. Kass and Raftery (1995).
 _STRENGTHS = ((2.0, "undecided"), (6.0, "weak"), (10.0, "strong"), (np.inf, "very strong"))
+
+# Difference up to which a constant gap, which needs no cause, is not left for another model.
+_WEAK = 6.0
+
+# Estimates of a transient film that belong to the verdict.
+_SHOWN = ("viscosity", "drift")
+
+# First-order correlations of residuals, of which the likeliest is taken.
+_CORRELATIONS = np.linspace(0.0, 0.99, 100)
 
 
 @dataclass(frozen=True)
@@ -85,6 +111,10 @@ class FilmModel:
         Factor of the stated random errors that the residuals require.
     residual : float
         Root mean square of what remains of the measured values. [m]
+    estimates : mapping of str to Estimate
+        What the model takes to agree: viscosity [Pa s]; factor [1] of a steady formula, power [1]
+        and offset [m] of a power law. The residuals' correlation is part of the standard
+        deviations.
     """
 
     name: str
@@ -92,6 +122,7 @@ class FilmModel:
     unknowns: int
     inflation: float
     residual: float
+    estimates: Mapping[str, Estimate] = field(default_factory=dict)
 
     @property
     def describes(self) -> bool:
@@ -108,15 +139,13 @@ class ModelComparison:
     candidates : tuple of FilmModel
         The best first.
     verdict : str
-        Which physics carries the film, and how sure that is: one line.
+        Which physics carries the film, how sure that is, and with which viscosity: the first
+        sentence; what limits this follows.
     fit : MotionFit or None
         The best transient model.
-    independent : float
-        Share of the values that counts as independent: residuals of neighbouring triggers are
-        correlated where the model leaves a trend.
     carrier : str or None
-        Name of the model that the verdict states; None where no model describes the film, or it is
-        constant within its errors.
+        Name of the model that carries the film; None where no model describes it with the viscosity
+        of the oil, or it is constant within its errors.
     not_fitted : mapping of str to str
         Models that could not be fitted, and why.
     """
@@ -124,7 +153,6 @@ class ModelComparison:
     candidates: tuple[FilmModel, ...]
     verdict: str
     fit: MotionFit | None
-    independent: float
     carrier: str | None = None
     not_fitted: Mapping[str, str] = field(default_factory=dict)
 
@@ -139,19 +167,51 @@ class _Fitted:
     inflation: float
     miss: Array  # measured less predicted, (trigger, axis) [m]
     residual: Array  # in stated errors, (trigger, axis)
+    estimates: Mapping[str, Estimate] = field(default_factory=dict)
 
     @classmethod
-    def of(cls, name: str, problem: Problem, found: Minimum, predicted: Array) -> _Fitted:
+    def of(
+        cls,
+        name: str,
+        problem: Problem,
+        found: Minimum,
+        predicted: Array,
+        estimates: Mapping[str, Estimate],
+    ) -> _Fitted:
         """Make the record of a fitted model from its prediction of the measured triggers."""
         value = problem.measured.value[problem.frames.measured]
+        residual = found.residual.reshape(value.shape)
+        gained, correlation = _correlate(residual, found.inflation)
+
+        # of neighbours that depart together fewer are independent
+        wider = float(np.sqrt((1 + correlation) / (1 - correlation)).max())
         return cls(
             name,
-            found.log_likelihood,
+            found.log_likelihood + gained,
             found.value.size,
             found.inflation,
             value - predicted,
-            found.residual.reshape(value.shape),
+            residual,
+            {key: replace(one, std=wider * one.std) for key, one in estimates.items()},
         )
+
+
+def _correlate(residual: Array, inflation: float) -> tuple[float, Array]:
+    """Log-likelihood that residuals gain by a first-order correlation, and this, (axis,).
+
+    Each axis (trigger, axis) has its own correlation and its own factor of the stated errors, of
+    at least 1; without correlation all have the same factor, `inflation`.
+    """
+    count = len(residual)
+    square = (residual**2).sum(axis=0)
+    beside = (residual[1:] * residual[:-1]).sum(axis=0)
+    inner = (residual[1:-1] ** 2).sum(axis=0)
+    rho = _CORRELATIONS[:, np.newaxis]
+    left = (square - 2 * rho * beside + rho**2 * inner) / (1 - rho**2)
+    variance = np.maximum(left / count, 1.0)
+    likely = -0.5 * (count * np.log(variance) + (count - 1) * np.log(1 - rho**2) + left / variance)
+    plain = -0.5 * (2 * residual.size * np.log(inflation) + square.sum() / inflation**2)
+    return float(likely.max(axis=0).sum() - plain), _CORRELATIONS[likely.argmax(axis=0)]
 
 
 def compare_models(
@@ -161,6 +221,9 @@ def compare_models(
     *,
     trigger: npt.NDArray[np.integer[Any]] | None = None,
     steady: Mapping[str, Array] | None = None,
+    regime: str = "isoviscous-rigid",
+    drive: Array | None = None,
+    viscosity_std: float | None = None,
     sideways: Sequence[str] = ("free", "guided"),
     load_line_std: float = LOAD_LINE_STD,
     given: GivenErrors | None = None,
@@ -170,10 +233,15 @@ def compare_models(
 
     The models are not special cases of each other, so that a likelihood ratio has no known
     distribution. They are compared by the Bayesian information criterion (Schwarz 1978),
-    p ln n - 2 ln L. Every model may inflate the random errors by what its residuals require, so
-    that a misfit costs as much as the data warrant, and n is reduced to the residuals that are
-    independent in the best one. The viscosity is free in all models: a steady formula may have any
-    factor.
+    p ln n - 2 ln L. Every model may inflate the random errors by what its residuals require, and
+    each axis of its residuals has a first-order correlation from trigger to trigger, so that a
+    misfit costs as much as the data warrant and a wandering film is no trend. The viscosity is free
+    in all models: a steady formula may have any factor. What carries the film is named where the
+    best model describes it, its viscosity is that of the oil within two standard deviations, and a
+    constant gap is worse by more than 6.
+
+    Where many residuals of a free pin exceed their errors by more than 1.2, a viscosity that
+    changes evenly with time is fitted as well.
 
     Parameters
     ----------
@@ -181,11 +249,16 @@ def compare_models(
         As for `fit_motion`.
     steady : mapping of str to array, (trigger,), optional
         Films of steady formulas under the names of `STEADY`. [m]
+    regime : str
+        Of film_theory, of `POWERS`.
+    drive : array, (trigger,), optional
+        Size of the speed over the load, in any unit: with it two power laws are fitted.
+    viscosity_std : float, optional
+        Standard deviation of the viscosity of the journal; by default `OIL_STD` of it. [Pa s]
     sideways : sequence of str
-        Transient films to compare: of "free", "guided" and "spring". "any guided" is the
-        largest likelihood that a guided pin can have, with any course along the load at one
-        sideways place; it needs positions, and solves no film with cavities. It also stands in
-        for a guided pin that cannot be fitted.
+        Transient films to compare: of "free", "guided" and "spring". With "any guided" the verdict
+        states where a guided pin is left to fit, as the sideways place does not change; it needs
+        positions, and solves no film with cavities. So it does where a guided pin cannot be fitted.
     progress : callable
         Receives the name of the step, the number of models that are fitted, and of all models.
 
@@ -224,22 +297,28 @@ def compare_models(
     fits: dict[str, MotionFit] = {}
     failures: dict[str, str] = {}
     transient = [one for one in sideways if one != "any guided"]
-    total = len(transient) + 2 + len(steady or {})
+    total = len(transient) + 2 + len(steady or {}) + (0 if drive is None else len(POWER))
 
     # a model that cannot carry the load is left out, unless none can
     for done, held in enumerate(transient):
         progress("fit", done, total)
+        fit_held = partial(
+            fit_motion,
+            measured,
+            journal,
+            motion,
+            trigger=trigger,
+            sideways=held,
+            load_line_std=load_line_std,
+            profiles=False,
+        )
         try:
-            fit = fit_motion(
-                measured,
-                journal,
-                motion,
-                trigger=trigger,
-                sideways=held,
-                load_line_std=load_line_std,
-                given=given,
-                profiles=False,
-            )
+            fit = fit_held(given=given)
+            if held == "free" and _misses(fit.inflation, problem) and "drift" not in fit.names:
+                wide = replace(given or GivenErrors(), drift=_DRIFT_STD)
+                drifting = fit_held(given=wide)
+                if drifting.minimum.log_likelihood > fit.minimum.log_likelihood + _WEAK:
+                    fit = drifting
         except ModelError as error:
             failures[HELD[held]] = str(error)
             continue
@@ -247,107 +326,140 @@ def compare_models(
         predicted = fit.predicted[frames.measured]
         if not measured.is_position:
             predicted = np.hypot(*predicted.T)[:, np.newaxis]
-        fitted.append(_Fitted.of(HELD[held], problem, fit.minimum, predicted))
+        shown = {name: fit.estimates[name] for name in _SHOWN if name in fit.estimates}
+        fitted.append(_Fitted.of(HELD[held], problem, fit.minimum, predicted, shown))
 
     # closed forms take no time beside the transient films
-    simple = [(STEADY[name], *_steady(problem, film)) for name, film in (steady or {}).items()]
-    candidates = [(CONSTANT, *_constant(problem)), (SQUEEZE, *_squeeze(problem)), *simple]
-    for done, (name, unknowns, predict) in enumerate(candidates, len(transient)):
+    simple = [
+        (STEADY[n], _law(problem, film, viscous=POWERS[regime if n == "film_theory" else LINE]))
+        for n, film in (steady or {}).items()
+    ]
+    if drive is not None:
+        laws = ("power",), ("power", "offset")
+        simple += [(n, _law(problem, drive, *law)) for n, law in zip(POWER, laws, strict=True)]
+    candidates = [(CONSTANT, _constant(problem)), (SQUEEZE, _squeeze(problem)), *simple]
+    for done, (name, closed) in enumerate(candidates, len(transient)):
         progress("fit", done, total)
-        least = LeastSquares(problem.observations(), unknowns, predict)
+        # laws without a theory are for films that no theory describes to their errors
+        if name in POWER and not _misses(min(one.inflation for one in fitted), problem):
+            continue
+        least = LeastSquares(problem.observations(), closed.unknowns, closed.predict)
         try:
             minimum = least.solve()
         except ModelError as error:
             failures[name] = str(error)
             continue
-        fitted.append(_Fitted.of(name, problem, minimum, minimum.predicted))
+        read = closed.read(minimum.value, np.sqrt(np.diag(minimum.covariance)))
+        fitted.append(_Fitted.of(name, problem, minimum, minimum.predicted, read))
     progress("fit", total, total)
 
-    bounded = "any guided" in sideways or HELD["guided"] in failures
-    if measured.is_position and bounded:
-        fitted.append(_bound_guided(problem, load_line_std))
     if not fitted:
         raise ModelError(
             f"No model of the film could be fitted. {next(iter(failures.values()))} Check load, "
             "viscosity and radii in run.toml."
         )
-    return replace(_rank(fitted, fits), not_fitted=failures)
+    asked = "any guided" in sideways or HELD["guided"] in failures
+    guided = measured.is_position and asked and _stays_on_line(problem, load_line_std)
+    std = OIL_STD * journal.viscosity if viscosity_std is None else viscosity_std
+    oil = Estimate(journal.viscosity, std, 0.0, np.inf, "Pa s")
+    return replace(_rank(fitted, fits, oil, guided), not_fitted=failures)
 
 
-def _rank(fitted: Sequence[_Fitted], fits: Mapping[str, MotionFit]) -> ModelComparison:
-    """Order the models by the criterion, with the number of independent residuals."""
-    likeliest = max(fitted, key=lambda one: one.log_likelihood)
-    share = _independent(likeliest.residual)
-    number = likeliest.residual.size
-    criteria = [
-        one.unknowns * np.log(max(number * share, 2.0)) - 2 * share * one.log_likelihood
-        for one in fitted
-    ]
+def _misses(inflation: float, problem: Problem) -> bool:
+    """Whether so many residuals exceed their errors by so much that something else happens."""
+    return inflation > DRIFTING and problem.measured.value[problem.frames.measured].size >= _MANY
+
+
+def _rank(
+    fitted: Sequence[_Fitted], fits: Mapping[str, MotionFit], oil: Estimate, guided: bool
+) -> ModelComparison:
+    """Order the models by the criterion, and state the verdict for an oil.
+
+    `guided`: a guided pin is possible, and was not fitted.
+    """
+    criteria = [one.unknowns * np.log(one.residual.size) - 2 * one.log_likelihood for one in fitted]
     order = np.argsort(criteria)
-    least = criteria[order[0]]
     candidates = tuple(
         FilmModel(
             fitted[k].name,
-            float(criteria[k] - least),
+            float(criteria[k] - criteria[order[0]]),
             fitted[k].unknowns,
             fitted[k].inflation,
             float(np.sqrt(np.mean(fitted[k].miss ** 2))),
+            fitted[k].estimates,
         )
         for k in order
     )
     transient = [one.name for one in candidates if one.name in fits]
-    carrier, verdict = _verdict(candidates)
-    return ModelComparison(
-        candidates, verdict, fits[transient[0]] if transient else None, share, carrier
-    )
+    many = fitted[0].residual.size >= _MANY
+    carrier, verdict = _verdict(candidates, oil, guided, many)
+    return ModelComparison(candidates, verdict, fits[transient[0]] if transient else None, carrier)
 
 
-def _verdict(candidates: Sequence[FilmModel]) -> tuple[str | None, str]:
-    """Name the model that carries the film, and state the evidence in one line."""
-    fitted = [one for one in candidates if one.name != ANY_GUIDED]
-    if fitted and fitted[0].name == CONSTANT and fitted[0].describes:
+def _verdict(
+    candidates: Sequence[FilmModel], oil: Estimate, guided: bool, many: bool
+) -> tuple[str | None, str]:
+    """Name the model that carries the film; the first sentence states it."""
+    best, constant = candidates[0], next((one for one in candidates if one.name == CONSTANT), None)
+    if constant is not None and constant.describes and constant.bic <= _WEAK:
         return None, (
             "The film is constant within its errors, which decides nothing about what carries it. "
             "Record from the moment of loading on, or more cycles."
         )
-    best = candidates[0]
     if not best.describes:
-        closest = min(fitted or candidates, key=lambda one: one.inflation)
-        return None, (
-            f"None of the models describes this film: the best of {len(fitted)}, {closest.name}, "
-            f"is off by {closest.inflation:.3g} times the stated errors "
-            f"({closest.residual * 1e6:.2g} um). Check load, clearance and tilt of the joint, and "
-            "the times of the frames."
+        closest = min(candidates, key=lambda one: one.inflation)
+        text = f"No model fits: the best, {closest.name}, is off by {closest.inflation:.3g} times "
+        text += "its errors" + ("; a guided pin is left to fit" if guided else "")
+        text += f". It misses the positions by {closest.residual * 1e6:.2g} um. "
+        if guided:
+            text += (
+                "The pin stays on one line, as a guided one: fit it with erlif predict FILM --fit."
+            )
+        else:
+            text += "Check load, clearance and tilt of the joint, and the times of the frames."
+        return None, text
+
+    # what is a case of another model is no rival of it
+    rivals = [one for one in candidates[1:] if one.name not in POWER]
+    strength = ""
+    if rivals:
+        strength = f" ({next(name for limit, name in _STRENGTHS if rivals[0].bic < limit)})"
+    found, viscosity = best.estimates, best.estimates.get("viscosity")
+    carrier: str | None = best.name
+    times = f"{found['factor']} times it, which would take " if "factor" in found else ""
+    if best.name in POWER:
+        carrier = None
+        text = f"The film follows speed over load to the power {found['power']}{strength}"
+        text += f", above {found['offset'].times(1e6, 'um')}" if "offset" in found else ""
+        text += ", as no theory here has it"
+    elif viscosity is None:
+        text = _CARRIES[best.name] + strength
+    elif abs(viscosity.value - oil.value) <= 2 * np.hypot(viscosity.std, oil.std):
+        text = f"{_CARRIES[best.name]}{strength}: {times}{viscosity}"
+    else:
+        carrier = None
+        text = (
+            f"The shape is that of {best.name}, the viscosity not: {times}{viscosity} "
+            f"([oil]: {oil.value:.3g})"
         )
-
-    text = _CARRIES[best.name]
-    if len(candidates) > 1:
-        second = candidates[1]
-        strength = next(name for limit, name in _STRENGTHS if second.bic < limit)
-        text += f" ({strength}: BIC {second.bic:.3g} below that of {second.name})"
-    if best.inflation > MISFIT:
-        text += f"; its residuals are {best.inflation:.3g} times the stated errors"
-    return best.name, text[0].upper() + text[1:] + "."
-
-
-def _independent(residual: Array) -> float:
-    """Share of independent values in residuals (trigger, axis) with a first-order correlation."""
-    shares = []
-    for axis in residual.T:
-        off = axis - axis.mean()
-        size = float(off @ off)
-        correlation = float(off[1:] @ off[:-1]) / size if size > 0 else 0.0
-        correlation = min(max(correlation, 0.0), 0.99)
-        shares.append((1 - correlation) / (1 + correlation))
-    return float(np.mean(shares))
+    text += "."
+    if rivals:
+        text += f" Second: {rivals[0].name}, BIC {rivals[0].bic:.3g} higher."
+    if "drift" in found:
+        text += f" The viscosity changes by {found['drift'].times(100, '%')} within the run."
+    if many and best.inflation > DRIFTING:
+        text += (
+            f" Its residuals are {best.inflation:.3g} times the stated errors: viscosity or "
+            "temperature may drift within the run."
+        )
+        text += " A guided pin may agree better: erlif predict FILM --fit." if guided else ""
+    return carrier, text
 
 
-def _bound_guided(problem: Problem, load_line_std: float) -> _Fitted:
-    """Upper bound of the likelihood of a guided pin, as a fitted model.
+def _stays_on_line(problem: Problem, load_line_std: float) -> bool:
+    """Whether a guided pin may be behind the positions: its sideways place does not change.
 
-    Its sideways place is constant but for the turn of the load line. The density of what remains
-    along the load is the largest that the random errors allow; errors that all triggers share
-    lower it further.
+    But for the turn of the load line, which is known to a standard deviation [m].
     """
     observed = problem.observations()
     load, side = observed.value.T
@@ -355,26 +467,29 @@ def _bound_guided(problem: Problem, load_line_std: float) -> _Fitted:
     columns = np.stack([np.ones_like(load), load], axis=1)[:, : len(start)]
     known = np.array([np.inf, load_line_std / problem.orbits.journal.radius])[: len(start)]
     unknowns = replace(_plain_unknowns(start), expected_std=known)
-    covariance = observed.random_cov
-    alone = Observations(side[:, np.newaxis], covariance[:, 1:, 1:], observed.shared[:, 1:])
+    alone = Observations(
+        side[:, np.newaxis], observed.random_cov[:, 1:, 1:], observed.shared[:, 1:]
+    )
     found = LeastSquares(alone, unknowns, lambda sets: (sets @ columns.T)[..., np.newaxis]).solve()
-
-    variance = covariance[:, 0, 0] - covariance[:, 0, 1] ** 2 / covariance[:, 1, 1]
-    along = -0.5 * float(np.log(2 * np.pi * variance).sum())
-    miss = np.stack([0 * side, side - found.predicted[:, 0]], axis=1)
-    residual = np.stack([0 * side, found.residual], axis=1)
-    count = len(start) + 2  # viscosity and start film of the course
-    return _Fitted(ANY_GUIDED, found.log_likelihood + along, count, found.inflation, miss, residual)
+    return found.inflation <= DESCRIBED
 
 
-def _plain_unknowns(start: Mapping[str, float], positive: str = "") -> Unknowns:
-    """Unknowns of a closed form without prior; `positive` is bounded below by zero."""
+class _ClosedForm(NamedTuple):
+    """A film in closed form: its unknowns, its course, and what these numbers mean."""
+
+    unknowns: Unknowns
+    predict: Predict
+    read: Callable[[Array, Array], dict[str, Estimate]]  # unknowns and their std, (unknown,)
+
+
+def _plain_unknowns(start: Mapping[str, float], *positive: str) -> Unknowns:
+    """Unknowns of a closed form without prior; those that are `positive` are above zero."""
     ones = np.ones(len(start))
     return Unknowns(
         names=tuple(start),
         start=np.array(list(start.values())),
         step=1e-4 * ones,
-        low=np.array([0.0 if name == positive else -np.inf for name in start]),
+        low=np.array([0.0 if name in positive else -np.inf for name in start]),
         high=np.inf * ones,
         expected=0 * ones,
         expected_std=np.inf * ones,
@@ -398,7 +513,7 @@ def _distances(problem: Problem) -> tuple[Array, dict[str, float]]:
     return np.hypot(*value.T), {"direction": float(np.arctan2(mean[1], mean[0]))}
 
 
-def _constant(problem: Problem) -> tuple[Unknowns, Predict]:
+def _constant(problem: Problem) -> _ClosedForm:
     """A pin at one place."""
     clearance = problem.orbits.journal.clearance
     place = problem.measured.value[problem.frames.measured]
@@ -407,25 +522,49 @@ def _constant(problem: Problem) -> tuple[Unknowns, Predict]:
     def predict(sets: Array) -> Array:
         return np.tile(sets[:, np.newaxis] * clearance, (1, len(place), 1))
 
-    return _plain_unknowns(start), predict
+    return _ClosedForm(_plain_unknowns(start), predict, lambda value, std: {})
 
 
-def _steady(problem: Problem, film: Array) -> tuple[Unknowns, Predict]:
-    """A steady film times any factor, in one direction."""
-    clearance = problem.orbits.journal.clearance
+def _law(problem: Problem, shape: Array, *more: str, viscous: float = np.nan) -> _ClosedForm:
+    """A film of a shape (trigger,) times any factor, in one direction.
+
+    Of `more`, it is to a "power" and above an "offset"; `viscous` is the power of the viscosity.
+    """
+    journal = problem.orbits.journal
     distance, direction = _distances(problem)
-    shape = np.nan_to_num(np.asarray(film, dtype=float)[problem.frames.measured])
-    mean = max(float(shape.mean()), 1e-12)
-    factor = max(float((clearance - distance).mean()), 1e-9) / mean
+    film = np.maximum(journal.clearance - distance, 1e-9)
+    size = np.maximum(np.nan_to_num(shape[problem.frames.measured]), 0.0)
+    top = max(float(size.max()), 1e-300)
+    relative = np.log(np.maximum(size / top, 1e-12))
+    offset = 0.9 * film.min() if "offset" in more else 0.0
+    begin = {"power": 0.5, "offset": offset / journal.clearance}
+    start = {"factor": float(np.log(max((film - offset).mean() / np.mean(size / top), 1e-9)))}
+    start |= {name: begin[name] for name in more} | direction
 
     def predict(sets: Array) -> Array:
-        films = np.exp(np.minimum(sets[:, :1], 50.0)) * shape
-        return _pointed(problem, clearance - films, sets[:, -1])
+        by_name = dict(zip(start, sets.T[..., np.newaxis], strict=True))
+        films = np.exp(np.minimum(by_name["factor"] + by_name.get("power", 1.0) * relative, 50.0))
+        films = films + journal.clearance * by_name.get("offset", 0.0)
+        return _pointed(problem, journal.clearance - films, sets[:, -1])
 
-    return _plain_unknowns({"factor": float(np.log(factor)), **direction}), predict
+    def read(value: Array, std: Array) -> dict[str, Estimate]:
+        named = zip(start, value, std, strict=True)
+        found = {name: _about(one, error, "1") for name, one, error in named}
+        error = found.pop("factor").std
+        times = float(np.exp(value[0])) / top
+        eta = journal.viscosity * times ** (1 / viscous)
+        by_formula = {
+            "factor": _about(times, times * error, "1"),
+            "viscosity": _about(eta, eta * error / viscous, "Pa s"),
+        }
+        if "offset" in found:
+            found["offset"] = found["offset"].times(journal.clearance, "m")
+        return {name: found[name] for name in more} or by_formula
+
+    return _ClosedForm(_plain_unknowns(start, *more), predict, read)
 
 
-def _squeeze(problem: Problem) -> tuple[Unknowns, Predict]:
+def _squeeze(problem: Problem) -> _ClosedForm:
     """Squeeze of a long joint in closed form, in one direction."""
     journal = problem.orbits.journal
     impulse = problem.impulse()
@@ -442,5 +581,15 @@ def _squeeze(problem: Problem) -> tuple[Unknowns, Predict]:
         found = problem.frames.average(frames)[:, problem.frames.measured]
         return _pointed(problem, found, sets[:, -1])
 
+    def read(value: Array, std: Array) -> dict[str, Estimate]:
+        rate = max(float(value[1]), 1e-12)
+        eta = journal.viscosity * scale / journal.squeeze_constant / rate
+        return {"viscosity": _about(eta, eta * std[1] / rate, "Pa s")}
+
     start = {"start": float(first), "slope": float(slope), **direction}
-    return _plain_unknowns(start, positive="slope"), predict  # a viscosity is
+    return _ClosedForm(_plain_unknowns(start, "slope"), predict, read)  # a viscosity is positive
+
+
+def _about(value: float, std: float, unit: str) -> Estimate:
+    """An estimate with the interval of its standard deviation."""
+    return Estimate(float(value), float(std), value - 1.96 * std, value + 1.96 * std, unit)

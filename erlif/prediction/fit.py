@@ -47,6 +47,7 @@ _FIRST_STEPS = 1000  # of the motion, of which a long run is fitted first
 _FEWEST_FIRST = 50  # triggers in them
 _FIRST_CONVERGED = 0.1  # of chi-square, in that fit
 _MOST_TURNS = 8  # of the lead of a held pin
+_LINES = (-2e-3, 2e-3)  # of the load line about the assumed one, from which it is searched [m]
 _FAR = 3.0  # standard deviations of a load line from the assumed place, beyond which it is tested
 _NEAR = 0.2  # change of a correction over the random errors, below which it is the last
 
@@ -94,6 +95,13 @@ class Estimate:
     def determined(self) -> bool:
         """Whether both ends of the interval exist."""
         return bool(np.isfinite(self.low) and np.isfinite(self.high) and self.low != 0)
+
+    def __str__(self) -> str:
+        """Value and standard deviation, with two digits of this."""
+        size = np.log10(self.std) if 0 < self.std < np.inf else 0.0
+        digits = max(1 - int(np.floor(size)), 0)
+        unit = "" if self.unit == "1" else self.unit
+        return f"{self.value:.{digits}f} ± {self.std:.{digits}f} {unit}".rstrip()
 
     def times(self, factor: float, unit: str) -> Estimate:
         """Multiply the estimate by a factor and give it the unit of the product."""
@@ -292,8 +300,15 @@ def film_temperature(viscosity: Estimate, law: VogelLaw) -> Estimate:
 def _fit_held(
     problem: Problem, unknowns: Unknowns, given: GivenErrors, profiles: bool
 ) -> MotionFit:
-    """Fit the unknowns; correct the orbits of a held pin at the solution."""
-    free = isinstance(problem.orbits, FreeOrbits)
+    """Fit the unknowns; correct the orbits of a held pin at the solution.
+
+    Line and place at rest of a guided pin leave nearly the same film: its search begins with the
+    line at the assumed place, and is repeated with the line from there and from either side.
+    """
+    whole, free = unknowns, isinstance(problem.orbits, FreeOrbits)
+    lined = problem.sideways == "guided" and "load_line" in whole.names
+    if lined:
+        unknowns = whole.without("load_line", whole.start)
 
     # a held pin is searched from coarse cells first, to a rough tolerance
     least = problem.pose(unknowns, CONVERGED if free else _HELD_NEAR)
@@ -324,32 +339,40 @@ def _fit_held(
         minimum = least.solve()
         if change < _NEAR * smallest * minimum.inflation:
             break
-    if problem.sideways == "guided" and "load_line" in unknowns.names:
-        minimum = _doubt_load_line(problem, least, minimum)
+    if lined:
+        least, minimum = _free_load_line(problem, whole, minimum)
     return _motion_fit(problem, least, minimum, given, profiles)
 
 
-def _doubt_load_line(problem: Problem, least: LeastSquares, minimum: Minimum) -> Minimum:
-    """The minimum of a guided pin, with the error of its load line by the likelihood.
+def _free_load_line(
+    problem: Problem, unknowns: Unknowns, fixed: Minimum
+) -> tuple[LeastSquares, Minimum]:
+    """The minimum of a guided pin whose load line is unknown, from that with the line as assumed.
 
-    Line and place at rest leave nearly the same film. The fit is repeated with the line at the
-    assumed place: by what the likelihood is lower there, the line is known, and no better.
+    The error of the line is that of the likelihood: by what this is lower at the assumed place, the
+    line is known, and no better.
     """
-    unknowns = least.unknowns
-    k = unknowns.names.index("load_line")
+    k, rest = (unknowns.names.index(name) for name in ("load_line", "rest"))
+    place = problem.measured.value[problem.frames.measured, 0]
+    found = []
+    for line in (0.0, *_LINES):
+        start = np.insert(fixed.value, k, line / problem.orbits.journal.radius)
+        start[rest] -= start[k] * place.mean() / problem.orbits.journal.clearance
+        least = problem.pose(replace(unknowns, start=start), _HELD_CONVERGED)
+        try:
+            found.append(least.solve())
+        except ModelError:
+            if not found:
+                raise
+    minimum = max(found, key=lambda one: one.log_likelihood)
     line, variance = minimum.value[k], minimum.covariance[k, k]
     along = minimum.covariance[:, k] / variance
     if abs(line) <= _FAR * np.sqrt(variance):
-        return minimum
-    alone = unknowns.without("load_line", minimum.value)
-    try:
-        fixed = problem.pose(alone, least.tolerance).solve()
-    except ModelError:
-        return minimum
+        return least, minimum
     gain = max(minimum.log_likelihood - fixed.log_likelihood, 1e-12)
     doubt = min(line**2 / (2 * gain), unknowns.expected_std[k] ** 2) - variance
     more = max(doubt, 0.0) * np.outer(along, along)
-    return replace(minimum, covariance=minimum.covariance + more)
+    return least, replace(minimum, covariance=minimum.covariance + more)
 
 
 def _of_orbit(columns: dict[str, _Column]) -> dict[str, _Column]:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
@@ -57,6 +58,11 @@ class Observations:
     random_cov: Array
     shared: Array
 
+    @cached_property
+    def _inverse_root(self) -> Array:
+        """Inverses of the lower triangular roots of `random_cov`, (group, member, member)."""
+        return np.linalg.inv(np.linalg.cholesky(self.random_cov))
+
     def whiten(self, values: Array) -> Array:
         """Values in units of their random standard deviations, (..., observation).
 
@@ -68,8 +74,7 @@ class Observations:
         -------
         array, (..., observation)
         """
-        inverse = np.linalg.inv(np.linalg.cholesky(self.random_cov))
-        white = np.einsum("gij,...gj->...gi", inverse, values)
+        white = np.einsum("gij,...gj->...gi", self._inverse_root, values)
         return np.asarray(white.reshape(*values.shape[:-2], self.size))
 
     @property

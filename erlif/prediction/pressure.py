@@ -51,6 +51,9 @@ PLACE_ERROR = 0.1
 # peak it is known with 95 % certainty that it is there, and errors are still nearly linear.
 CLEAR = 0.5
 
+# Standard deviations within which all rates of a film at rest are zero.
+RESTING = 3.0
+
 _STEP = 0.02  # largest relative change of the film for a derivative
 
 
@@ -87,7 +90,8 @@ def find_pressures(
     cavities close or open so quickly that the path of the pin has a kink, where the Reynolds
     equation has no solution (`pressure_solved` is 0 there), and at all triggers of a film with
     cavities that leave out more than `LARGEST_GAP` of a turn, unless a predicted motion fills the
-    gap. The change by cavities on the path without the prediction is then an error as well.
+    gap. The change by cavities on the path without the prediction is then an error as well. A film
+    at rest with such a gap is not solved: it closes nowhere, and its wedge has cavities.
 
     Parameters
     ----------
@@ -141,6 +145,9 @@ def find_pressures(
     """
     view = _View(journal.radius, place, axial)
     search = _Search(journal, viscosity, motion, view, cells, np.array(settings_std), load_line_std)
+    # known before anything is solved
+    if _rests(motion) and not _covers_turn(motion):
+        return _collect([_hide({}, np.nan, np.inf) for _ in viscosity], view)
     rows = [_judge(row) for row in search.find_all(progress)]
     # a cavity at a trigger without a pressure may be one of the noise
     if any(row["pressure_measured"] > 0 and row["cavity"] > 0 for row in rows):
@@ -246,6 +253,13 @@ def _covers_turn(motion: PinMotion) -> bool:
     back = motion.angle[-1] + step / 2 * (motion.turning[-1] + motion.turning[0])
     returns = np.abs(back - motion.angle[0]) <= step * np.abs(motion.turning).max()
     return bool(returns and motion.widest_gap <= LARGEST_GAP)
+
+
+def _rests(motion: PinMotion) -> bool:
+    """Whether no rate of the pin exceeds its errors."""
+    variance = np.diagonal(motion.random_cov + motion.shared_cov, axis1=1, axis2=2)
+    rates = slice(NUMBERS, NUMBERS + 2)
+    return bool((np.abs(motion.rate[:, :2]) < RESTING * np.sqrt(variance)[:, rates]).all())
 
 
 def _hide(row: dict[str, Array], change: float, history: float = np.nan) -> dict[str, Array]:

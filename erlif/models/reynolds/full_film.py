@@ -242,6 +242,7 @@ def _stride(motion: Motion) -> int:
                 (motion.load, float(np.abs(motion.load).max())),
                 (motion.load_direction, 1.0),
             )
+            if np.ptp(one) > 0  # a constant is resolved by any steps
         ):
             break
         stride //= 2

@@ -30,8 +30,8 @@ from erlif.prediction import (
     measured_minima,
     measured_positions,
 )
-from erlif.prediction.comparison import ANY_GUIDED, STEADY
-from erlif.prediction.fit import FEWEST_TRIGGERS, LOAD_LINE_STD
+from erlif.prediction.comparison import STEADY
+from erlif.prediction.fit import FEWEST_TRIGGERS, LOAD_LINE_STD, MISFIT
 from erlif.trend import VogelLaw, viscosity_at
 
 _POSITIONS = (
@@ -42,6 +42,7 @@ _POSITIONS = (
 )
 _FAR = 3.0  # standard deviations of a fitted load line from that of the film, from which it counts
 _MILLI = 1e3
+_CHANCE = 1e-3  # that errors alone move the tilt so far, from which the pin rocks
 
 
 @takes(path="run or film")
@@ -141,10 +142,9 @@ def _by_kelvin(law: VogelLaw, frames: xr.Dataset) -> float:
 def state_physics(film: xr.Dataset, settings: RunSettings, frames: xr.Dataset) -> str:
     """State which physics carries a film and how certain that is, without films with cavities.
 
-    The film of a free pin, squeeze in closed form, a constant gap and the steady formulas are
-    fitted. A guided pin is represented by the largest likelihood that it can have. Where this is
-    above that of all fitted films, the sentence states this and names the command that fits the
-    guided pin. Where no model describes the film, it names none.
+    The film of a free pin, squeeze in closed form, a constant gap, the steady formulas and powers
+    of speed over load are fitted. Where none describes the film and the pin stays on one line, as a
+    guided one does, the text names the command that fits this.
 
     Parameters
     ----------
@@ -157,26 +157,15 @@ def state_physics(film: xr.Dataset, settings: RunSettings, frames: xr.Dataset) -
     Returns
     -------
     str
-        One line; empty where nothing is predicted.
+        The verdict in a first sentence, then what limits it; empty where nothing is predicted.
     """
     if "film_predicted_min" not in film or not all(name in film for name in _POSITIONS):
         return ""
     try:
-        comparison = _compare_models(film, settings, frames, ("free", "any guided"))
+        return _compare_models(film, settings, frames, ("free", "any guided")).verdict
     # the measured film is complete without this sentence
     except (ErlifError, ArithmeticError, ValueError, np.linalg.LinAlgError):
         return ""
-    if comparison.carrier is None:
-        text = " erlif predict FILM --fit also fits a pin on a sideways spring."
-        return comparison.verdict + ("" if comparison.candidates[0].describes else text)
-    if comparison.carrier != ANY_GUIDED:
-        return f"{comparison.verdict} With the fitted viscosity: erlif predict FILM --fit."
-    best = next(one for one in comparison.candidates if one.name != ANY_GUIDED)
-    return (
-        "Not decided: a guided pin may agree better with the positions than the films of a free "
-        f"pin, of squeeze and of steady formulas (best: {best.name}, off by {best.inflation:.3g} "
-        "times the stated errors). Fit it with erlif predict FILM --fit."
-    )
 
 
 def _compare_models(
@@ -195,20 +184,48 @@ def _compare_models(
     motion = build_motion(settings, frames)
     journal = build_journal(settings, motion.viscosity)
     steady = {name: film[name].values * 1e-6 for name in STEADY if name in film}
+    regime = str(film["film_theory"].attrs.get("regime", "")) if "film_theory" in film else ""
+    drives = "rocker_speed" in film and "joint_load" in film
     given = _given_errors(settings, film, frames)
     line = given.load_line
     measured = _measured_motion(film, journal)
-    return compare_models(
+    found = compare_models(
         measured,
         journal,
         motion,
         trigger=np.where(frames.used.values, frames.trigger.values, -1),
         steady=steady,
+        regime=regime or "isoviscous-rigid",
+        drive=(film["rocker_speed"] / film["joint_load"]).values if drives else None,
+        viscosity_std=joint_and_oil(settings)[1].viscosity_std,
         sideways=[one for one in sideways if one != "spring" or measured.is_position],
         load_line_std=LOAD_LINE_STD if line is None else line,
-        given=given if "guided" in sideways else None,  # one sentence states no errors
+        given=given,
         progress=progress,
     )
+    rocking = _rocking(film)
+    if not rocking:
+        return found
+    middle = found.verdict[0].lower() + found.verdict[1:]
+    text = f"The pin rocks by {rocking:.2g} nm/mm, which no model has; in its middle {middle}"
+    return replace(found, verdict=text)
+
+
+def _rocking(film: xr.Dataset) -> float:
+    """Range of the tilt of the pin towards the load where it moves beyond its random error, else 0.
+    [nm/mm]
+    """
+    if not all(name in film for name in ("pin_tilt", *_POSITIONS)):
+        return 0.0
+    tilt, variance = film.pin_tilt.values[:, 0], film.pin_position_cov_random.values[:, 2, 2]
+    known = np.isfinite(tilt) & (variance > 0)
+    tilt, variance = tilt[known], variance[known]
+    if tilt.size < FEWEST_TRIGGERS:
+        return 0.0
+    from scipy.special import chdtrc  # slow to load
+
+    chi = float(((tilt - np.average(tilt, weights=1 / variance)) ** 2 / variance).sum())
+    return 1e3 * float(np.ptp(tilt)) if chdtrc(tilt.size - 1, chi / MISFIT**2) < _CHANCE else 0.0
 
 
 def _given_errors(settings: RunSettings, film: xr.Dataset, frames: xr.Dataset) -> GivenErrors:

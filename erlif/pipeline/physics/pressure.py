@@ -31,7 +31,7 @@ from erlif.pipeline.plane import ObjectPlane
 from erlif.prediction.fit import LOAD_LINE_STD
 from erlif.prediction.gaps import LARGEST_GAP, MOST_FILLED, find_motion_in_gaps
 from erlif.prediction.pin_motion import FEWEST, PinMotion, find_pin_motion
-from erlif.prediction.pressure import CHANGING, CLEAR, find_pressures
+from erlif.prediction.pressure import CHANGING, CLEAR, RESTING, find_pressures
 from erlif.trend import PinView, load_line_covariance, viscosity_at
 
 # Places along sliding and along the axis at which the pressure is given.
@@ -414,14 +414,22 @@ def state_limits(pressure: xr.Dataset) -> str:
             "can follow: no pressure there. More triggers in a cycle would help."
         )
     history = pressure.cavity_history.values
+    rate, error = pressure.film_rate.values, pressure.film_rate_std.values
+    if not count and np.nanmax(np.abs(rate) / error) < RESTING:
+        return (
+            "The film is at rest within its errors, and no pressure follows from it: it changes by "
+            f"{np.nanmedian(np.abs(rate)):.2g} um/s, known to ± {np.nanmedian(error):.2g} um/s. "
+            "Record from the moment of loading on, more cycles, or with more light."
+        )
     if np.isinf(history).any():
         return (
             "The film has cavities, whose extent depends on the motion before, and no trigger was "
             f"recorded over {100 * LARGEST_GAP:.0f} % or more of a turn of the crank. The motion "
             f"of a guided pin under the logged load fills up to {100 * MOST_FILLED:.0f} % where it "
-            "describes the film; here the gap is longer, the load is not known, or it does not: no "
-            "pressure. Record the joint over its cycle, with triggers that are even in time or "
-            "crank angle; marks of the rocker leave gaps at its dead points."
+            "describes the film; here the gap is longer, the load is not known (load in [joint]), "
+            "or it does not (load_line in [prediction] narrows it): no pressure. Record the joint "
+            "over its cycle, with triggers that are even in time or crank angle; marks of the "
+            "rocker leave gaps at its dead points."
         )
     old = ~measured & ~closing & (history > CLEAR)
     if old.any():
@@ -461,7 +469,7 @@ def _state_refusal(refused: xr.Dataset) -> str:
     if not np.isfinite(random).any():
         return (
             "the gap that continues the image closes within the error of its tilt, or no position "
-            "was measured. A wider image along the axis or more light would help."
+            "was measured. A wider roi in [thickness] along the axis or more light would help."
         )
 
     # the peak that the load makes is what has to be resolved
@@ -479,7 +487,7 @@ def _state_refusal(refused: xr.Dataset) -> str:
         )
     else:
         by_settings = np.nanmedian(settings) > np.nanmedian(shared)
-        given = "viscosity and clearance that are known better do"
+        given = "smaller viscosity_std in [oil] and clearance_std in [joint] do"
         helps = given if by_settings else "a better calibration does"
         cure = (
             "Errors that all triggers share, those of calibration, surfaces, viscosity and "

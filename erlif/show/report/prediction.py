@@ -14,7 +14,7 @@ from erlif.io.files import settings_of
 from erlif.pipeline.physics.prediction import describe_sideways, note_difference
 from erlif.prediction import Estimate, ModelComparison
 from erlif.prediction.comparison import DESCRIBED
-from erlif.show.report.layout import TABLES, decimals, print_rows
+from erlif.show.report.layout import TABLES, print_rows
 from erlif.trend import correlate
 
 
@@ -131,7 +131,7 @@ def summarise_comparison(found: ModelComparison) -> str:
     --------
     >>> from erlif.prediction import FilmModel
     >>> one = FilmModel("a guided pin", 0.0, 4, 1.0, 4e-8)
-    >>> print(summarise_comparison(ModelComparison((one,), "It swings.", None, 1.0)))
+    >>> print(summarise_comparison(ModelComparison((one,), "It swings.", None)))
     It swings.
       model          BIC  residual [um]
       a guided pin   0    0.04
@@ -143,35 +143,27 @@ def summarise_comparison(found: ModelComparison) -> str:
         f"  {one.name:{width}s}{one.bic:<4.0f} {one.residual * 1e6:.3g}" for one in found.candidates
     ]
     lines += [f"  {name:{width}s}not fitted: {why}" for name, why in found.not_fitted.items()]
-    if found.fit is not None:
-        # the scatter about a wrong model is not an error of its parameters
-        described = found.fit.inflation <= DESCRIBED
-        doubt = "" if described else "; no errors, as the model does not describe the positions"
+    # the numbers of a wrong model mean nothing
+    if found.fit is not None and found.fit.inflation <= DESCRIBED:
         held = found.fit.sideways
-        lines.append(f"  fitted: pin {held} sideways{doubt}")
+        lines.append(f"  fitted: pin {held} sideways")
         # of a guided pin, that and the place at rest leave the same film but for a few errors
         fitted = {n: e for n, e in found.fit.estimates.items() if (n, held) != _ALIKE}
         for name, shown in TABLES["fitted"].items():
             if name in fitted:
-                lines.append(f"    {shown['title']}: {_value(fitted[name], shown, described)}")
+                lines.append(f"    {shown['title']}: {_value(fitted[name], shown)}")
         lines += [f"  {note}" for note in found.fit.notes]
     return "\n".join(lines)
 
 
-def _value(estimate: Estimate, shown: Mapping[str, Any], described: bool) -> str:
-    """A value with its standard deviation where the model holds, or the limit of the data."""
-    one, unit = estimate.times(shown.get("factor", 1.0), estimate.unit), shown["unit"]
-    limited = described and one.low > 0 and np.isfinite(one.low) and np.isinf(one.high)
-    if limited:
+def _value(estimate: Estimate, shown: Mapping[str, Any]) -> str:
+    """A value with its standard deviation and their parts, or the limit of the data."""
+    one, unit = estimate.times(shown.get("factor", 1.0), shown["unit"] or "1"), shown["unit"]
+    if one.low > 0 and np.isfinite(one.low) and np.isinf(one.high):
         return f"above {one.low:.3g} (95 %) {unit}"
     if not shown.get("signed", False) and not one.std < abs(one.value):
         return "not determined"
-    if not described:
-        return f"about {one.value:.2g} {unit}"
-    # two digits of the error, as elsewhere
-    digits = decimals(one.std, 2)
-    text = f"{one.value:.{digits}f} ± {one.std:.{digits}f} {unit}".rstrip()
     parts = {name: std for name, std in one.parts.items() if std > _SMALL_PART * one.std}
     if set(parts) <= {"fit"}:
-        return text
-    return f"{text}: " + ", ".join(f"{n.replace('_', ' ')} {std:.2g}" for n, std in parts.items())
+        return str(one)
+    return f"{one}: " + ", ".join(f"{n.replace('_', ' ')} {std:.2g}" for n, std in parts.items())

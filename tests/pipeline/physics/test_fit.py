@@ -139,7 +139,7 @@ def test_a_film_that_rises_under_its_load_is_carried_by_no_model(sinking, tmp_pa
     monkeypatch.setattr("erlif.pipeline.physics.fit.compare_models", compare_quickly)
     found = fit_film(path)
     assert found.carrier is None
-    assert found.verdict.startswith("None of the models describes this film")
+    assert found.verdict.startswith("No model fits: ")
     assert asked == [["free", "guided"], ["free", "guided", "spring"]]
 
 

@@ -331,3 +331,15 @@ def test_films_of_other_joints_are_refused(tmp_path):
         pressure_from_film(make_film(count=4))
     with pytest.raises(ErlifError, match="does not exist"):
         pressure_from_film(tmp_path / "film.nc")
+
+
+def test_a_film_at_rest_is_named_so_and_not_solved(monkeypatch):
+    """At one place within its noise; its wedge would have cavities, of which a part is recorded."""
+    film = make_film()
+    noise = np.sqrt(np.diagonal(film.pin_position_cov_random.values, axis1=1, axis2=2))
+    shaken = noise * np.random.default_rng(2).normal(size=noise.shape)
+    film["pin_displacement"] = 0 * film.pin_displacement + [224.0, 0.0] + shaken[:, :2]
+    monkeypatch.setattr("erlif.prediction.pressure.solve_pin_motion", None)
+    result = pressure_from_film(film.isel(trigger=slice(7)))
+    assert not result.pressure_measured.values.any()
+    assert result.attrs["statement"].startswith("The film is at rest within its errors")
