@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -52,6 +52,13 @@ class FilmStatistics:
         minimum is not affected. [1]
     minimum_misfit : float
         Variance of smooth departures of the map from the gap, over that by noise and marks. [1]
+    inverse : float
+        Mean of the inverse of the film over the measurable pixels, to which its shear is in
+        proportion. [1/um]
+    inverse_random_std : float
+        The part of its standard deviation that is new at every trigger. [1/um]
+    inverse_gradient : Array
+        As mean_gradient, for the inverse.
     """
 
     mean: float
@@ -66,6 +73,9 @@ class FilmStatistics:
     minimum_place: Array
     beyond_range: float
     minimum_misfit: float = 0.0
+    inverse: float = math.nan
+    inverse_random_std: float = math.nan
+    inverse_gradient: Array = field(default_factory=lambda: np.zeros(0))
 
     @property
     def minimum_departs(self) -> bool:
@@ -203,6 +213,9 @@ def summarise_blocks(sums: BlockSums, curve: FilmCurve, minimum: GapMinimum) -> 
     nan
     """
     mean, mean_random, mean_gradient = _average_film(sums, curve)
+    inverse, inverse_random, inverse_gradient = math.nan, math.nan, 0 * mean_gradient
+    if math.isfinite(mean):
+        inverse, inverse_random, inverse_gradient = _average_film(sums, curve, inverse=True)
     found = FilmStatistics(
         mean=mean,
         mean_std=math.nan,
@@ -212,6 +225,9 @@ def summarise_blocks(sums: BlockSums, curve: FilmCurve, minimum: GapMinimum) -> 
         minimum_std=math.nan,
         # of the otherwise valid pixels, those whose film lies outside the measurable range
         beyond_range=sums.beyond / max(sums.valid + sums.beyond, 1),
+        inverse=inverse,
+        inverse_random_std=inverse_random,
+        inverse_gradient=inverse_gradient,
     )
     return found.with_errors(curve.calibration.full_covariance)
 
@@ -228,8 +244,12 @@ def _numbers_of(minimum: GapMinimum) -> dict[str, Any]:
     }
 
 
-def _average_film(sums: BlockSums, curve: FilmCurve) -> tuple[float, float, Array]:
+def _average_film(
+    sums: BlockSums, curve: FilmCurve, *, inverse: bool = False
+) -> tuple[float, float, Array]:
     """Mean over the measurable pixels, its random standard deviation and its gradient.
+
+    That of the film, or of its inverse.
 
     The inverse h of the log ratio r is expanded about the mean log ratio m of each block,
     h(m) + h' (r - m) + h'' ((r - m)^2 - variance) / 2. The mean of this is the mean film whatever
@@ -251,12 +271,16 @@ def _average_film(sums: BlockSums, curve: FilmCurve) -> tuple[float, float, Arra
     linear = ratio - count * middle
     square = squared - 2 * middle * ratio + count * middle**2 - variance
     film, rate, curvature = (each[place] for each in (curve.film, curve.rate, curve.curvature))
+    slope = np.ones_like(film)
+    if inverse:
+        slope, curvature = -1 / film**2, 2 * rate**2 / film**3 - curvature / film**2
+        film, rate = 1 / film, slope * rate
     mean = float((film * count + rate * linear + 0.5 * curvature * square).sum()) / size
-    gradient = curve.gradient @ np.bincount(place, count, curve.film.size) / size
+    gradient = curve.gradient @ np.bincount(place, count * slope, curve.film.size) / size
 
     # blocks whose ratio no film has are extrapolated, to thousands of um where most are such
     low, high = curve.calibration.thickness_range
-    if not low - _BEYOND * high <= mean <= high + _BEYOND * high:
+    if not inverse and not low - _BEYOND * high <= mean <= high + _BEYOND * high:
         return unknown
 
     random = math.sqrt(sums.noise_correlation * float((rate**2 * variance).sum())) / size

@@ -176,6 +176,7 @@ class TriggerResult:
             statistics,
             mean_gradient=extend(statistics.mean_gradient),
             minimum_gradient=extend(statistics.minimum_gradient),
+            inverse_gradient=extend(statistics.inverse_gradient),
         )
         if position is not None:
             form = replace(position.form, gradient=extend(position.form.gradient))
