@@ -1,0 +1,211 @@
+"""Friction of the measured film: of the region of interest, and of the whole round joint."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import xarray as xr
+
+from erlif.core.arrays import Array
+from erlif.core.products import require
+from erlif.core.variables import FILM
+from erlif.models.reynolds import Journal
+from erlif.models.reynolds.full_film import FullFilm
+from erlif.models.shear import (
+    hersey_number,
+    journal_pressure_torque,
+    journal_shear_torque,
+    tilt_factor,
+    void_share,
+)
+from erlif.prediction.given import GivenErrors
+from erlif.trend import FilmStatistics
+
+# Standard deviation of a predicted sideways force over its size: that of a measured film differs.
+_REACTION = 0.5
+
+_MICRO, _EXACT = 1e6, GivenErrors()
+
+
+def find_drag(
+    statistics: Sequence[FilmStatistics],
+    shear: Array,
+    *,
+    area: float,
+    calibration_cov: Array,
+    viscosity_std: float = 0.0,
+) -> xr.Dataset:
+    """Find the shear force on the region of interest: its Couette part, eta U A / film.
+
+        Parameters
+        ----------
+        statistics : sequence of FilmStatistics
+            Of the triggers.
+        shear : array, (trigger,)
+            Viscosity times sliding speed. [Pa m]
+        area : float
+            Of the region, to which the mean over the measurable pixels is extrapolated. [m2]
+        calibration_cov : array
+            `RatioCurve.full_covariance`.
+        viscosity_std : float
+            Standard deviation of the viscosity over it.
+
+        Returns
+        -------
+        xarray.Dataset
+            film_drag and film_drag_std [N], on dim trigger.
+
+        Examples
+        --------
+        >>> from erlif.show.plots import example_calibration
+        >>> from erlif.prediction.given import GivenErrors
+    from erlif.trend import FilmStatistics
+        >>> one, none = np.zeros(3), np.zeros(2)
+        >>> film = FilmStatistics(5.0, 0.1, 0.1, one, 5.0, 0.1, 0.1, 0.1, one, none, 0.0,
+        ...     inverse=0.2, inverse_random_std=0.01, inverse_gradient=one)
+        >>> drag = find_drag([film], np.array([0.01]), area=1e-4, calibration_cov=np.eye(3))
+        >>> drag.film_drag.values.round(3), drag.film_drag_std.values.round(3)
+        (array([0.2]), array([0.01]))
+    """
+    value = np.array([one.inverse for one in statistics])
+    random = np.array([one.inverse_random_std for one in statistics])
+    gradients = np.array([one.inverse_gradient for one in statistics])
+    shared = np.einsum("tp,pq,tq->t", gradients, calibration_cov, gradients)
+    # a part beyond the range is not known: 0 to 2 times the shear of the rest
+    beyond = np.array([one.beyond_range for one in statistics]) / np.sqrt(3)
+    std = np.sqrt(random**2 + shared + (viscosity_std**2 + beyond**2) * value**2)
+    force = _MICRO * shear * area  # of a film of 1 um
+    columns = {"film_drag": force * value, "film_drag_std": force * std}
+    return xr.Dataset({name: FILM[name].fill(each) for name, each in columns.items()})
+
+
+def find_friction(
+    film: xr.Dataset,
+    journal: Journal,
+    *,
+    viscosity: Array,
+    direction: Array,
+    given: GivenErrors = _EXACT,
+    viscosity_std: float = 0.0,
+) -> xr.Dataset:
+    """Find the friction of the film of a whole round joint from the position of its pin.
+
+    Shear of the round gap, all round and over the whole length, and the moment of the load. The
+    film is full where its lowest pressure under the forces lies above that of cavities. Else
+    cavities take off half of what they can, with the standard deviation of an even distribution.
+    The pin is taken as parallel; a tilt counts as an error.
+
+    Parameters
+    ----------
+    film : xarray.Dataset
+        pin_displacement [um], pin_position_cov, pin_position_cov_random, sliding_speed [m s-1] and
+        joint_load [N]; reaction_side [N] of a pin that is held; torque_logged [N m] where there is
+        one; dim trigger.
+    journal : Journal
+        The joint, with any viscosity: `viscosity` takes its place.
+    viscosity : array, (trigger,)
+        [Pa s]
+    direction : array, (trigger,)
+        1 where the surface of the bushing moves along sliding, -1 where it moves against it.
+    given : GivenErrors
+        Of which clearance, load and tilt count.
+    viscosity_std : float
+        Standard deviation of the viscosity over it.
+
+    Returns
+    -------
+    xarray.Dataset
+        friction_torque and friction_torque_pressure [N m], friction_void_share [1],
+        friction_coefficient [1], friction_power [W] and hersey_number [1], with standard
+        deviations; torque_not_film [N m] with a logged torque. NaN where pin and bushing touch.
+
+    Raises
+    ------
+    ErlifError
+        If a variable is missing.
+
+    Examples
+    --------
+    A film of 6 um at the load line of the joint of Farzaneh (2002):
+
+    >>> film = xr.Dataset({
+    ...     "pin_displacement": (("trigger", "axis"), [[224.0, 0.0]]),
+    ...     "pin_position_cov": (("trigger", "a", "b"), 1e-4 * np.eye(4)[None]),
+    ...     "pin_position_cov_random": (("trigger", "a", "b"), 1e-4 * np.eye(4)[None]),
+    ...     "sliding_speed": ("trigger", [0.0842]), "joint_load": ("trigger", [222.4]),
+    ... })
+    >>> joint, one = Journal(0.03336, 0.03359, length=0.237, viscosity=0.12), np.ones(1)
+    >>> found = find_friction(film, joint, viscosity=0.12 * one, direction=one,
+    ...                       viscosity_std=0.02)
+    >>> print(f"{found.friction_torque.item():.3f} ± {found.friction_torque_std.item():.3f} N m, "
+    ...       f"coefficient {found.friction_coefficient.item():.3f}")
+    0.323 ± 0.006 N m, coefficient 0.043
+    """
+    require(film, "pin_displacement", "pin_position_cov", "pin_position_cov_random")
+    require(film, "sliding_speed", "joint_load")
+    (ex, ey), clearance = film.pin_displacement.values.T / _MICRO, journal.clearance
+    distance = np.hypot(ex, ey)
+    distance = np.where(distance < clearance, distance, np.nan)
+    speed, load = film.sliding_speed.values, film["joint_load"].values
+    side = film["reaction_side"].values if "reaction_side" in film else np.zeros_like(load)
+
+    # a full film has no cavities unless its pressure would fall below theirs
+    along, across = (ex * load + ey * side) / distance, (ex * side - ey * load) / distance
+    force = np.stack([along, across], axis=-1)
+    lowest = FullFilm.of(journal).lowest_pressure(1 - distance / clearance, force)
+    full = lowest >= journal.cavitation_pressure
+    voids = np.where(full, 0.0, void_share(distance / clearance))
+
+    couette = journal_shear_torque(
+        distance / clearance,
+        viscosity=viscosity,
+        speed=speed,
+        radius=journal.radius,
+        length=journal.length,
+        clearance=clearance,
+    )
+    couette = couette * (1 - voids / 2)
+    pressure = direction * journal_pressure_torque(ex, ey, load=load, side=side)
+    torque = couette + pressure
+
+    # changes with the displacements, and with the clearance at the same films
+    thinner = couette * distance / (clearance**2 - distance**2)
+    unit = np.stack([ex, ey], axis=-1) / distance[:, np.newaxis]
+    moment = 0.5 * np.stack([-direction * side, direction * load], axis=-1)
+    gradient = thinner[:, np.newaxis] * unit + moment
+    wider = (moment * unit).sum(axis=-1) - couette / (clearance + distance)
+
+    def variance(name: str) -> Array:
+        units = np.einsum("ti,tij,tj->t", gradient, film[name].values[:, :2, :2], gradient)
+        return np.asarray(units) / _MICRO**2
+
+    tilted = tilt_factor(given.tilt, length=journal.length, film=clearance - distance) - 1
+    parts = (
+        viscosity_std * couette,
+        given.clearance * wider,
+        given.load * pressure,
+        _REACTION * 0.5 * ex * side,
+        tilted * couette,
+        voids / np.sqrt(12) * couette / (1 - voids / 2),
+    )
+    std = np.sqrt(variance("pin_position_cov") + sum(part**2 for part in parts))
+
+    arm, rate = load * journal.radius, speed / journal.radius
+    per_length = load / journal.length
+    columns = {
+        "friction_torque": torque,
+        "friction_torque_std": std,
+        "friction_torque_std_random": np.sqrt(variance("pin_position_cov_random")),
+        "friction_torque_pressure": pressure,
+        "friction_void_share": voids,
+        "friction_coefficient": torque / arm,
+        "friction_coefficient_std": np.hypot(std, given.load * torque) / arm,
+        "friction_power": torque * rate,
+        "friction_power_std": std * rate,
+        "hersey_number": hersey_number(speed, viscosity=viscosity, load_per_length=per_length),
+    }
+    if "torque_logged" in film:
+        columns["torque_not_film"] = np.abs(film["torque_logged"].values) - torque
+        columns["torque_not_film_std"] = std
+    return xr.Dataset({name: FILM[name].fill(values) for name, values in columns.items()})
