@@ -38,35 +38,33 @@ def find_drag(
 ) -> xr.Dataset:
     """Find the shear force on the region of interest: its Couette part, eta U A / film.
 
-        Parameters
-        ----------
-        statistics : sequence of FilmStatistics
-            Of the triggers.
-        shear : array, (trigger,)
-            Viscosity times sliding speed. [Pa m]
-        area : float
-            Of the region, to which the mean over the measurable pixels is extrapolated. [m2]
-        calibration_cov : array
-            `RatioCurve.full_covariance`.
-        viscosity_std : float
-            Standard deviation of the viscosity over it.
+    Parameters
+    ----------
+    statistics : sequence of FilmStatistics
+        Of the triggers.
+    shear : array, (trigger,)
+        Viscosity times sliding speed. [Pa m]
+    area : float
+        Of the region, to which the mean over the measurable pixels is extrapolated. [m2]
+    calibration_cov : array
+        `RatioCurve.full_covariance`.
+    viscosity_std : float
+        Standard deviation of the viscosity over it.
 
-        Returns
-        -------
-        xarray.Dataset
-            film_drag and film_drag_std [N], on dim trigger.
+    Returns
+    -------
+    xarray.Dataset
+        film_drag and film_drag_std [N], on dim trigger.
 
-        Examples
-        --------
-        >>> from erlif.show.plots import example_calibration
-        >>> from erlif.prediction.given import GivenErrors
-    from erlif.trend import FilmStatistics
-        >>> one, none = np.zeros(3), np.zeros(2)
-        >>> film = FilmStatistics(5.0, 0.1, 0.1, one, 5.0, 0.1, 0.1, 0.1, one, none, 0.0,
-        ...     inverse=0.2, inverse_random_std=0.01, inverse_gradient=one)
-        >>> drag = find_drag([film], np.array([0.01]), area=1e-4, calibration_cov=np.eye(3))
-        >>> drag.film_drag.values.round(3), drag.film_drag_std.values.round(3)
-        (array([0.2]), array([0.01]))
+    Examples
+    --------
+    >>> from erlif.trend import FilmStatistics
+    >>> one, none = np.zeros(3), np.zeros(2)
+    >>> film = FilmStatistics(5.0, 0.1, 0.1, one, 5.0, 0.1, 0.1, 0.1, one, none, 0.0,
+    ...     inverse=0.2, inverse_random_std=0.01, inverse_gradient=one)
+    >>> drag = find_drag([film], np.array([0.01]), area=1e-4, calibration_cov=np.eye(3))
+    >>> drag.film_drag.values.round(3), drag.film_drag_std.values.round(3)
+    (array([0.2]), array([0.01]))
     """
     value = np.array([one.inverse for one in statistics])
     random = np.array([one.inverse_random_std for one in statistics])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Sequence
 from typing import Any
@@ -13,6 +14,7 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
 from erlif.core.arrays import Array, Mask
+from erlif.io.files import settings_of
 from erlif.show.plots import style
 from erlif.show.plots.style import MEAN, MINIMUM, MUTED, OUTWARD, RETURN, AnyFigure, pt, styled
 from erlif.show.plots.triggers import (
@@ -28,6 +30,12 @@ from erlif.trend import SLOWEST
 _LABELS = {
     "rocker_speed": "speed over load, |ω|/F [10⁻³ rad s⁻¹ N⁻¹]",
     "sliding_speed": "sliding speed over load, v/F [10⁻³ m s⁻¹ N⁻¹]",
+}
+
+# of a Stribeck curve, by its variable: label of the axis, its unit and its scale
+_STRIBECK = {
+    "hersey_number": ("Hersey number, ηvL/F [10⁻⁶]", 1e6, "log"),
+    "film_parameter": ("film parameter, Λ", 1.0, "linear"),
 }
 
 _TALL = 0.52  # height by width
@@ -260,4 +268,75 @@ def speed_figure(film: xr.Dataset, *, figure: AnyFigure | None = None) -> AnyFig
         style.TWO_COLUMNS, _TALL * style.TWO_COLUMNS, given=figure, named=film
     )
     style.draw_panels(figure.subplots(1, 2), (film_against_speed, film_and_theory), film)
+    return figure
+
+
+@style.film_panel
+def stribeck_curve(
+    film: xr.Dataset, *, against: str = "hersey_number", ax: Axes = style.NEW
+) -> list[Artist]:
+    """Draw the friction coefficient of the film against Hersey number or film parameter.
+
+    Grey: that of the logged torque. Dotted: Petroff's coefficient of a centred pin, which the
+    Hersey number determines. Other arguments as in `film_against_speed`.
+
+    Parameters
+    ----------
+    against : str
+        "hersey_number" or "film_parameter".
+
+    Returns
+    -------
+    list of Artist
+        Points of each stroke, those of the log, and the line.
+
+    Examples
+    --------
+    >>> from erlif.show.plots import example_film
+    >>> film, number = example_film(), ("trigger", [1e-6, 2e-6, 3e-6, 3e-6, 2e-6, 1e-6])
+    >>> names = "hersey_number", "friction_coefficient", "friction_coefficient_std"
+    >>> outward, back, petroff = stribeck_curve(film.assign(dict.fromkeys(names, number)))
+    >>> petroff.get_label()
+    'centred pin (Petroff)'
+    """
+    label, unit, scale = _STRIBECK[against]
+    ax.set(xscale=scale, yscale="log", xlabel=label, ylabel="friction coefficient")
+    x, value = unit * film[against].values, film.friction_coefficient.values
+    drawable = (x > 0) & (value > 0)  # the scales are logarithmic
+    bars = film.friction_coefficient_std.values
+    artists = draw_strokes(ax, film, x, value, bars, which=drawable)
+    if not artists:
+        state_no_film(ax, film)
+        return []
+    if "torque_not_film" in film:
+        whole = value * (1 + film.torque_not_film.values / film.friction_torque.values)
+        known = drawable & (whole > 0)
+        artists += draw_strokes(ax, film, x, whole, which=known, colour=MUTED, label="logged")
+    joint = settings_of(film).joint
+    if against == "hersey_number" and joint is not None:
+        radius = math.sqrt(joint.pin_radius * joint.bushing_radius)
+        petroff = 2 * np.pi * radius / (joint.bushing_radius - joint.pin_radius) / unit
+        ends, label = np.array([x[drawable].min(), x[drawable].max()]), "centred pin (Petroff)"
+        artists += style.draw_line(ax, ends, petroff * ends, MUTED, form=":", label=label)
+    style.plain_log_ticks(ax)
+    style.legend_below(ax, title=f"bars: {style.ONE_STD}")
+    return artists
+
+
+@styled
+def stribeck_figure(film: xr.Dataset, *, figure: AnyFigure | None = None) -> AnyFigure:
+    """Draw the Stribeck curve of a film, and beside it that against the film parameter.
+
+    Arguments as in `speed_figure`.
+
+    Returns
+    -------
+    Figure
+        Two columns wide; one, without the film parameter, where the film has none.
+    """
+    both = [name for name in _STRIBECK if name in film]
+    width = style.TWO_COLUMNS if len(both) > 1 else style.ONE_COLUMN
+    figure = style.new_figure(width, _TALL * style.TWO_COLUMNS, given=figure, named=film)
+    drawings = [functools.partial(stribeck_curve, against=name) for name in both]
+    style.draw_panels(np.ravel(figure.subplots(1, len(both))), drawings, film)
     return figure

@@ -12,7 +12,7 @@ from markupsafe import Markup
 from erlif.core.arrays import AnyArray, Array
 from erlif.core.flags import FLAG_COLOURS, Flag, describe_share
 from erlif.io.conversion import table_csv, trigger_columns
-from erlif.io.files import applicable_theory, motion_of, settings_of
+from erlif.io.files import applicable_theory, fastest_trigger, motion_of, settings_of
 from erlif.show.plots.files import FigureSource
 from erlif.show.report.layout import (
     TABLES,
@@ -74,6 +74,16 @@ def results_table(film: xr.Dataset, shares: Array) -> PageTable:
         rows.append(("Sliding speed", f"{with_span(1e3 * film.sliding_speed.values)} mm/s"))
     if "joint_load" in film:
         rows.append(("Load", f"{with_span(film['joint_load'].values)} N"))
+
+    if "friction_torque" in film:
+        top = film.isel(trigger=fastest_trigger(film))
+        torque, coefficient = (
+            with_error(float(top[name]), float(top[f"{name}_std"]))
+            for name in ("friction_torque", "friction_coefficient")
+        )
+        rows.append(
+            ("Friction of the film", f"{torque} N m, coefficient {coefficient}, at top speed")
+        )
 
     return PageTable(rows, caption="Results (± is one standard deviation, random and shared)")
 
