@@ -9,17 +9,12 @@ whatever its pressure is like: int h dp = -int p dh, and h = c - ex cos phi - ey
 import numpy as np
 
 from erlif.models.arguments import Values, formula
+from erlif.models.reynolds.journal import Journal
 
 
-@formula(eccentricity="share", clearance="length")
+@formula(eccentricity="share")
 def journal_shear_torque(
-    eccentricity: Values,
-    *,
-    viscosity: Values,
-    speed: Values,
-    radius: Values,
-    length: Values,
-    clearance: Values,
+    eccentricity: Values, journal: Journal, *, viscosity: Values, speed: Values
 ) -> Values:
     """Compute the Couette part of the torque of a full film round a journal.
 
@@ -30,12 +25,10 @@ def journal_shear_torque(
     ----------
     eccentricity : float or array
         Displacement of the pin over the radial clearance, eps. [1]
-    viscosity : float or array
-        Dynamic viscosity eta. [Pa s]
-    speed : float or array
-        Sliding speed U. [m/s]
-    radius, length, clearance : float or array
-        Radius R and length L of the film, radial clearance c. [m]
+    journal : Journal
+        Radius R and length L of the film, radial clearance c.
+    viscosity, speed : float or array
+        Dynamic viscosity eta [Pa s], sliding speed U [m/s].
 
     Returns
     -------
@@ -46,13 +39,14 @@ def journal_shear_torque(
     --------
     The joint of Farzaneh (2002) at its top speed, centred and at a film of 6 um:
 
-    >>> joint = {"viscosity": 0.12, "speed": 0.0842, "radius": 0.03347, "length": 0.237}
-    >>> journal_shear_torque([0.0, 0.974], clearance=230e-6, **joint).round(4)
-    array([0.0733, 0.3235])
+    >>> joint = Journal(0.03336, 0.03359, length=0.237, viscosity=0.12)
+    >>> journal_shear_torque([0.0, 0.974], joint, viscosity=0.12, speed=0.0842).round(4)
+    array([0.0733, 0.3236])
     """
     with np.errstate(divide="ignore"):
         shape = np.divide(1, np.sqrt(1 - np.square(eccentricity)))
-    return 2 * np.pi * viscosity * speed * radius**2 * length / clearance * shape
+    surface = 2 * np.pi * journal.radius * journal.length
+    return viscosity * speed * surface * journal.radius / journal.clearance * shape
 
 
 @formula(

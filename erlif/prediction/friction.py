@@ -10,27 +10,22 @@ import xarray as xr
 from erlif.core.arrays import Array
 from erlif.core.products import require
 from erlif.core.variables import FILM
+from erlif.models import shear
 from erlif.models.reynolds import Journal
 from erlif.models.reynolds.full_film import FullFilm
-from erlif.models.shear import (
-    hersey_number,
-    journal_pressure_torque,
-    journal_shear_torque,
-    tilt_factor,
-    void_share,
-)
+from erlif.models.reynolds.journal import as_mount
 from erlif.prediction.given import GivenErrors
 from erlif.trend import FilmStatistics
 
-# Standard deviation of a predicted sideways force over its size: that of a measured film differs.
-_REACTION = 0.5
+# Sideways force of a film with cavities over that of the full film, and its standard deviation.
+_WEDGE, _WEDGE_STD = 0.75, 0.25
 
 _MICRO, _EXACT = 1e6, GivenErrors()
 
 
 def find_drag(
     statistics: Sequence[FilmStatistics],
-    shear: Array,
+    stress: Array,
     *,
     area: float,
     calibration_cov: Array,
@@ -42,7 +37,7 @@ def find_drag(
     ----------
     statistics : sequence of FilmStatistics
         Of the triggers.
-    shear : array, (trigger,)
+    stress : array, (trigger,)
         Viscosity times sliding speed. [Pa m]
     area : float
         Of the region, to which the mean over the measurable pixels is extrapolated. [m2]
@@ -73,7 +68,7 @@ def find_drag(
     # a part beyond the range is not known: 0 to 2 times the shear of the rest
     beyond = np.array([one.beyond_range for one in statistics]) / np.sqrt(3)
     std = np.sqrt(random**2 + shared + (viscosity_std**2 + beyond**2) * value**2)
-    force = _MICRO * shear * area  # of a film of 1 um
+    force = _MICRO * stress * area  # of a film of 1 um
     columns = {"film_drag": force * value, "film_drag_std": force * std}
     return xr.Dataset({name: FILM[name].fill(each) for name, each in columns.items()})
 
@@ -84,28 +79,32 @@ def find_friction(
     *,
     viscosity: Array,
     direction: Array,
+    sideways: str | float = "free",
     given: GivenErrors = _EXACT,
     viscosity_std: float = 0.0,
 ) -> xr.Dataset:
     """Find the friction of the film of a whole round joint from the position of its pin.
 
-    Shear of the round gap, all round and over the whole length, and the moment of the load. The
-    film is full where its lowest pressure under the forces lies above that of cavities. Else
-    cavities take off half of what they can, with the standard deviation of an even distribution.
-    The pin is taken as parallel; a tilt counts as an error.
+    Shear of the round gap, all round and over the whole length, and the moment of the load. A
+    guided pin is held by the wedge of its film, one on a spring by that. The film is full where its
+    lowest pressure under these forces lies above that of cavities. Else cavities take off half of
+    the shear that they can, with the standard deviation of an even distribution, and a quarter of
+    the wedge, with as much as standard deviation. The pin is taken as parallel; a tilt counts as an
+    error.
 
     Parameters
     ----------
     film : xarray.Dataset
         pin_displacement [um], pin_position_cov, pin_position_cov_random, sliding_speed [m s-1] and
-        joint_load [N]; reaction_side [N] of a pin that is held; torque_logged [N m] where there is
-        one; dim trigger.
+        joint_load [N]; torque_logged [N m] where there is one; dim trigger.
     journal : Journal
         The joint, with any viscosity: `viscosity` takes its place.
     viscosity : array, (trigger,)
         [Pa s]
     direction : array, (trigger,)
         1 where the surface of the bushing moves along sliding, -1 where it moves against it.
+    sideways : str or float
+        "free", "guided", or a stiffness. [N/m]
     given : GivenErrors
         Of which clearance, load and tilt count.
     viscosity_std : float
@@ -146,25 +145,27 @@ def find_friction(
     distance = np.hypot(ex, ey)
     distance = np.where(distance < clearance, distance, np.nan)
     speed, load = film.sliding_speed.values, film["joint_load"].values
-    side = film["reaction_side"].values if "reaction_side" in film else np.zeros_like(load)
+    rate = speed / journal.radius
+
+    # a guided pin does not follow the mean turn of both surfaces, and is pressed sideways
+    full, mount = FullFilm.of(journal), as_mount(sideways)
+    thinnest = 1 - distance / clearance
+    damping = full.damping(thinnest)[:, 1] * viscosity / journal.viscosity
+    side = -direction * damping * distance * rate / 2 if mount.guided else -mount.stiffness * ey
 
     # a full film has no cavities unless its pressure would fall below theirs
     along, across = (ex * load + ey * side) / distance, (ex * side - ey * load) / distance
-    force = np.stack([along, across], axis=-1)
-    lowest = FullFilm.of(journal).lowest_pressure(1 - distance / clearance, force)
-    full = lowest >= journal.cavitation_pressure
-    voids = np.where(full, 0.0, void_share(distance / clearance))
+    lowest = full.lowest_pressure(thinnest, np.stack([along, across], axis=-1))
+    broken = lowest < journal.cavitation_pressure
+    voids = np.where(broken, shear.void_share(distance / clearance), 0.0)
+    wedge_std = np.where(broken & mount.guided, _WEDGE_STD * side, 0.0)
+    side = np.where(broken & mount.guided, _WEDGE * side, side)
 
-    couette = journal_shear_torque(
-        distance / clearance,
-        viscosity=viscosity,
-        speed=speed,
-        radius=journal.radius,
-        length=journal.length,
-        clearance=clearance,
+    whole = shear.journal_shear_torque(
+        distance / clearance, journal, viscosity=viscosity, speed=speed
     )
-    couette = couette * (1 - voids / 2)
-    pressure = direction * journal_pressure_torque(ex, ey, load=load, side=side)
+    couette = whole * (1 - voids / 2)
+    pressure = direction * shear.journal_pressure_torque(ex, ey, load=load, side=side)
     torque = couette + pressure
 
     # changes with the displacements, and with the clearance at the same films
@@ -178,19 +179,20 @@ def find_friction(
         units = np.einsum("ti,tij,tj->t", gradient, film[name].values[:, :2, :2], gradient)
         return np.asarray(units) / _MICRO**2
 
-    tilted = tilt_factor(given.tilt, length=journal.length, film=clearance - distance) - 1
+    film_min = clearance - distance
+    tilted = shear.tilt_factor(given.tilt, length=journal.length, film=film_min) - 1
     parts = (
         viscosity_std * couette,
         given.clearance * wider,
         given.load * pressure,
-        _REACTION * 0.5 * ex * side,
+        0.5 * ex * wedge_std,
         tilted * couette,
-        voids / np.sqrt(12) * couette / (1 - voids / 2),
+        voids / np.sqrt(12) * whole,
     )
     std = np.sqrt(variance("pin_position_cov") + sum(part**2 for part in parts))
 
-    arm, rate = load * journal.radius, speed / journal.radius
-    per_length = load / journal.length
+    arm, line_load = load * journal.radius, load / journal.length
+    hersey = shear.hersey_number(speed, viscosity=viscosity, load_per_length=line_load)
     columns = {
         "friction_torque": torque,
         "friction_torque_std": std,
@@ -201,7 +203,7 @@ def find_friction(
         "friction_coefficient_std": np.hypot(std, given.load * torque) / arm,
         "friction_power": torque * rate,
         "friction_power_std": std * rate,
-        "hersey_number": hersey_number(speed, viscosity=viscosity, load_per_length=per_length),
+        "hersey_number": hersey,
     }
     if "torque_logged" in film:
         columns["torque_not_film"] = np.abs(film["torque_logged"].values) - torque

@@ -53,7 +53,7 @@ def predict_frames(
     Returns
     -------
     xarray.Dataset
-        displacement_load and displacement_side [m], reaction_side [N], on dim frame.
+        displacement_load and displacement_side [m], on dim frame.
 
     Raises
     ------
@@ -81,7 +81,7 @@ def predict_frames(
         sideways=sideways,
         cells=(cells[0], 1) if journal.long else cells,
     )
-    names = "displacement_load", "displacement_side", "reaction_side"
+    names = "displacement_load", "displacement_side"
     return xr.Dataset(
         {name: ("frame", solved[name].values[motion.steps], solved[name].attrs) for name in names}
     )
@@ -167,9 +167,8 @@ def predict_triggers(
     -------
     xarray.Dataset
         On dim trigger: film_predicted_min and film_predicted_mean over the region of interest [um],
-        eccentricity [1], attitude [degree], and reaction_side [N]; on dim frame the first four with
-        the ending _frame, and elapsed_cycles [1]. Attributes of film_predicted_min:
-        start_film [um] and start_film_fitted.
+        eccentricity [1] and attitude [degree]; on dim frame the same with the ending _frame, and
+        elapsed_cycles [1]. Attributes of film_predicted_min: start_film [um] and start_film_fitted.
 
     Raises
     ------
@@ -210,7 +209,6 @@ def predict_triggers(
     predicted = _describe_positions(triggers, journal, view, "trigger")
     each = _describe_positions(frames, journal, view, "frame")
     predicted = predicted.merge(each.rename({name: f"{name}_frame" for name in each}))
-    predicted["reaction_side"] = FILM["reaction_side"].fill(triggers.reaction_side.values)
     turns = motion.cycles
     predicted["elapsed_cycles"] = FRAMES["elapsed_cycles"].fill(turns - turns.min())
 

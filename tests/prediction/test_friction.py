@@ -6,7 +6,7 @@ import pytest
 import xarray as xr
 
 from erlif.core.errors import ErlifError
-from erlif.models.reynolds import Journal, steady_journal
+from erlif.models.reynolds import Journal, Motion, solve_journal, steady_journal
 from erlif.prediction import GivenErrors, find_friction
 
 PIN = Journal(0.03336, 0.03359, length=0.237, viscosity=0.12)
@@ -28,7 +28,7 @@ def film(place=PLACE, std=(0.0, 0.0), load=W, speed=U, **more):
     )
 
 
-def friction(measured, pin=PIN, *, direction=1.0, viscosity=0.0, **errors):
+def friction(measured, pin=PIN, *, direction=1.0, viscosity=0.0, sideways="free", **errors):
     ones = np.ones(1)
     return find_friction(
         measured,
@@ -36,6 +36,7 @@ def friction(measured, pin=PIN, *, direction=1.0, viscosity=0.0, **errors):
         viscosity=0.12 * ones,
         direction=direction * ones,
         viscosity_std=viscosity,
+        sideways=sideways,
         given=GivenErrors(**errors),
     )
 
@@ -83,10 +84,28 @@ def test_errors_of_given_numbers_are_finite_differences():
     npt.assert_allclose(found, tilted, rtol=0.03)
 
 
-def test_sideways_force_of_a_held_pin_counts_with_half_its_size_as_error():
-    found = friction(film(reaction_side=-100.0))
-    npt.assert_allclose(found.friction_torque, sum_over_gap(side=-100.0), rtol=1e-6)
-    npt.assert_allclose(found.friction_torque_std, 0.5 * 0.5 * 222e-6 * 100.0, rtol=1e-6)
+def test_spring_holds_a_pin_that_is_off_its_line():
+    found = friction(film(), sideways=1e6)
+    npt.assert_allclose(found.friction_torque, sum_over_gap(side=-24.0), rtol=1e-6)
+
+
+@pytest.mark.parametrize("start", [60e-6, 10e-6])
+def test_guided_pin_has_the_torque_of_its_solved_film(start):
+    """The thick film is full, the thin one has cavities; torques over a turn, by the solver."""
+    time = np.linspace(0, 2 * 0.5263, 201)
+    angle = 0.106 * np.sin(2 * np.pi * time / 0.5263)
+    place = (PIN.clearance - start, 0.0)
+    solved = solve_journal(PIN, Motion(time, angle, W), start=place, sideways="guided")
+    speed = np.diff(angle) / np.diff(time)
+    ex = solved.displacement_load.values
+    for k in np.flatnonzero(np.abs(speed) > 0.5)[60::5]:
+        at, sense = 0.5e6 * (ex[k] + ex[k + 1]), np.sign(speed[k])
+        measured = film((at, 0.0), speed=abs(speed[k]) * PIN.radius)
+        found = friction(measured, direction=sense, sideways="guided")
+        expected = sense * float(solved.friction_torque[k + 1])
+        std = found.friction_torque_std.item()
+        assert (std > 1e-6) == (start < 50e-6)
+        assert abs(found.friction_torque.item() - expected) < max(2 * std, 2e-3 * expected)
 
 
 def test_cavities_are_known_by_the_pressure_of_the_full_film():

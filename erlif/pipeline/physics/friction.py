@@ -65,16 +65,16 @@ def describe_friction(
         viscosity_std=relative,
     )
 
-    # of a held pin the sideways force is known by the prediction alone
-    known = settings.prediction.sideways == "free" or "reaction_side" in film
-    if settings.joint is None or not (known and {"pin_displacement", "joint_load"} <= set(film)):
+    if settings.joint is None or not {"pin_displacement", "joint_load"} <= set(film):
         return found, []
-    moved = film["rocker_speed" if "rocker_speed" in film else "sliding_speed"].values
+    options = settings.prediction
+    moved = next((film[name].values for name in ("rocker_speed", "stroke") if name in film), 1.0)
     whole = find_friction(
         film,
         build_journal(settings, 1.0),  # its viscosity is not used
         viscosity=viscosity,
-        direction=np.sign(moved) * (1 if settings.prediction.direction == "along" else -1),
+        direction=np.sign(moved) * (1 if options.direction == "along" else -1),
+        sideways=options.sideways,
         given=given_errors(settings, film, film),
         viscosity_std=relative,
     )
@@ -88,7 +88,8 @@ def _note(film: xr.Dataset, friction: xr.Dataset, oil: OilSettings, viscosity: A
         return []
     top = int(np.nanargmax(np.where(np.isfinite(torque), speed, np.nan)))
     heat = shear_heating(float(speed[top]), viscosity=viscosity[top], conductivity=_CONDUCTIVITY)
-    rate = 1e6 * speed[top] / film.film_min.values[top]
+    place = film.pin_displacement
+    rate = 1e6 * speed[top] / (place.attrs["clearance"] - np.hypot(*place.values[top]))
     voids = float(np.nanmax(friction.friction_void_share.values))
     text = (
         "full film between rigid, smooth, parallel walls all round the joint, cavities take off up "

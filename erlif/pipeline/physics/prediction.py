@@ -46,8 +46,8 @@ class Prediction(NamedTuple):
     Attributes
     ----------
     triggers : xarray.Dataset
-        film_predicted_min and film_predicted_mean [um], eccentricity [1] and attitude [degree], of
-        a held pin reaction_side [N], on dim trigger; empty without a prediction.
+        film_predicted_min and film_predicted_mean [um], eccentricity [1] and attitude [degree], on
+        dim trigger; empty without a prediction.
     frames : xarray.Dataset
         The same and elapsed_cycles [1], on dim frame; empty without a prediction.
     notes : list of Note
@@ -250,9 +250,8 @@ def predict_run(plane: ObjectPlane, film: xr.Dataset, frames: xr.Dataset) -> Pre
     by_frame = by_frame.rename({f"{name}_frame": name for name in names})
     for one in (predicted, by_frame):
         one["attitude"].attrs["load_line"] = line
-    held = [] if options.sideways == "free" else ["reaction_side"]
     return Prediction(
-        predicted[[*names, *held]], by_frame.assign(elapsed_cycles=predicted.elapsed_cycles), []
+        predicted[names], by_frame.assign(elapsed_cycles=predicted.elapsed_cycles), []
     )
 
 
