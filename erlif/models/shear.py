@@ -24,7 +24,7 @@ def journal_shear_torque(
     Parameters
     ----------
     eccentricity : float or array
-        Displacement of the pin over the radial clearance, eps. [1]
+        Displacement of the pin over the radial clearance, eps, below 1. [1]
     journal : Journal
         Radius R and length L of the film, radial clearance c.
     viscosity, speed : float or array
@@ -33,7 +33,7 @@ def journal_shear_torque(
     Returns
     -------
     float or array
-        Torque with the sign of the speed; infinite where pin and bushing touch. [N m]
+        Torque with the sign of the speed. [N m]
 
     Examples
     --------
@@ -43,10 +43,8 @@ def journal_shear_torque(
     >>> journal_shear_torque([0.0, 0.974], joint, viscosity=0.12, speed=0.0842).round(4)
     array([0.0733, 0.3236])
     """
-    with np.errstate(divide="ignore"):
-        shape = np.divide(1, np.sqrt(1 - np.square(eccentricity)))
-    surface = 2 * np.pi * journal.radius * journal.length
-    return viscosity * speed * surface * journal.radius / journal.clearance * shape
+    film = journal.clearance * np.sqrt(1 - eccentricity**2)  # of which 1/film is the mean inverse
+    return 2 * np.pi * viscosity * speed * journal.radius**2 * journal.length / film
 
 
 @formula(
@@ -147,30 +145,6 @@ def tilt_factor(tilt: Values, *, length: Values, film: Values) -> Values:
     """
     change = np.clip(tilt * length / (2 * film), 1e-6, 1)  # of zero the limit
     return (np.sqrt(1 + change) - np.sqrt(1 - change)) / change
-
-
-@formula()
-def hersey_number(speed: Values, *, viscosity: Values, load_per_length: Values) -> Values:
-    """Compute the Hersey number of a journal, eta U / (W / L). Hersey (1914).
-
-    Parameters
-    ----------
-    speed : float or array
-        Sliding speed U. [m/s]
-    viscosity, load_per_length : float or array
-        Dynamic viscosity eta [Pa s], load over length W / L [N/m].
-
-    Returns
-    -------
-    float or array
-        [1]
-
-    Examples
-    --------
-    >>> f"{hersey_number(0.0842, viscosity=0.12, load_per_length=222.4 / 0.237):.3g}"
-    '1.08e-05'
-    """
-    return viscosity * speed / load_per_length
 
 
 @formula()

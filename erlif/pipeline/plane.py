@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -97,12 +96,6 @@ class ObjectPlane:
         """The region of interest; raises ConfigError where the image does not hold it."""
         roi = self.settings.thickness.roi
         return find_region(self.x, self.y, roi=None if roi is None else (roi.x, roi.y))
-
-    @property
-    def region_area(self) -> float:
-        """Area of the region of interest. [mm2]"""
-        sides = self.region.rows, self.region.columns
-        return math.prod((one.stop - one.start) * self.pitch for one in sides)
 
     @cached_property
     def patch(self) -> Region | None:

@@ -8,7 +8,6 @@ import numpy as np
 import xarray as xr
 
 from erlif.core.arrays import Array
-from erlif.core.products import require
 from erlif.core.variables import FILM
 from erlif.models import shear
 from erlif.models.reynolds import Journal
@@ -20,7 +19,7 @@ from erlif.trend import FilmStatistics
 # Sideways force of a film with cavities over that of the full film, and its standard deviation.
 _WEDGE, _WEDGE_STD = 0.75, 0.25
 
-_MICRO, _EXACT = 1e6, GivenErrors()
+_MICRO = 1e6
 
 
 def find_drag(
@@ -80,7 +79,7 @@ def find_friction(
     viscosity: Array,
     direction: Array,
     sideways: str | float = "free",
-    given: GivenErrors = _EXACT,
+    given: GivenErrors,
     viscosity_std: float = 0.0,
 ) -> xr.Dataset:
     """Find the friction of the film of a whole round joint from the position of its pin.
@@ -117,11 +116,6 @@ def find_friction(
         friction_coefficient [1], friction_power [W] and hersey_number [1], with standard
         deviations; torque_not_film [N m] with a logged torque. NaN where pin and bushing touch.
 
-    Raises
-    ------
-    ErlifError
-        If a variable is missing.
-
     Examples
     --------
     A film of 6 um at the load line of the joint of Farzaneh (2002):
@@ -134,13 +128,11 @@ def find_friction(
     ... })
     >>> joint, one = Journal(0.03336, 0.03359, length=0.237, viscosity=0.12), np.ones(1)
     >>> found = find_friction(film, joint, viscosity=0.12 * one, direction=one,
-    ...                       viscosity_std=0.02)
+    ...                       given=GivenErrors(), viscosity_std=0.02)
     >>> print(f"{found.friction_torque.item():.3f} ± {found.friction_torque_std.item():.3f} N m, "
     ...       f"coefficient {found.friction_coefficient.item():.3f}")
     0.323 ± 0.006 N m, coefficient 0.043
     """
-    require(film, "pin_displacement", "pin_position_cov", "pin_position_cov_random")
-    require(film, "sliding_speed", "joint_load")
     (ex, ey), clearance = film.pin_displacement.values.T / _MICRO, journal.clearance
     distance = np.hypot(ex, ey)
     distance = np.where(distance < clearance, distance, np.nan)
@@ -149,14 +141,13 @@ def find_friction(
 
     # a guided pin does not follow the mean turn of both surfaces, and is pressed sideways
     full, mount = FullFilm.of(journal), as_mount(sideways)
-    thinnest = 1 - distance / clearance
-    damping = full.damping(thinnest)[:, 1] * viscosity / journal.viscosity
+    film_min = clearance - distance
+    damping = full.damping(film_min / clearance)[:, 1] * viscosity / journal.viscosity
     side = -direction * damping * distance * rate / 2 if mount.guided else -mount.stiffness * ey
 
     # a full film has no cavities unless its pressure would fall below theirs
-    along, across = (ex * load + ey * side) / distance, (ex * side - ey * load) / distance
-    lowest = full.lowest_pressure(thinnest, np.stack([along, across], axis=-1))
-    broken = lowest < journal.cavitation_pressure
+    force = np.stack([ex * load + ey * side, ex * side - ey * load]) / distance
+    broken = full.lowest_pressure(film_min / clearance, force.T) < journal.cavitation_pressure
     voids = np.where(broken, shear.void_share(distance / clearance), 0.0)
     wedge_std = np.where(broken & mount.guided, _WEDGE_STD * side, 0.0)
     side = np.where(broken & mount.guided, _WEDGE * side, side)
@@ -170,16 +161,14 @@ def find_friction(
 
     # changes with the displacements, and with the clearance at the same films
     thinner = couette * distance / (clearance**2 - distance**2)
-    unit = np.stack([ex, ey], axis=-1) / distance[:, np.newaxis]
-    moment = 0.5 * np.stack([-direction * side, direction * load], axis=-1)
-    gradient = thinner[:, np.newaxis] * unit + moment
-    wider = (moment * unit).sum(axis=-1) - couette / (clearance + distance)
+    unit, moment = np.stack([ex, ey]) / distance, direction * np.stack([-side, load]) / 2
+    gradient = thinner * unit + moment
+    wider = (moment * unit).sum(axis=0) - couette / (clearance + distance)
 
     def variance(name: str) -> Array:
-        units = np.einsum("ti,tij,tj->t", gradient, film[name].values[:, :2, :2], gradient)
-        return np.asarray(units) / _MICRO**2
+        found = np.einsum("it,tij,jt->t", gradient, film[name].values[:, :2, :2], gradient)
+        return np.asarray(found / _MICRO**2)
 
-    film_min = clearance - distance
     tilted = shear.tilt_factor(given.tilt, length=journal.length, film=film_min) - 1
     parts = (
         viscosity_std * couette,
@@ -191,8 +180,7 @@ def find_friction(
     )
     std = np.sqrt(variance("pin_position_cov") + sum(part**2 for part in parts))
 
-    arm, line_load = load * journal.radius, load / journal.length
-    hersey = shear.hersey_number(speed, viscosity=viscosity, load_per_length=line_load)
+    arm = load * journal.radius
     columns = {
         "friction_torque": torque,
         "friction_torque_std": std,
@@ -203,9 +191,8 @@ def find_friction(
         "friction_coefficient_std": np.hypot(std, given.load * torque) / arm,
         "friction_power": torque * rate,
         "friction_power_std": std * rate,
-        "hersey_number": hersey,
+        "hersey_number": viscosity * speed * journal.length / load,
     }
     if "torque_logged" in film:
         columns["torque_not_film"] = np.abs(film["torque_logged"].values) - torque
-        columns["torque_not_film_std"] = std
     return xr.Dataset({name: FILM[name].fill(values) for name, values in columns.items()})

@@ -212,10 +212,7 @@ def summarise_blocks(sums: BlockSums, curve: FilmCurve, minimum: GapMinimum) -> 
     >>> summarise_blocks(dark, curve, minimum).mean
     nan
     """
-    mean, mean_random, mean_gradient = _average_film(sums, curve)
-    inverse, inverse_random, inverse_gradient = math.nan, math.nan, 0 * mean_gradient
-    if math.isfinite(mean):
-        inverse, inverse_random, inverse_gradient = _average_film(sums, curve, inverse=True)
+    (mean, mean_random, mean_gradient), inverse = _average_film(sums, curve)
     found = FilmStatistics(
         mean=mean,
         mean_std=math.nan,
@@ -225,9 +222,9 @@ def summarise_blocks(sums: BlockSums, curve: FilmCurve, minimum: GapMinimum) -> 
         minimum_std=math.nan,
         # of the otherwise valid pixels, those whose film lies outside the measurable range
         beyond_range=sums.beyond / max(sums.valid + sums.beyond, 1),
-        inverse=inverse,
-        inverse_random_std=inverse_random,
-        inverse_gradient=inverse_gradient,
+        inverse=inverse[0],
+        inverse_random_std=inverse[1],
+        inverse_gradient=inverse[2],
     )
     return found.with_errors(curve.calibration.full_covariance)
 
@@ -244,12 +241,10 @@ def _numbers_of(minimum: GapMinimum) -> dict[str, Any]:
     }
 
 
-def _average_film(
-    sums: BlockSums, curve: FilmCurve, *, inverse: bool = False
-) -> tuple[float, float, Array]:
+def _average_film(sums: BlockSums, curve: FilmCurve) -> list[tuple[float, float, Array]]:
     """Mean over the measurable pixels, its random standard deviation and its gradient.
 
-    That of the film, or of its inverse.
+    Of the film, then of its inverse.
 
     The inverse h of the log ratio r is expanded about the mean log ratio m of each block,
     h(m) + h' (r - m) + h'' ((r - m)^2 - variance) / 2. The mean of this is the mean film whatever
@@ -258,7 +253,7 @@ def _average_film(
     size = float(sums.measurable.sum())
     unknown = math.nan, math.nan, np.full(len(curve.gradient), math.nan)
     if size < _LEAST_PIXELS:
-        return unknown
+        return [unknown, unknown]
     some = sums.measurable > 0
     count, ratio, squared, variance, displaced = (
         each[some]
@@ -271,21 +266,24 @@ def _average_film(
     linear = ratio - count * middle
     square = squared - 2 * middle * ratio + count * middle**2 - variance
     film, rate, curvature = (each[place] for each in (curve.film, curve.rate, curve.curvature))
-    slope = np.ones_like(film)
-    if inverse:
-        slope, curvature = -1 / film**2, 2 * rate**2 / film**3 - curvature / film**2
-        film, rate = 1 / film, slope * rate
-    mean = float((film * count + rate * linear + 0.5 * curvature * square).sum()) / size
-    gradient = curve.gradient @ np.bincount(place, count * slope, curve.film.size) / size
+    thin, per_film = 1 / film, -1 / film**2
+    bent = 2 * rate**2 * thin**3 + curvature * per_film
+    averages = []
+    for value, first, second, slope in (
+        (film, rate, curvature, np.ones_like(film)),
+        (thin, per_film * rate, bent, per_film),
+    ):
+        mean = float((value * count + first * linear + 0.5 * second * square).sum()) / size
+        gradient = curve.gradient @ np.bincount(place, count * slope, curve.film.size) / size
+        random = math.sqrt(sums.noise_correlation * float((first**2 * variance).sum())) / size
+
+        # the error of the displacement is common to neighbours, the gradient of light that it acts
+        # on is not: the product is correlated over about one block
+        registration = math.sqrt(float((first**2 * displaced).sum())) / size
+        averages.append((mean, math.hypot(random, BLOCK * registration), gradient))
 
     # blocks whose ratio no film has are extrapolated, to thousands of um where most are such
     low, high = curve.calibration.thickness_range
-    if not inverse and not low - _BEYOND * high <= mean <= high + _BEYOND * high:
-        return unknown
-
-    random = math.sqrt(sums.noise_correlation * float((rate**2 * variance).sum())) / size
-
-    # the error of the displacement is common to neighbours, the gradient of light that it acts on
-    # is not: the product is correlated over about one block
-    registration = math.sqrt(float((rate**2 * displaced).sum())) / size
-    return mean, math.hypot(random, BLOCK * registration), gradient
+    if not low - _BEYOND * high <= averages[0][0] <= high + _BEYOND * high:
+        return [unknown, unknown]
+    return averages

@@ -9,9 +9,7 @@ import numpy as np
 import xarray as xr
 
 from erlif.calibration import RunCurve
-from erlif.core.arrays import Array
 from erlif.core.notes import Note, remark
-from erlif.io.settings import OilSettings
 from erlif.models.shear import shear_heating
 from erlif.pipeline.engines.results import TriggerResult
 from erlif.pipeline.physics.fit import given_errors, reading_error
@@ -19,7 +17,7 @@ from erlif.pipeline.physics.joint import describe_viscosity
 from erlif.pipeline.physics.prediction import build_journal
 from erlif.pipeline.plane import ObjectPlane
 from erlif.prediction import find_drag, find_friction
-from erlif.trend import VogelLaw, viscosity_at
+from erlif.trend import viscosity_at
 
 # Thermal conductivity of mineral oils. [W/(m K)]
 _CONDUCTIVITY = 0.13
@@ -46,56 +44,43 @@ def describe_friction(
         Empty without [oil] or a speed.
     notes : list of Note
     """
-    settings = plane.settings
-    oil = settings.oil
-    if oil is None or "sliding_speed" not in film:
+    settings, oil = plane.settings, plane.settings.oil
+    needed = (
+        {"sliding_speed"} if oil is None or oil.vogel is None else {"sliding_speed", "temperature"}
+    )
+    if oil is None or not needed <= set(film):
         return xr.Dataset(), []
-    law = describe_viscosity(oil)
-    if isinstance(law, VogelLaw) and "temperature" not in film:
-        return xr.Dataset(), []
-    conditions = film[[name for name in ("sliding_speed", "temperature") if name in film]]
-    viscosity = viscosity_at(conditions, law)
+    viscosity = viscosity_at(film[[*needed]], describe_viscosity(oil))
     stated = float(oil.viscosity_std or 0.0) / float(viscosity.mean())
     relative = math.hypot(stated, reading_error(settings, film))
+    sides, speed = (plane.region.rows, plane.region.columns), film.sliding_speed.values
     found = find_drag(
         [one.statistics for one in results],
-        viscosity * film.sliding_speed.values,
-        area=1e-6 * plane.region_area,
+        viscosity * speed,
+        area=math.prod(1e-3 * plane.pitch * (one.stop - one.start) for one in sides),
         calibration_cov=curve.full_covariance,
         viscosity_std=relative,
     )
 
     if settings.joint is None or not {"pin_displacement", "joint_load"} <= set(film):
         return found, []
-    options = settings.prediction
     moved = next((film[name].values for name in ("rocker_speed", "stroke") if name in film), 1.0)
     whole = find_friction(
         film,
         build_journal(settings, 1.0),  # its viscosity is not used
         viscosity=viscosity,
-        direction=np.sign(moved) * (1 if options.direction == "along" else -1),
-        sideways=options.sideways,
+        direction=np.sign(moved) * (1 if settings.prediction.direction == "along" else -1),
+        sideways=settings.prediction.sideways,
         given=given_errors(settings, film, film),
         viscosity_std=relative,
     )
-    return found.merge(whole), _note(film, whole, oil, viscosity)
-
-
-def _note(film: xr.Dataset, friction: xr.Dataset, oil: OilSettings, viscosity: Array) -> list[Note]:
-    """What the friction of the film leaves out, and how much that can be."""
-    torque, speed = friction.friction_torque.values, film.sliding_speed.values
-    if not np.isfinite(torque).any():
-        return []
-    top = int(np.nanargmax(np.where(np.isfinite(torque), speed, np.nan)))
-    heat = shear_heating(float(speed[top]), viscosity=viscosity[top], conductivity=_CONDUCTIVITY)
-    place = film.pin_displacement
-    rate = 1e6 * speed[top] / (place.attrs["clearance"] - np.hypot(*place.values[top]))
-    voids = float(np.nanmax(friction.friction_void_share.values))
+    heat = shear_heating(speed, viscosity=viscosity, conductivity=_CONDUCTIVITY).max()
+    voids = whole.friction_void_share.values.max()
     text = (
-        "full film between rigid, smooth, parallel walls all round the joint, cavities take off up "
-        f"to {voids:.0%}. Left out: heating of the film over its walls, {heat:.1g} K at top speed, "
-        f"and shear thinning, {rate:.1g} 1/s there"
+        "full film between rigid, smooth, parallel walls all round the joint; cavities take off "
+        f"{voids:.0%} at most. Left out: shear thinning, and heating of the film over its walls, "
+        f"{heat:.1g} K at most"
     )
     if oil.viscosity_std is None:
         text += ". Not in its errors: that of the viscosity, viscosity_std in [oil]"
-    return [remark("friction", text)]
+    return found.merge(whole), [remark("friction", text)]

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import functools
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -14,7 +14,6 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
 from erlif.core.arrays import Array, Mask
-from erlif.io.files import settings_of
 from erlif.show.plots import style
 from erlif.show.plots.style import MEAN, MINIMUM, MUTED, OUTWARD, RETURN, AnyFigure, pt, styled
 from erlif.show.plots.triggers import (
@@ -259,15 +258,20 @@ def speed_figure(film: xr.Dataset, *, figure: AnyFigure | None = None) -> AnyFig
     >>> [ax.get_ylabel() for ax in speed_figure(example_film()).axes]
     ['film thickness [µm]', 'film thickness [µm]']
     """
-    if "film_theory" not in film:
-        figure = style.new_figure(given=figure, named=film)
-        film_against_speed(film, ax=figure.add_subplot())
-        return figure
+    drawings = (film_against_speed, film_and_theory)[: 2 if "film_theory" in film else 1]
+    return _draw_beside(drawings, film, figure)
 
-    figure = style.new_figure(
-        style.TWO_COLUMNS, _TALL * style.TWO_COLUMNS, given=figure, named=film
-    )
-    style.draw_panels(figure.subplots(1, 2), (film_against_speed, film_and_theory), film)
+
+def _draw_beside(
+    drawings: Sequence[Callable[..., Any]], film: xr.Dataset, given: AnyFigure | None
+) -> AnyFigure:
+    """Draw a film in one or two ways, one column wide or two."""
+    if len(drawings) == 1:
+        figure = style.new_figure(given=given, named=film)
+        drawings[0](film, ax=figure.add_subplot())
+        return figure
+    figure = style.new_figure(style.TWO_COLUMNS, _TALL * style.TWO_COLUMNS, given=given, named=film)
+    style.draw_panels(figure.subplots(1, 2), drawings, film)
     return figure
 
 
@@ -277,8 +281,7 @@ def stribeck_curve(
 ) -> list[Artist]:
     """Draw the friction coefficient of the film against Hersey number or film parameter.
 
-    Grey: that of the logged torque. Dotted: Petroff's coefficient of a centred pin, which the
-    Hersey number determines. Other arguments as in `film_against_speed`.
+    Grey: that of the logged torque. Other arguments as in `film_against_speed`.
 
     Parameters
     ----------
@@ -288,36 +291,30 @@ def stribeck_curve(
     Returns
     -------
     list of Artist
-        Points of each stroke, those of the log, and the line.
+        Points of each stroke, then those of the log.
 
     Examples
     --------
     >>> from erlif.show.plots import example_film
     >>> film, number = example_film(), ("trigger", [1e-6, 2e-6, 3e-6, 3e-6, 2e-6, 1e-6])
     >>> names = "hersey_number", "friction_coefficient", "friction_coefficient_std"
-    >>> outward, back, petroff = stribeck_curve(film.assign(dict.fromkeys(names, number)))
-    >>> petroff.get_label()
-    'centred pin (Petroff)'
+    >>> outward, back = stribeck_curve(film.assign(dict.fromkeys(names, number)))
+    >>> outward.axes.get_xlabel()
+    'Hersey number, ηvL/F [10⁻⁶]'
     """
     label, unit, scale = _STRIBECK[against]
     ax.set(xscale=scale, yscale="log", xlabel=label, ylabel="friction coefficient")
     x, value = unit * film[against].values, film.friction_coefficient.values
     drawable = (x > 0) & (value > 0)  # the scales are logarithmic
-    bars = film.friction_coefficient_std.values
-    artists = draw_strokes(ax, film, x, value, bars, which=drawable)
+    std = film.friction_coefficient_std.values
+    artists = draw_strokes(ax, film, x, value, std, which=drawable)
     if not artists:
         state_no_film(ax, film)
         return []
     if "torque_not_film" in film:
         whole = value * (1 + film.torque_not_film.values / film.friction_torque.values)
-        known = drawable & (whole > 0)
-        artists += draw_strokes(ax, film, x, whole, which=known, colour=MUTED, label="logged")
-    joint = settings_of(film).joint
-    if against == "hersey_number" and joint is not None:
-        radius = math.sqrt(joint.pin_radius * joint.bushing_radius)
-        petroff = 2 * np.pi * radius / (joint.bushing_radius - joint.pin_radius) / unit
-        ends, label = np.array([x[drawable].min(), x[drawable].max()]), "centred pin (Petroff)"
-        artists += style.draw_line(ax, ends, petroff * ends, MUTED, form=":", label=label)
+        which = drawable & (whole > 0)
+        artists += draw_strokes(ax, film, x, whole, which=which, colour=MUTED, label="logged")
     style.plain_log_ticks(ax)
     style.legend_below(ax, title=f"bars: {style.ONE_STD}")
     return artists
@@ -334,9 +331,5 @@ def stribeck_figure(film: xr.Dataset, *, figure: AnyFigure | None = None) -> Any
     Figure
         Two columns wide; one, without the film parameter, where the film has none.
     """
-    both = [name for name in _STRIBECK if name in film]
-    width = style.TWO_COLUMNS if len(both) > 1 else style.ONE_COLUMN
-    figure = style.new_figure(width, _TALL * style.TWO_COLUMNS, given=figure, named=film)
-    drawings = [functools.partial(stribeck_curve, against=name) for name in both]
-    style.draw_panels(np.ravel(figure.subplots(1, len(both))), drawings, film)
-    return figure
+    drawings = [partial(stribeck_curve, against=name) for name in _STRIBECK if name in film]
+    return _draw_beside(drawings, film, figure)

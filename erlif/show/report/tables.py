@@ -77,13 +77,9 @@ def results_table(film: xr.Dataset, shares: Array) -> PageTable:
 
     if "friction_torque" in film:
         top = film.isel(trigger=fastest_trigger(film))
-        torque, coefficient = (
-            with_error(float(top[name]), float(top[f"{name}_std"]))
-            for name in ("friction_torque", "friction_coefficient")
-        )
-        rows.append(
-            ("Friction of the film", f"{torque} N m, coefficient {coefficient}, at top speed")
-        )
+        torque = with_error(float(top.friction_torque), float(top.friction_torque_std))
+        coefficient = f"coefficient {float(top.friction_coefficient):.3g}"
+        rows.append(("Friction of the film at top speed", f"{torque} N m, {coefficient}"))
 
     return PageTable(rows, caption="Results (± is one standard deviation, random and shared)")
 
