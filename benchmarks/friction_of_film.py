@@ -41,7 +41,8 @@ def draw_rig(seed: int, size: tuple[int, int]) -> RigSettings:
     return RigSettings(
         width=size[0],
         height=size[1],
-        spacing=float(rng.uniform(1.0, 2.4)),
+        spacing=float(rng.uniform(1.8, 2.4)),
+        fixture_frames=6,
         film="reynolds" if theory else "law",
         elapsed=float(rng.uniform(20, 30)) * slow,
         film_reference=float(rng.uniform(4, 8)),

@@ -340,7 +340,7 @@ def missing_figures(
     >>> from erlif.show.plots import write_example
     >>> with TemporaryDirectory() as directory:
     ...     list(missing_figures(write_example(f"{directory}/film.nc")))
-    ['fixture_profile', 'processed_images', 'ratio_image']
+    ['fixture_profile', 'processed_images', 'ratio_image', 'stribeck']
     """
     with stored.open_film(film_path) as film:
         source = find_source(film_path, film, None, run_dir, fixture_dir)

@@ -330,6 +330,15 @@ def stribeck_figure(film: xr.Dataset, *, figure: AnyFigure | None = None) -> Any
     -------
     Figure
         Two columns wide; one, without the film parameter, where the film has none.
+
+    Examples
+    --------
+    >>> from erlif.show.plots import example_film
+    >>> film, number = example_film(), ("trigger", [1e-6, 2e-6, 3e-6, 3e-6, 2e-6, 1e-6])
+    >>> names = "hersey_number", "friction_coefficient", "friction_coefficient_std"
+    >>> figure = stribeck_figure(film.assign(dict.fromkeys(names, number)))
+    >>> [ax.get_xlabel() for ax in figure.axes]
+    ['Hersey number, ηvL/F [10⁻⁶]', 'film parameter, Λ']
     """
     drawings = [partial(stribeck_curve, against=name) for name in _STRIBECK if name in film]
     return _draw_beside(drawings, film, figure)
