@@ -7,6 +7,7 @@ from . import mechanism as mechanism
 from . import oil as oil
 from . import oil_fit as oil_fit
 from . import reynolds as reynolds
+from . import shear as shear
 from .reynolds import Groove as Groove
 from .reynolds import Journal as Journal
 from .reynolds import Motion as Motion

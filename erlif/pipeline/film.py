@@ -39,6 +39,7 @@ from erlif.pipeline.physics.dark import describe_dark_levels
 from erlif.pipeline.physics.errors import describe_errors, name_largest_error
 from erlif.pipeline.physics.exponents import describe_exponents, note_moved_mean
 from erlif.pipeline.physics.fit import state_physics
+from erlif.pipeline.physics.friction import describe_friction
 from erlif.pipeline.physics.light import choose_frames, describe_light
 from erlif.pipeline.physics.load_line import place_positions
 from erlif.pipeline.physics.position import describe_positions, note_form
@@ -188,7 +189,7 @@ def with_light(draft: FilmDraft) -> FilmDraft:
 
 
 def with_theory(draft: FilmDraft) -> FilmDraft:
-    """Add the films of theory, the speed exponents, and which physics carries the film.
+    """Add the films of theory, friction, the speed exponents, and which physics carries the film.
 
     Parameters
     ----------
@@ -207,6 +208,8 @@ def with_theory(draft: FilmDraft) -> FilmDraft:
     film = film.merge(theory, combine_attrs="drop_conflicts")
     film = film.assign(describe_exponents(film, draft.results, draft.curve, plane=plane))
     film = film.assign(describe_agreement(film, settings))
+    friction, about_friction = describe_friction(film, draft.results, draft.curve, plane)
+    film = film.assign(friction)
     with stage("physics", _logger):
         physics = state_physics(film, settings, frames)
     if physics:
@@ -216,6 +219,7 @@ def with_theory(draft: FilmDraft) -> FilmDraft:
         *note_omissions(settings, film),
         *note_moved_mean(film),
         *prediction.notes,
+        *about_friction,
         *note_difference(film, settings.prediction),
     )
     return draft.adding(film, *notes, frames=prediction.frames)

@@ -5,6 +5,8 @@ from .fit import Estimate as Estimate
 from .fit import MotionFit as MotionFit
 from .fit import film_temperature as film_temperature
 from .fit import fit_motion as fit_motion
+from .friction import find_drag as find_drag
+from .friction import find_friction as find_friction
 from .given import GivenErrors as GivenErrors
 from .measured import MeasuredMotion as MeasuredMotion
 from .measured import measured_minima as measured_minima

@@ -38,11 +38,15 @@ class FilmStatistics:
     beyond_range : float
         Share of the region outside the measurable range. The mean is that of the rest; the
         gap is not affected. [1]
+    inverse : FilmNumber
+        Mean of the inverse of the film over the measurable pixels, to which its shear is in
+        proportion. [1/um]
     """
 
     mean: FilmNumber
     gap: GapMinimum
     beyond_range: float
+    inverse: FilmNumber
 
     @property
     def departs(self) -> bool:
@@ -154,11 +158,12 @@ def summarise_blocks(sums: BlockSums, curve: FilmCurve, minimum: GapMinimum) -> 
     """
     # of the otherwise valid pixels, those whose film lies outside the measurable range
     beyond = sums.beyond / max(sums.valid + sums.beyond, 1)
-    return FilmStatistics(_average_film(sums, curve), minimum, beyond)
+    mean, inverse = _average_film(sums, curve)
+    return FilmStatistics(mean, minimum, beyond, inverse)
 
 
-def _average_film(sums: BlockSums, curve: FilmCurve) -> FilmNumber:
-    """Mean over the measurable pixels.
+def _average_film(sums: BlockSums, curve: FilmCurve) -> list[FilmNumber]:
+    """Mean over the measurable pixels, of the film and of its inverse.
 
     The inverse h of the log ratio r is expanded about the mean log ratio m of each block,
     h(m) + h' (r - m) + h'' ((r - m)^2 - variance) / 2. The mean of this is the mean film whatever
@@ -167,7 +172,7 @@ def _average_film(sums: BlockSums, curve: FilmCurve) -> FilmNumber:
     size = float(sums.measurable.sum())
     unknown = FilmNumber.unknown(len(curve.gradient))
     if size < _LEAST_PIXELS:
-        return unknown
+        return [unknown, unknown]
     some = sums.measurable > 0
     count, ratio, squared, variance, displaced = (
         each[some]
@@ -180,17 +185,25 @@ def _average_film(sums: BlockSums, curve: FilmCurve) -> FilmNumber:
     linear = ratio - count * middle
     square = squared - 2 * middle * ratio + count * middle**2 - variance
     film, rate, curvature = (each[place] for each in (curve.film, curve.rate, curve.curvature))
-    mean = float((film * count + rate * linear + 0.5 * curvature * square).sum()) / size
-    gradient = curve.gradient @ np.bincount(place, count, curve.film.size) / size
+    thin, per_film = 1 / film, -1 / film**2
+    bent = 2 * rate**2 * thin**3 + curvature * per_film
+    averages = []
+    for value, first, second, slope in (
+        (film, rate, curvature, np.ones_like(film)),
+        (thin, per_film * rate, bent, per_film),
+    ):
+        mean = float((value * count + first * linear + 0.5 * second * square).sum()) / size
+        gradient = curve.gradient @ np.bincount(place, count * slope, curve.film.size) / size
+        random = math.sqrt(sums.noise_correlation * float((first**2 * variance).sum())) / size
+
+        # the error of the displacement is common to neighbours, the gradient of light that it acts
+        # on is not: the product is correlated over about one block
+        registration = math.sqrt(float((first**2 * displaced).sum())) / size
+        random = math.hypot(random, BLOCK * registration)
+        averages.append(FilmNumber(mean, random, 0.0, gradient))
 
     # blocks whose ratio no film has are extrapolated, to thousands of um where most are such
     low, high = curve.calibration.thickness_range
-    if not low - _BEYOND * high <= mean <= high + _BEYOND * high:
-        return unknown
-
-    random = math.sqrt(sums.noise_correlation * float((rate**2 * variance).sum())) / size
-
-    # the error of the displacement is common to neighbours, the gradient of light that it acts on
-    # is not: the product is correlated over about one block
-    registration = math.sqrt(float((rate**2 * displaced).sum())) / size
-    return FilmNumber(mean, math.hypot(random, BLOCK * registration), 0.0, gradient)
+    if not low - _BEYOND * high <= averages[0].value <= high + _BEYOND * high:
+        return [unknown, unknown]
+    return averages

@@ -243,6 +243,8 @@ def known_calibration(covariance: np.ndarray) -> str:
 def trigger_columns() -> dict[str, tuple[np.ndarray, str]]:
     """Values of the triggers with their units."""
     speed, minimum = rocker_speed(CRANK), minimum_film()
+    hersey = 0.12 * np.abs(speed) * 0.03336 * 0.237 / LOAD
+    friction = hersey * 2 * np.pi * 33.47 / np.sqrt(2 * 0.23 * 1e-3 * minimum)  # of thin films
     return {
         "encoder_angle": (rocker_angle(CRANK) - INNER_ANGLE, "degree"),
         "crank_angle": (CRANK, "degree"),
@@ -262,6 +264,11 @@ def trigger_columns() -> dict[str, tuple[np.ndarray, str]]:
         "eccentricity": (1 - sunken_film() / 230, "1"),
         "attitude": (np.zeros(TRIGGERS), "degree"),
         "film_parameter": (minimum / (math.sqrt(2) * 0.2), "1"),
+        "hersey_number": (hersey, "1"),
+        "friction_coefficient": (friction, "1"),
+        "friction_coefficient_std": (0.02 * friction, "1"),
+        "friction_torque": (friction * LOAD * 0.03347, "N m"),
+        "friction_torque_std": (0.02 * friction * LOAD * 0.03347, "N m"),
     }
 
 

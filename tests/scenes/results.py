@@ -28,7 +28,8 @@ def make_statistics(
         misfit,
         *np.full((3, 2), np.nan),
     )
-    return FilmStatistics(FilmNumber(mean, random, 0.0, gradients[0]), gap, beyond_range)
+    inverse = FilmNumber(1.1 / mean, random / mean**2, 0.0, -gradients[0] / mean**2)
+    return FilmStatistics(FilmNumber(mean, random, 0.0, gradients[0]), gap, beyond_range, inverse)
 
 
 def make_position(

@@ -321,6 +321,8 @@ class ColumnUnits(Settings):
     """Unit of the temperature."""
     speed: SpeedUnit | None = Field(None, examples=["mm/s"])
     """Unit of the speed."""
+    torque: TorqueUnit | None = Field(None, examples=["N mm"])
+    """Unit of the torque."""
     pulse_energy: PulseEnergyUnit | None = Field(None, examples=["mJ"])
     """Unit of the pulse energy."""
 
@@ -362,6 +364,8 @@ class EncoderSettings(Settings):
     temperature."""
     speed: ColumnName | None = Field(None, examples=["Speed [mm/s]"])
     """Column with the sliding speed or the speed of rotation. Default: speed_m_s."""
+    torque: ColumnName | None = Field(None, examples=["Torque [N m]"])
+    """Column with the torque that turns the joint. Default: torque_Nm."""
     pulse_energy: ColumnName | None = Field(None, examples=["Laser [mJ]"])
     """Column with the energy of the laser pulse. Default: none."""
     units: ColumnUnits = Field(ColumnUnits(), examples=[{"angle": "rad", "load": "lbf"}])

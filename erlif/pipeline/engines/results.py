@@ -179,6 +179,7 @@ class TriggerResult:
         statistics = replace(
             statistics,
             mean=extended(statistics.mean),
+            inverse=extended(statistics.inverse),
             gap=statistics.gap._replace(
                 minimum=extended(statistics.gap.minimum), mean=extended(statistics.gap.mean)
             ),
@@ -213,6 +214,7 @@ class TriggerResult:
             _number(arrays, "film_mean"),
             _gap(arrays, "film_gap"),
             float(arrays["film_beyond_range"]),
+            _number(arrays, "film_inverse"),
         )
         minima = {
             contact: _gap(arrays, f"gap_{contact}")

@@ -16,7 +16,7 @@ from erlif.core.progress import Progress, ShowProgress, choose_progress, silent
 from erlif.io.files import open_film, takes
 from erlif.io.settings import RunSettings
 from erlif.models.reynolds import Journal
-from erlif.pipeline.physics.joint import joint_and_oil
+from erlif.pipeline.physics.joint import describe_viscosity, joint_and_oil
 from erlif.pipeline.physics.position import clearance_std
 from erlif.pipeline.physics.predict import film_beside, is_film, read_film
 from erlif.pipeline.physics.prediction import build_journal, build_motion, swinging_joint
@@ -124,7 +124,7 @@ def _beside_sheet(
     parts = {"oil": float(oil.viscosity_std or 0.0) / expected}
     beside: dict[str, Estimate] = {}
     if isinstance(law, VogelLaw):
-        parts["temperature"] = _by_kelvin(law, frames) * float(settings.temperature.reading_std)
+        parts["temperature"] = reading_error(settings, frames)
         beside["temperature"] = film_temperature(viscosity, law)
     parts = {name: std * viscosity.value / expected for name, std in parts.items() if std}
     if parts:
@@ -134,9 +134,13 @@ def _beside_sheet(
     return beside
 
 
-def _by_kelvin(law: VogelLaw, frames: xr.Dataset) -> float:
-    """Relative decrease of the viscosity at the mean temperature of the frames. [1/K]"""
-    return law.b / (float(frames["temperature"].mean()) - law.c) ** 2
+def reading_error(settings: RunSettings, frames: xr.Dataset) -> float:
+    """Error of the viscosity over it by that of the logged temperature; 0 without Vogel's law."""
+    law = None if settings.oil is None else describe_viscosity(settings.oil)
+    if not isinstance(law, VogelLaw):
+        return 0.0
+    by_kelvin = law.b / (float(frames["temperature"].mean()) - law.c) ** 2
+    return by_kelvin * float(settings.temperature.reading_std)
 
 
 def state_physics(film: xr.Dataset, settings: RunSettings, frames: xr.Dataset) -> str:
@@ -186,7 +190,7 @@ def _compare_models(
     steady = {name: film[name].values * 1e-6 for name in STEADY if name in film}
     regime = str(film["film_theory"].attrs.get("regime", "")) if "film_theory" in film else ""
     drives = "rocker_speed" in film and "joint_load" in film
-    given = _given_errors(settings, film, frames)
+    given = given_errors(settings, film, frames)
     line = given.load_line
     measured = _measured_motion(film, journal)
     found = compare_models(
@@ -228,13 +232,10 @@ def _rocking(film: xr.Dataset) -> float:
     return 1e3 * float(np.ptp(tilt)) if chdtrc(tilt.size - 1, chi / MISFIT**2) < _CHANCE else 0.0
 
 
-def _given_errors(settings: RunSettings, film: xr.Dataset, frames: xr.Dataset) -> GivenErrors:
+def given_errors(settings: RunSettings, film: xr.Dataset, frames: xr.Dataset) -> GivenErrors:
     """Collect the errors of given quantities: stated, else assumed or measured."""
     (joint, oil), options = joint_and_oil(settings), settings.prediction
-    law = swinging_joint(settings).joint.viscosity
-    drift = float(oil.drift_std or 0.0) / 100
-    if oil.drift_std is None and isinstance(law, VogelLaw):
-        drift = _by_kelvin(law, frames) * float(settings.temperature.reading_std)
+    drift = oil.drift_std
     rounding = 1e-6 * clearance_std(joint)
     line = options.load_line_std or 0.1 * LOAD_LINE_STD
     return GivenErrors(
@@ -242,7 +243,7 @@ def _given_errors(settings: RunSettings, film: xr.Dataset, frames: xr.Dataset) -
         load=0.01 * float(options.load_std),
         load_line=None if options.load_line is None else float(line),
         tilt=_tilt(film),
-        drift=drift,
+        drift=reading_error(settings, frames) if drift is None else float(drift) / 100,
         cavitation_pressure=float(options.cavitation_pressure_std or 0.0),
     )
 

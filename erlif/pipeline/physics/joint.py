@@ -138,7 +138,7 @@ def describe_joint(settings: RunSettings) -> LubricatedJoint | None:
         length=joint.length,
         pin=_describe_solid(joint.pin),
         bushing=_describe_solid(joint.bushing),
-        viscosity=_describe_viscosity(oil),
+        viscosity=describe_viscosity(oil),
         pressure_viscosity=oil.pressure_viscosity,
         stroke=_entrained_travel(settings, joint.pin_radius),
     )
@@ -167,7 +167,7 @@ def describe_contact(settings: RunSettings) -> LubricatedContact | None:
         length=contact.length,
         body=_describe_solid(contact.body),
         counterbody=_describe_solid(contact.counterbody),
-        viscosity=_describe_viscosity(oil),
+        viscosity=describe_viscosity(oil),
         pressure_viscosity=oil.pressure_viscosity,
         stroke=2 * entrainment * _entrained_travel(settings, None),
         entrainment=entrainment,
@@ -210,7 +210,8 @@ def _describe_solid(material: MaterialSettings) -> Solid:
     return Solid(material.youngs_modulus, material.poissons_ratio, material.roughness)
 
 
-def _describe_viscosity(oil: OilSettings) -> float | VogelLaw:
+def describe_viscosity(oil: OilSettings) -> float | VogelLaw:
+    """Viscosity of [oil] [Pa s], or its law with temperature."""
     if oil.vogel is not None:
         return VogelLaw(oil.vogel.a, oil.vogel.b, oil.vogel.c)
     assert oil.viscosity is not None  # the settings refuse an oil with neither

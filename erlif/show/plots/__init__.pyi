@@ -63,3 +63,5 @@ from .style import save_figure as save_figure
 from .trend import film_against_speed as film_against_speed
 from .trend import film_and_theory as film_and_theory
 from .trend import speed_figure as speed_figure
+from .trend import stribeck_curve as stribeck_curve
+from .trend import stribeck_figure as stribeck_figure

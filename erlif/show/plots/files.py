@@ -29,7 +29,7 @@ from erlif.show.plots.prediction import has_prediction, prediction_figure, predi
 from erlif.show.plots.registration import registration_figure
 from erlif.show.plots.sheet import map_sheet_figure
 from erlif.show.plots.style import ONE_COLUMN, AnyFigure, new_figure, styled
-from erlif.show.plots.trend import speed_figure, speed_over_load
+from erlif.show.plots.trend import speed_figure, speed_over_load, stribeck_figure
 from erlif.show.plots.triggers import has_varying_speed
 
 logger = logging.getLogger(__name__)
@@ -225,6 +225,7 @@ DRAWN: dict[str, Callable[[FigureSource], AnyFigure]] = {
     "calibration": lambda source: calibration_figure(source.calibration),
     "thickness_map": lambda source: thickness_figure(source.film, trigger=source.trigger),
     "film_against_speed": lambda source: speed_figure(source.film),
+    "stribeck": lambda source: stribeck_figure(source.film),
     "map_sheet": lambda source: map_sheet_figure(source.film),
     "map_sheet_less_gap": lambda source: map_sheet_figure(source.film, less_gap=True),
     "film_over_cycle": lambda source: cycle_figure(source.film),
@@ -258,6 +259,8 @@ def reason_missing(name: str, source: FigureSource) -> str | None:
         return _reason_without_prediction(source.film)
     if name == "film_and_prediction" and "elapsed_cycles" not in source.group("frames"):
         return "the film has no turns of the crank at its frames"
+    if name == "stribeck" and "friction_coefficient" not in source.film:
+        return "the film has no friction of a joint; it needs [joint], [oil], speed and load"
     if name == "film_against_speed":
         return _reason_without_trend(source.film)
 
@@ -337,7 +340,7 @@ def missing_figures(
     >>> from erlif.show.plots import write_example
     >>> with TemporaryDirectory() as directory:
     ...     list(missing_figures(write_example(f"{directory}/film.nc")))
-    ['fixture_profile', 'processed_images', 'ratio_image']
+    ['fixture_profile', 'processed_images', 'ratio_image', 'stribeck']
     """
     with stored.open_film(film_path) as film:
         source = find_source(film_path, film, None, run_dir, fixture_dir)

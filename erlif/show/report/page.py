@@ -37,7 +37,7 @@ _LESS = 0.97  # of the room that was exceeded, in another attempt
 # figures of the result, before those of the method
 _FIRST = (
     *("film_over_cycle", "thickness_map", "film_against_speed", "film_and_prediction"),
-    *("prediction_map", "pin_orbit", "map_sheet", "map_sheet_less_gap"),
+    *("prediction_map", "pin_orbit", "stribeck", "map_sheet", "map_sheet_less_gap"),
 )
 _OF_ONE_TRIGGER = ("processed_images", "ratio_image", "thickness_map", "prediction_map")
 

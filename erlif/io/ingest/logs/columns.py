@@ -43,6 +43,9 @@ _OBVIOUS = name_patterns("encoder")
 # What an obvious name stands for even where no unit is known; the angle is then refused.
 _WITHOUT_UNIT = ("frame", "angle")
 
+# Names of quantities in films that are not their own.
+_STORED_AS = {"frame": "number", "load": "joint_load", "torque": "torque_logged"}
+
 # Whole numbers above this are not exact in double precision.
 _LARGEST_EXACT = 2**53
 
@@ -398,7 +401,7 @@ def convert_columns(
     log = xr.Dataset()
     for quantity, column in columns.items():
         values, unit = convert_column(column, quantity, table, choice)
-        name = {"frame": "number", "load": "joint_load"}.get(quantity, quantity)
+        name = _STORED_AS.get(quantity, quantity)
         if quantity == "speed":
             name = "sliding_speed" if unit == "m s-1" else "rotation_speed"
         if name == "number":
