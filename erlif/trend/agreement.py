@@ -7,8 +7,6 @@ from typing import NamedTuple
 
 import numpy as np
 import scipy
-from scipy.interpolate import CubicSpline
-from scipy.optimize import minimize_scalar
 
 from erlif.core.arrays import Array, Mask
 from erlif.trend.exponent import LEAST_TRIGGERS, SLOWEST
@@ -153,7 +151,7 @@ def correlate(film: Array, random_std: Array, speed: Array) -> Correlation:
     if np.ptp(y) == 0:
         return Correlation(0.0, 0.0, -1.0, 1.0)
     error = random_std[use] / film[use]
-    rank, log = float(scipy.stats.spearmanr(x, y).statistic), float(np.corrcoef(x, y)[0, 1])
+    rank, log = (float(np.corrcoef(*pair)[0, 1]) for pair in ((_ranks(x), _ranks(y)), (x, y)))
     noise, variance = float(np.mean(error**2)), float(np.var(y, ddof=1))
     true = variance - noise
     if true < 2 * noise * math.sqrt(2 / len(y)):  # no change beyond the noise
@@ -165,6 +163,12 @@ def correlate(film: Array, random_std: Array, speed: Array) -> Correlation:
     spread = _95 * math.sqrt((share * (1 - middle**2) + 0.5 * (middle * share) ** 2) / len(y))
     low, high = max(middle - spread, -1.0), min(middle + spread, 1.0)
     return Correlation(rank, log, low, high)
+
+
+def _ranks(values: Array) -> Array:
+    """Places in the order of the values; equal ones share their mean."""
+    _, place, count = np.unique(values, return_inverse=True, return_counts=True)
+    return np.asarray((np.cumsum(count) - (count - 1) / 2)[place])
 
 
 def find_delay(film: Array, speed: Array, angle: Array) -> tuple[float, float]:
@@ -204,7 +208,9 @@ def find_delay(film: Array, speed: Array, angle: Array) -> tuple[float, float]:
     closed = np.append(phase, phase[0] + 360.0)
     if np.diff(closed).max() > _GAP:
         return unknown
-    spline = CubicSpline(closed, np.append(speed[first], speed[first[0]]), bc_type="periodic")
+    spline = scipy.interpolate.CubicSpline(
+        closed, np.append(speed[first], speed[first[0]]), bc_type="periodic"
+    )
     number = np.flatnonzero(use) / film.size
     rest = np.stack([np.ones_like(number), number])
 
@@ -218,7 +224,8 @@ def find_delay(film: Array, speed: Array, angle: Array) -> tuple[float, float]:
     grid = np.arange(-_LATEST, _LATEST + 1, 5.0)
     squares = [square if slope > 0 else math.inf for square, slope in map(fit, grid)]
     best = float(grid[int(np.argmin(squares))])
-    found = minimize_scalar(lambda one: fit(one)[0], bounds=(best - 5, best + 5), method="bounded")
+    search = scipy.optimize.minimize_scalar
+    found = search(lambda one: fit(one)[0], bounds=(best - 5, best + 5), method="bounded")
     delay = float(found.x)
     square, slope = fit(delay)
 

@@ -8,8 +8,8 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+import scipy
 import xarray as xr
-from scipy.optimize import brentq
 
 from erlif.core.variables import FILM
 from erlif.io.settings import RunSettings
@@ -108,7 +108,9 @@ def _match_viscosity(
     ends = factor(-_WIDEST), factor(_WIDEST)
     found = {"viscosity": math.nan, "viscosity_std": math.nan, "viscosity_given": given}
     if ends[0] > 1 > ends[1] > 0:
-        log = float(brentq(lambda one: math.log(factor(one)), -_WIDEST, _WIDEST, xtol=1e-4))
+        log = float(
+            scipy.optimize.brentq(lambda one: math.log(factor(one)), -_WIDEST, _WIDEST, xtol=1e-4)
+        )
         power = math.log(factor(log - _STEP) / factor(log + _STEP)) / (2 * _STEP)
         viscosity = given * math.exp(log)
         # a relative error of the factor, which is 1 here
