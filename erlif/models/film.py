@@ -475,7 +475,8 @@ def elliptical_contact_film(
     isoviscous-rigid 128 a (0.131 atan(a/2) + 1.683)^2 (1 + 2/(3a))^-2 (U/W)^2,
     piezoviscous-rigid 1.66 (G U)^(2/3) (1 - exp(-0.68 k)),
     isoviscous-elastic 7.43 U^0.65 W^-0.21 (1 - 0.85 exp(-0.31 k)), and
-    piezoviscous-elastic as `hamrock_dowson_film`. The largest governs.
+    piezoviscous-elastic as `hamrock_dowson_film`. The largest governs, the second only where the
+    first exceeds the third: else the bodies are not rigid.
 
     Parameters
     ----------
@@ -534,9 +535,11 @@ def elliptical_contact_film(
     soft = 7.43 * radius_along * U**0.65 * W**-0.21 * (1 - 0.85 * np.exp(-0.31 * k))
     soft_central = 7.32 * radius_along * U**0.64 * W**-0.22 * (1 - 0.72 * np.exp(-0.28 * k))
 
-    # a choice by products, which broadcast over DataArrays as over floats
-    asymptotes = rigid, viscous, soft, hard.minimum
-    film = _largest(asymptotes)
+    # rigid bodies govern where they do in an oil of constant viscosity: beyond, the film of Barus
+    # and rigid bodies exceeds that of hard bodies that are flat. A choice by products, which
+    # broadcast over DataArrays as over floats.
+    choice = rigid, viscous * (rigid >= soft), soft, hard.minimum
+    film = _largest(choice)
     central = film + (film == soft) * (soft_central - film)
     central = central + (film == hard.minimum) * (hard.central - central)
 
@@ -546,13 +549,14 @@ def elliptical_contact_film(
         radius_across=np.minimum(radius_along, radius_across),
         contact_modulus=contact_modulus,
     )
-    regime, notes = _govern(asymptotes, HAMROCK_DOWSON_ELLIPTICAL, dry.pressure)
+    regime, notes = _govern(choice, HAMROCK_DOWSON_ELLIPTICAL, dry.pressure)
     notes += tuple(str(one.message) for one in beyond if one.category is RangeWarning)
     along = dry.b if np.all(np.greater_equal(a, 1)) else dry.a
     notes += _motion_notes(entrainment_speed, along, stroke)
     with np.errstate(divide="ignore"):
         gV, gE = G * W**3 / U**2, W ** (8 / 3) / U**2
-    return ContactFilm(film, central, regime, *asymptotes, gV=gV, gE=gE, notes=notes)
+    films = rigid, viscous, soft, hard.minimum
+    return ContactFilm(film, central, regime, *films, gV=gV, gE=gE, notes=notes)
 
 
 class EllipticalFilm(NamedTuple):
