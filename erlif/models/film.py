@@ -422,12 +422,12 @@ def line_contact_film(
     ...     0.0421, load_per_length=938.4, contact_modulus=1.5641e9, **joint
     ... )
     >>> optical.regime, round(optical.film * 1e6, 1)
-    ('isoviscous-rigid', 128.4)
+    ('isoviscous-rigid', 128.7)
     >>> machine = line_contact_film(
     ...     0.0421, load_per_length=1.8769e6, contact_modulus=109.8901e9, **joint
     ... )
     >>> machine.regime, round(machine.film * 1e6, 3)
-    ('piezoviscous-elastic', 0.628)
+    ('piezoviscous-elastic', 0.808)
     """
     # rigid bodies: the pressure is too low to flatten them; elastic bodies: the flat takes the load
     contact = {"load_per_length": load_per_length, "radius": radius}
@@ -475,7 +475,8 @@ def elliptical_contact_film(
     isoviscous-rigid 128 a (0.131 atan(a/2) + 1.683)^2 (1 + 2/(3a))^-2 (U/W)^2,
     piezoviscous-rigid 1.66 (G U)^(2/3) (1 - exp(-0.68 k)),
     isoviscous-elastic 7.43 U^0.65 W^-0.21 (1 - 0.85 exp(-0.31 k)), and
-    piezoviscous-elastic as `hamrock_dowson_film`. The largest governs.
+    piezoviscous-elastic as `hamrock_dowson_film`. The largest governs, the second only where the
+    first exceeds the third: else the bodies are not rigid.
 
     Parameters
     ----------
@@ -511,8 +512,8 @@ def elliptical_contact_film(
     >>> ball = {"radius_along": 0.01, "radius_across": 0.01, "contact_modulus": 3.0e9}
     >>> oil = {"viscosity": 0.1, "pressure_viscosity": 2e-8}
     >>> found = elliptical_contact_film(0.1, load=1.0, **ball, **oil)
-    >>> found.regime, round(found.film * 1e6, 2)
-    ('isoviscous-elastic', 1.32)
+    >>> found.regime, round(found.film * 1e6, 3)
+    ('isoviscous-elastic', 0.205)
     """
     oil = {"viscosity": viscosity, "pressure_viscosity": pressure_viscosity}
     bodies = {"radius_across": radius_across, "contact_modulus": contact_modulus}
@@ -534,9 +535,11 @@ def elliptical_contact_film(
     soft = 7.43 * radius_along * U**0.65 * W**-0.21 * (1 - 0.85 * np.exp(-0.31 * k))
     soft_central = 7.32 * radius_along * U**0.64 * W**-0.22 * (1 - 0.72 * np.exp(-0.28 * k))
 
-    # a choice by products, which broadcast over DataArrays as over floats
-    asymptotes = rigid, viscous, soft, hard.minimum
-    film = _largest(asymptotes)
+    # rigid bodies govern where they do in an oil of constant viscosity: beyond, the film of Barus
+    # and rigid bodies exceeds that of hard bodies that are flat. A choice by products, which
+    # broadcast over DataArrays as over floats.
+    choice = rigid, viscous * (rigid >= soft), soft, hard.minimum
+    film = _largest(choice)
     central = film + (film == soft) * (soft_central - film)
     central = central + (film == hard.minimum) * (hard.central - central)
 
@@ -546,13 +549,14 @@ def elliptical_contact_film(
         radius_across=np.minimum(radius_along, radius_across),
         contact_modulus=contact_modulus,
     )
-    regime, notes = _govern(asymptotes, HAMROCK_DOWSON_ELLIPTICAL, dry.pressure)
+    regime, notes = _govern(choice, HAMROCK_DOWSON_ELLIPTICAL, dry.pressure)
     notes += tuple(str(one.message) for one in beyond if one.category is RangeWarning)
     along = dry.b if np.all(np.greater_equal(a, 1)) else dry.a
     notes += _motion_notes(entrainment_speed, along, stroke)
     with np.errstate(divide="ignore"):
         gV, gE = G * W**3 / U**2, W ** (8 / 3) / U**2
-    return ContactFilm(film, central, regime, *asymptotes, gV=gV, gE=gE, notes=notes)
+    films = rigid, viscous, soft, hard.minimum
+    return ContactFilm(film, central, regime, *films, gV=gV, gE=gE, notes=notes)
 
 
 class EllipticalFilm(NamedTuple):

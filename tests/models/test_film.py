@@ -14,6 +14,7 @@ from erlif.models.film import (
     BLOK_CONSTANT,
     CENTRAL_OVER_MINIMUM,
     dowson_higginson_film,
+    elliptical_contact_film,
     film_parameter,
     hamrock_dowson_film,
     isoviscous_rigid_film,
@@ -217,6 +218,41 @@ def test_hamrock_dowson_warns_outside_its_fit(along, across, k):
     with pytest.warns(RangeWarning, match=rf"k = 1 to 8; k = {k}") as record:
         hamrock_dowson_film(1.0, **case)
     assert record[0].filename == __file__
+
+
+def test_regimes_of_an_ellipse_broadcast_and_keep_coordinates():
+    """A soft ball under loads that make it rigid and elastic; no film at a standstill."""
+    rubber = BALL | {"contact_modulus": 5e6}
+    loads = xr.DataArray([1e-5, 1.0, np.nan], dims="load", coords={"load": [0, 1, 2]})
+    found = elliptical_contact_film(0.1, **rubber | {"load": loads})
+    assert found.regime.values.tolist() == ["isoviscous-rigid", "isoviscous-elastic", ""]
+    npt.assert_array_equal(found.film["load"], [0, 1, 2])
+    npt.assert_array_equal(found.film[1], found.isoviscous_elastic[1])
+    npt.assert_array_equal(
+        found.central[0], found.film[0]
+    )  # rigid bodies are nearest at the centre
+    assert found.central[1] > 1.2 * found.film[1]
+    assert np.isnan(found.film[2])
+    assert elliptical_contact_film(0.0, **BALL).film == 0
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize(("across", "noted"), [(0.2, True), (0.01, False), (0.16, False)])
+def test_an_ellipse_outside_the_fit_has_a_note(across, noted):
+    """k = 1.03 (Ry/Rx)^0.64 is 0.133 for a lobe of the thesis, 1.03 for a ball, 6 for a barrel."""
+    along = 4.87 if noted else 0.01
+    found = elliptical_contact_film(
+        1.0, **BALL | {"radius_along": along, "radius_across": across}, stroke=np.inf
+    )
+    assert any("k = 0.133 here" in note for note in found.notes) == noted
+
+
+def test_the_elastic_film_of_an_ellipse_is_that_of_1977():
+    hard = BALL | {"radius_across": 0.03}
+    found, formula = elliptical_contact_film(0.1, **hard), hamrock_dowson_film(0.1, **hard)
+    assert found.piezoviscous_elastic == formula.minimum
+    assert found.regime == "piezoviscous-elastic"
+    assert (found.film, found.central) == formula
 
 
 def test_overlapping_regimes_of_the_thesis():

@@ -63,7 +63,7 @@ def _lacking(
     if "joint_load" not in triggers and moving:
         # these hold a load of their own
         driven = isinstance(settings.mechanism, RotationSettings | SinusoidalSettings)
-        tables = "[mechanism]" if driven else "[joint]"
+        tables = "[mechanism]" if driven else "[contact]" if settings.contact else "[joint]"
         cure = f'Add the column to the log, or load = "20 N" to {tables}.'
         yield "column load_N", ("joint_load", *_EXPONENTS), cure
 
@@ -72,5 +72,8 @@ def _lacking(
         theory = _THEORY if moving else ()
         cure = "Add [joint] for a pin in a bushing, or [contact] for a ball, barrel or roller."
         yield "[joint]", (*speed, *theory, "film_parameter", *_POSITION), cure
+    elif settings.contact is not None and moving and "sliding_speed" not in triggers:
+        cure = "Log the speed: the joint of this linkage has another one than the contact."
+        yield "column of the sliding speed", ("sliding_speed", *_THEORY), cure
     elif settings.oil is None and moving:
         yield "[oil]", _THEORY, "Add [oil] for the theory."

@@ -11,6 +11,8 @@ from erlif.io.settings import RunSettings
 from erlif.pipeline.recording.omissions import note_omissions
 
 MOTION = ("encoder_angle", "stroke", "crank_angle", "rocker_speed", "joint_load", "sliding_speed")
+STEEL = {"youngs_modulus": "206 GPa", "poissons_ratio": 0.3}
+BALL = {"body": {**STEEL, "radius": "9 mm"}, "counterbody": STEEL}
 DISC = {"kind": "rotation", "radius": "20 mm", "speed": "60 rpm"}
 
 
@@ -52,6 +54,21 @@ RESULTS = "film_hamrock_dowson, film_theory"
             },
         ),
         (MOTION[:5], ("joint", "oil"), {}, {"[joint]": f"left out: sliding_speed, {RESULTS}"}),
+        (
+            MOTION[:5],
+            ("joint",),
+            {"contact": BALL},
+            {"column of the sliding speed": f"left out: sliding_speed, {RESULTS}. Log the speed"},
+        ),
+        (
+            ("sliding_speed",),
+            ("encoder", "mechanism", "joint"),
+            {"contact": BALL},
+            {
+                "column angle_deg": "",
+                "column load_N": 'load = "20 N" to [contact]',
+            },
+        ),
         (MOTION, ("oil",), {}, {"[oil]": f"left out: {RESULTS}. Add [oil]"}),
     ],
 )
