@@ -150,7 +150,7 @@ NAVIGATION = {
         "Bibliography </bibliography>",
     ),
     "theory/film": ("Which theory? <which>", "slider_crank"),
-    "theory/reynolds": ("position", "fit", "pressure"),
+    "theory/reynolds": ("position", "fit", "pressure", "friction"),
     "develop": (
         "API <api/index>",
         "architecture",

@@ -1,7 +1,7 @@
 """Shear of an oil film: friction of a round journal and of a patch of film.
 
 Full film without slip: the shear stress at the walls is eta U / h +- (h/2) dp/dx, with the upper
-sign at the surface that moves (Hamrock, Schmid and Jacobson 2004, section 7.4). Its first term is
+sign at the surface that moves (Hamrock, Schmid and Jacobson 2004). Its first term is
 that of Couette. Over a whole journal the second one follows from the forces that balance the film,
 whatever its pressure is like: int h dp = -int p dh, and h = c - ex cos phi - ey sin phi.
 """

@@ -24,7 +24,7 @@ _MICRO = 1e6
 
 def find_drag(
     statistics: Sequence[FilmStatistics],
-    stress: Array,
+    couette: Array,
     *,
     area: float,
     calibration_cov: Array,
@@ -36,7 +36,7 @@ def find_drag(
     ----------
     statistics : sequence of FilmStatistics
         Of the triggers.
-    stress : array, (trigger,)
+    couette : array, (trigger,)
         Viscosity times sliding speed. [Pa m]
     area : float
         Of the region, to which the mean over the measurable pixels is extrapolated. [m2]
@@ -65,7 +65,7 @@ def find_drag(
     # a part beyond the range is not known: 0 to 2 times the shear of the rest
     beyond = np.array([one.beyond_range for one in statistics]) / np.sqrt(3)
     std = np.sqrt(known**2 + (viscosity_std**2 + beyond**2) * value**2)
-    force = _MICRO * stress * area  # of a film of 1 um
+    force = _MICRO * couette * area  # of a film of 1 um
     columns = {"film_drag": force * value, "film_drag_std": force * std}
     return xr.Dataset({name: FILM[name].fill(each) for name, each in columns.items()})
 
