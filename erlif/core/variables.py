@@ -88,6 +88,10 @@ class Variable:
 _ATTRIBUTES = ("units", "long_name", "comment", "ancillary_variables")  # of a variable, after CF
 
 
+# Keys that make a further variable, with its long_name, and how its name ends.
+_FOLLOWING = {"std": "std", "random": "std_random"}
+
+
 def _read_variables() -> dict[str, Mapping[str, Variable]]:
     """The variables by the file or group that they belong to."""
     rows: dict[str, dict[str, dict[str, Any]]] = {}
@@ -100,11 +104,12 @@ def _read_variables() -> dict[str, Mapping[str, Variable]]:
                 continue
             keys = common | own
             keys = rows.get(keys.pop("like", ""), {}).get(name, {}) | keys
-            std = keys.pop("std", None)
+            stds = {end: keys.pop(key, "") for key, end in _FOLLOWING.items()}
             rows[file][name] = keys
-            if std is not None:
-                same = {key: keys[key] for key in ("dims", "units", "when") if key in keys}
-                rows[file][f"{name}_std"] = same | {"long_name": std}
+            same = {key: keys[key] for key in ("dims", "units", "when") if key in keys}
+            rows[file] |= {
+                f"{name}_{end}": same | {"long_name": title} for end, title in stds.items() if title
+            }
     return {
         file: MappingProxyType({name: _make_variable(name, keys) for name, keys in each.items()})
         for file, each in rows.items()
