@@ -128,6 +128,21 @@ VARIABLE_ATTRIBUTES = (
     ),
     Attribute("flag_masks", "Of flags: the bits."),
     Attribute("flag_meanings", "Of flags: the names of the bits."),
+    *(
+        Attribute(name, f"Of film_over_...: {text}", "the film has theory")
+        for name, text in (
+            ("factor", "median of the ratio."),
+            ("factor_std_random", "random part of its standard deviation."),
+            ("factor_std_shared", "part that all triggers share."),
+            ("low", "smallest ratio."),
+            ("high", "largest ratio."),
+            ("outward", "median of the outward stroke."),
+            ("back", "median of the return stroke."),
+            ("viscosity", "viscosity that makes the factor 1 [Pa s]."),
+            ("viscosity_std", "its standard deviation, of the film alone [Pa s]."),
+            ("viscosity_given", "viscosity of [oil] at the same triggers [Pa s]."),
+        )
+    ),
     Attribute("clearance", "Of displacement and tilt: radial clearance of the joint [um]."),
     Attribute(
         "load_line", "Of displacement and tilt: load line along sliding [mm]; also of the attitude."
