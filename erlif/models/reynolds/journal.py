@@ -96,6 +96,11 @@ class Journal:
         return self.bushing_radius - self.pin_radius
 
     @property
+    def least_clearance(self) -> float:
+        """Radial clearance where the bore is narrowest along the axis. [m]"""
+        return self.clearance + float(np.min(0.0 if self.axial_shape is None else self.axial_shape))
+
+    @property
     def radius(self) -> float:
         """Radius at which the film lies: the geometric mean of both. [m]
 

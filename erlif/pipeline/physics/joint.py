@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 import xarray as xr
 
+from erlif.core.arrays import Array
 from erlif.core.errors import ConfigError
 from erlif.io.ingest import Run
 from erlif.io.settings import (
@@ -30,8 +32,14 @@ from erlif.kinematics import (
     locate_rotation,
     locate_slider,
 )
+from erlif.models.contact import winkler_modulus
 from erlif.models.mechanism import CrankRocker, SliderCrank
+from erlif.models.reynolds import lobe_shape, relief_shape
 from erlif.trend import LubricatedJoint, Solid, VogelLaw
+
+# Points of the shape of a bore to either side of its middle: lines between them depart by 2 nm from
+# a lobe of 200 mm in a joint of 237 mm.
+_HALF_POINTS = 2000
 
 
 def build_linkage(links: CrankRockerSettings | SliderCrankSettings) -> Mechanism:
@@ -142,6 +150,42 @@ def joint_and_oil(settings: RunSettings) -> tuple[JointSettings, OilSettings]:
     assert settings.joint is not None
     assert settings.oil is not None
     return settings.joint, settings.oil
+
+
+def axial_shape(joint: JointSettings) -> Array | None:
+    """Height that the bore adds to its gap along the axis.
+
+    Parameters
+    ----------
+    joint : JointSettings
+
+    Returns
+    -------
+    array, (place,), or None
+        At equal distances from end to end, as `erlif.models.reynolds.Journal` takes it [m]; None
+        for a straight bore.
+    """
+    bore = joint.bore
+    if bore is None:
+        return None
+    axial = np.arange(-_HALF_POINTS, _HALF_POINTS + 1) * (joint.length / (2 * _HALF_POINTS))
+    shape: Array = np.zeros(axial.size)
+    if bore.lobe_radius and bore.lobe_height:
+        height = float(bore.lobe_height)
+        shape += lobe_shape(axial, centres=bore.lobes, radius=bore.lobe_radius, height=height)
+    if bore.edge_length and bore.edge_depth:
+        edge, depth = float(bore.edge_length), float(bore.edge_depth)
+        shape += relief_shape(axial, length=joint.length, edge=edge, depth=depth)
+    return shape
+
+
+def foundation_of(joint: JointSettings) -> float | None:
+    """Pressure over deflection of the liner, as a thin layer that cannot spread. [Pa/m]"""
+    liner = joint.liner
+    if liner is None:
+        return None
+    modulus = winkler_modulus(liner.youngs_modulus, poisson=liner.poissons_ratio)
+    return float(modulus) / liner.thickness
 
 
 def missing_load() -> ConfigError:
