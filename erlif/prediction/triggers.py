@@ -48,7 +48,8 @@ def predict_frames(
     sideways : str or float
         "free", "guided", or a stiffness. [N/m]
     cells : (int, int)
-        Cells round the joint, and along half of its length; a long one has one along.
+        Cells round the joint, and along half of its length; a long one has one along, one with an
+        axial shape twice as many.
 
     Returns
     -------
@@ -72,14 +73,14 @@ def predict_frames(
     >>> (1e6 * (joint.clearance - found.displacement_load.values)).round()
     array([20., 16.])
     """
-    eccentric = journal.clearance - start_film
+    eccentric = journal.least_clearance - start_film
     toward = motion.motion.angle[0] / 2 if sideways == "free" else 0.0
     solved = solve_journal(
         replace(journal, viscosity=motion.viscosity),
         motion.motion,
         start=(eccentric * np.cos(toward), eccentric * np.sin(toward)),
         sideways=sideways,
-        cells=(cells[0], 1) if journal.long else cells,
+        cells=(cells[0], 1 if journal.long else cells[1] * (1 + (journal.axial_shape is not None))),
     )
     names = "displacement_load", "displacement_side"
     return xr.Dataset(
@@ -203,7 +204,7 @@ def predict_triggers(
     if start_film is None:
         measured, std = film["film_min"].values, film["film_min_std"].values
         start_film = find_start_film(
-            minima, measured / _MICRO, std / _MICRO, clearance=journal.clearance
+            minima, measured / _MICRO, std / _MICRO, clearance=journal.least_clearance
         )
     frames, triggers = positions(start_film)
     predicted = _describe_positions(triggers, journal, view, "trigger")
@@ -215,7 +216,7 @@ def predict_triggers(
     # after a lead the film at the first frame is no longer that of the start
     first = int(np.argmin(motion.steps))
     reached = np.hypot(frames.displacement_load, frames.displacement_side).values[first]
-    begun = _MICRO * (journal.clearance - float(reached))
+    begun = _MICRO * (journal.least_clearance - float(reached))
     predicted["film_predicted_min"].attrs.update(start_film=begun, start_film_fitted=int(fitted))
     return predicted
 
@@ -273,10 +274,14 @@ class ImageLine:
         Distance of each pixel from the load line, along sliding. (pixel,) [m]
     region : slice
         Pixels of the region of interest.
+    shape : Array or float
+        Height that the bore adds to the gap at the pixels across sliding of the region; 0 where it
+        is straight. [m]
     """
 
     place: Array
     region: slice
+    shape: Array | float = 0.0
 
 
 def gap_in_view(
@@ -342,4 +347,4 @@ def summarise_gap(
     thinnest = np.clip(np.arctan2(side, load), phi.min(), phi.max())
     minimum = journal.clearance - load * np.cos(thinnest) - side * np.sin(thinnest)
     mean = journal.clearance - load * np.cos(phi).mean() - side * np.sin(phi).mean()
-    return np.asarray(minimum), np.asarray(mean)
+    return np.asarray(minimum + np.min(view.shape)), np.asarray(mean + np.mean(view.shape))

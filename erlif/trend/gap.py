@@ -2,7 +2,7 @@
 
 The gap is h = a + b s + c z + d s^2 + e z^2, with s along sliding and z across, both from -1 to 1
 over the region. A plane has the tilts b and c alone, a line contact is curved along sliding, a
-point contact in both directions.
+point contact in both directions. A bore that is not straight adds its known shape along z.
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ import numpy as np
 from erlif.core.arrays import Array
 from erlif.trend.block_fit import BlockFit, BlockMeans, average_blocks, fit_blocks, sum_by_strips
 from erlif.trend.blocks import BlockSums, Region
+from erlif.trend.bore import AxialShape
 from erlif.trend.curve import FilmCurve
 
 # Variance of a map by smooth departures from its gap, over that by noise and marks, from which the
@@ -94,6 +95,7 @@ def find_gap_minimum(
     region: Region,
     sliding_along_x: bool,
     contact: GapShape = GapShape.LINE,
+    bore: AxialShape | None = None,
 ) -> GapMinimum:
     """Fit the smooth gap of a contact to the blocks of a region and find its minimum within it.
 
@@ -104,6 +106,8 @@ def find_gap_minimum(
     region, sliding_along_x
         As for `erlif.trend.summarise_film`; the region is that of the sums.
     contact : GapShape
+    bore : AxialShape, optional
+        Shape along the axis of a bore that is not straight; the minimum is that of the whole gap.
 
     Returns
     -------
@@ -133,8 +137,8 @@ def find_gap_minimum(
     >>> print(f"{found.value:.3f}")
     3.000
     """
-    blocks = average_blocks(sums, sliding_along_x=sliding_along_x)
-    return _fit_gap(blocks, curve, region, contact, sliding_along_x=sliding_along_x)
+    options = {"region": region, "sliding_along_x": sliding_along_x, "bore": bore}
+    return find_gap_minima(sums, curve, contacts=[contact], **options)[contact]
 
 
 def _fit_gap(
@@ -142,6 +146,7 @@ def _fit_gap(
     curve: FilmCurve,
     region: Region,
     contact: GapShape,
+    bore: AxialShape | None,
     *,
     sliding_along_x: bool,
 ) -> GapMinimum:
@@ -149,7 +154,9 @@ def _fit_gap(
     s, z = blocks.along, blocks.across
     shapes = np.stack([np.ones_like(s), s, z, blocks.along_squared, blocks.across_squared])
     count = _SHAPES[contact]
-    fit = fit_blocks(blocks, curve, shapes[:count])
+    axial = region.rows if sliding_along_x else region.columns
+    base = 0.0 if bore is None else bore.in_blocks(blocks, axial)
+    fit = fit_blocks(blocks, curve, shapes[:count], base=base)
     unknown = np.full(2, math.nan)
     nothing = GapMinimum(
         *(math.nan,) * 3,
@@ -175,13 +182,21 @@ def _fit_gap(
     )
 
     _, b, c, d, e = np.pad(fit.amplitudes, (0, len(shapes) - count))
-    along, across = _lowest_place(b, d), _lowest_place(c, e)
+    along, across, least = _lowest_place(b, d), _lowest_place(c, e), 0.0
+    if bore is not None:
+        places = np.linspace(-1, 1, axial.stop - axial.start)
+        heights = bore.within(axial, places)
+        lowest = np.argmin(c * places + e * places**2 + heights)
+        across, least = float(places[lowest]), float(heights[lowest])
     at = np.array([1.0, along, across, along**2, across**2])[:count]
 
     # change of the minimum with the ratio of each block, through the reweighted fit
     pull = np.linalg.solve(fit.curvature, at) @ fit.jacobian
     by_block = pull * fit.response / fit.total_var
-    value, (random, surface) = float(at @ fit.amplitudes), _variance_parts(pull, fit, blocks)
+    value, (random, surface) = (
+        float(at @ fit.amplitudes) + least,
+        _variance_parts(pull, fit, blocks),
+    )
     tolerated = max(_TOLERATED, _TOLERATED_SHARE * value)
     # below zero the smooth gap passes through a contact that is flattened
     through = value + _BELOW_ZERO * math.sqrt(random + surface) < 0
@@ -205,6 +220,7 @@ def find_gap_minima(
     region: Region,
     sliding_along_x: bool,
     contacts: Sequence[GapShape],
+    bore: AxialShape | None = None,
 ) -> dict[GapShape, GapMinimum]:
     """The minimum of the gap of each of some contacts.
 
@@ -234,7 +250,7 @@ def find_gap_minima(
     """
     blocks = average_blocks(sums, sliding_along_x=sliding_along_x)
     return {
-        contact: _fit_gap(blocks, curve, region, contact, sliding_along_x=sliding_along_x)
+        contact: _fit_gap(blocks, curve, region, contact, bore, sliding_along_x=sliding_along_x)
         for contact in contacts
     }
 

@@ -19,7 +19,12 @@ from erlif.models.reynolds import Journal
 from erlif.pipeline.physics.joint import joint_and_oil
 from erlif.pipeline.physics.position import clearance_std
 from erlif.pipeline.physics.predict import film_beside, is_film, read_film
-from erlif.pipeline.physics.prediction import build_journal, build_motion, swinging_joint
+from erlif.pipeline.physics.prediction import (
+    build_journal,
+    build_motion,
+    departure,
+    swinging_joint,
+)
 from erlif.prediction import (
     Estimate,
     GivenErrors,
@@ -191,6 +196,12 @@ def _compare_models(
         raise ConfigError(
             'Expected the load for a fit of the film: add load = "50 lbf" to [joint] in run.toml, '
             "or load_N to the log, and process the run again."
+        )
+    if departs := departure(settings):
+        raise ConfigError(
+            "Expected a straight, rigid and smooth bore for a fit: the orbits that are fitted are "
+            f"tabulated for one; run.toml has {departs}. Use erlif predict without --fit, which "
+            "takes it into account."
         )
     motion = build_motion(settings, frames)
     journal = build_journal(settings, motion.viscosity)

@@ -14,7 +14,13 @@ from erlif.io.ingest import Run
 from erlif.io.settings import CrankRockerSettings, PredictionOptions, RunSettings
 from erlif.models.mechanism import CrankRocker
 from erlif.models.reynolds import Journal
-from erlif.pipeline.physics.joint import build_linkage, describe_joint, joint_and_oil
+from erlif.pipeline.physics.joint import (
+    axial_shape,
+    build_linkage,
+    describe_joint,
+    foundation_of,
+    joint_and_oil,
+)
 from erlif.pipeline.plane import ObjectPlane
 from erlif.prediction import (
     FrameMotion,
@@ -150,6 +156,7 @@ def frames_of_run(run: Run, cycle: xr.Dataset) -> xr.Dataset:
 def build_journal(settings: RunSettings, viscosity: float) -> Journal:
     """The joint of the settings, which have one, with a viscosity [Pa s], for the solver."""
     (joint, oil), options = joint_and_oil(settings), settings.prediction
+    rms = float(np.hypot(joint.pin.roughness or 0.0, joint.bushing.roughness or 0.0))
     return Journal(
         pin_radius=joint.pin_radius,
         bushing_radius=joint.bushing_radius,
@@ -158,7 +165,21 @@ def build_journal(settings: RunSettings, viscosity: float) -> Journal:
         pressure_viscosity=oil.pressure_viscosity,
         cavitation_pressure=options.cavitation_pressure,
         long=options.long,
+        axial_shape=axial_shape(joint),
+        foundation=foundation_of(joint),
+        roughness=rms if options.rough else None,
     )
+
+
+def departure(settings: RunSettings) -> str:
+    """Keys by which the joint is not straight, rigid and smooth; empty where it is."""
+    joint, options = settings.joint, settings.prediction
+    keys = {
+        "bore in [joint]": joint is not None and joint.bore is not None,
+        "liner in [joint]": joint is not None and joint.liner is not None,
+        "rough in [prediction]": bool(options.rough),
+    }
+    return " and ".join(key for key, departs in keys.items() if departs)
 
 
 def build_motion(
@@ -241,7 +262,7 @@ def predict_run(plane: ObjectPlane, film: xr.Dataset, frames: xr.Dataset) -> Pre
         motion,
         trigger=frames.trigger.values,
         used=frames.used.values,
-        view=ImageLine(1e-3 * (plane.along - line), plane.within),
+        view=ImageLine(1e-3 * (plane.along - line), plane.within, 1e-6 * plane.bore_height),
         sideways=options.sideways if isinstance(options.sideways, str) else float(options.sideways),
         start_film=None if options.start_film == "fit" else float(options.start_film),
     )
@@ -450,11 +471,12 @@ def _why_transient(settings: RunSettings) -> str:
 def _describe_assumptions(settings: RunSettings, predicted: xr.Dataset, regime: str) -> str:
     """List the assumptions of the transient prediction, one per line."""
     attrs, pressure = predicted["film_predicted_min"].attrs, settings.prediction.cavitation_pressure
+    departs = departure(settings)
     source = "fitted to the measured minima" if attrs["start_film_fitted"] else "as given"
     lines = [
         f"minimum film of {attrs['start_film']:.3g} um at the first frame, {source}",
-        "round rigid bodies with parallel axes, flooded at the unloaded side and at the ends; the "
-        f"film ruptures at {pressure * 1e-3:.3g} kPa",
+        f"round rigid bodies with parallel axes{departs and ', changed by '}{departs}, flooded at "
+        f"the unloaded side and at the ends; the film ruptures at {pressure * 1e-3:.3g} kPa",
     ]
     if regime != _RIGID:
         lines.append(

@@ -1,0 +1,73 @@
+"""A lobed bushing photographed by the rig, whose film two squeezed lobes carry."""
+
+import numpy as np
+import pytest
+from conftest import Laboratory
+
+import erlif
+from erlif.rig import RigSettings
+
+RIG = RigSettings(
+    width=160,
+    height=128,
+    spacing=4.0,
+    fixture_frames=6,
+    dark_pages=8,
+    flat_pages=4,
+    bubbles=2,
+    length=30.0,
+    lobes=(-4.0, 4.5),
+    lobe=(200.0, 20.0),
+    axial_centre=0.3,
+    film="reynolds",
+    tilt=0.0,
+    load=30.0,
+    elapsed=2.1,
+)
+"""Twelve triggers; the film on the crests sinks from 11 to 5 um within the cycle."""
+
+EXPECTED_WITHIN = 0.75
+"""Share of 12 triggers within two standard deviations, of 0.954: three times the binomial less."""
+
+
+@pytest.fixture(scope="module")
+def lab(tmp_path_factory) -> Laboratory:
+    return Laboratory.simulated(tmp_path_factory.mktemp("lobed"), seed=1, rig=RIG)
+
+
+@pytest.fixture(scope="module")
+def film(lab):
+    return erlif.process(lab.run, workers=1)
+
+
+def within_two(error, std):
+    return np.mean(np.abs(error) < 2 * std)
+
+
+@pytest.mark.slow
+def test_minimum_film_and_pin_are_those_of_the_rig(lab, film):
+    truth = lab.truth
+    assert within_two(film.film_min - truth.film_min.values, film.film_min_std) > EXPECTED_WITHIN
+    true = np.stack([truth.pin_displacement_load, truth.pin_displacement_side], axis=1)
+    std = np.sqrt(np.diagonal(film.pin_position_cov.values, axis1=1, axis2=2))
+    error = film.pin_displacement.values - true
+    assert within_two(error, std[:, :2]) > EXPECTED_WITHIN
+    assert within_two(film.pin_tilt.values, std[:, 2:]) > EXPECTED_WITHIN
+
+
+@pytest.mark.slow
+def test_predicted_film_is_that_of_the_lobes(lab, film):
+    """By finite volumes, against the over-relaxed pressures of the rig; a thinner film than seen."""
+    np.testing.assert_allclose(film.film_predicted_min, lab.truth.film_min, rtol=0.01)
+    assert "bore in [joint]" in film.film_predicted_min.attrs["notes"]
+
+
+@pytest.mark.slow
+def test_a_straight_gap_describes_no_lobes(lab):
+    straight = lab.process_copy(
+        "straight",
+        ("[joint.bore]\n", "[joint.none]\n"),
+        ('[joint.none]\nlobes = ["-4 mm", "4.5 mm"]\n', ""),
+        ('lobe_radius = "200 mm"\nlobe_height = "20 um"\n', ""),
+    )
+    assert np.isnan(straight.film_min).sum() >= 10  # no smooth gap describes the map
