@@ -293,7 +293,7 @@ class OpticsSettings(Settings):
 
     axial_centre: Place | None = None
     """Place of the middle of the joint along the axial direction, from the centre of the first
-    pixel. The bore of [joint] and the ends of the joint are placed from it. Default: the middle
+    pixel. The bore of the joint and its ends are placed from it. Default: the middle
     of the image."""
 
     @property
@@ -793,7 +793,7 @@ class PredictionOptions(Settings):
     long: bool = False
     """Leave out the flow along the axis: an infinitely long joint."""
     rough: bool | None = Field(None, examples=[True])
-    """Let the roughness of pin and bushing in [joint] hinder the flow between them, by the flow
+    """Let the roughness of pin and bushing hinder the flow between them, by the flow
     factors of Patir and Cheng. Default: false. Films below six times the combined roughness then
     carry more load."""
 

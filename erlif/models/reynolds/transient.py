@@ -257,9 +257,7 @@ def _rigid(journal: Journal, grid: Grid, axial: Array, edges: Array) -> Walls:
     if journal.axial_shape is None:
         centre = np.full((grid.along, 1), journal.clearance)
         return Walls(centre, np.full((grid.along + 1, 1), journal.clearance), centre)
-    shape = np.asarray(journal.axial_shape, dtype=float)
-    places = np.linspace(-0.5, 0.5, shape.size) * journal.length
-    cells, faces = (journal.clearance + np.interp(at, places, shape) for at in (axial, edges))
+    cells, faces = journal.clearance_at(axial), journal.clearance_at(edges)
     return Walls(
         np.tile(cells, (grid.along, 1)),
         np.tile(cells, (grid.along + 1, 1)),

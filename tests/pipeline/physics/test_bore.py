@@ -63,6 +63,16 @@ def test_predicted_film_is_that_of_the_lobes(lab, film):
 
 
 @pytest.mark.slow
+def test_pressure_of_the_lobed_film_carries_the_load(lab, film):
+    """To twice its stated error; no load is put in."""
+    found = erlif.pressure_from_film(film)
+    assert (found.pressure_measured == 1).all()
+    error = found.load_from_pressure - lab.truth.joint_load.values
+    assert within_two(error, found.load_from_pressure_std) > EXPECTED_WITHIN
+    assert (found.load_from_pressure_std < 2.0).all()  # N of 30
+
+
+@pytest.mark.slow
 def test_a_straight_gap_describes_no_lobes(lab):
     straight = lab.process_copy(
         "straight",
