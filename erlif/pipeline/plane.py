@@ -91,11 +91,9 @@ class ObjectPlane:
     def bore(self) -> AxialShape | None:
         """Shape of the bore along the axis; None for a straight one."""
         joint = self.settings.joint
-        shape = None if joint is None else axial_shape(joint)
-        if joint is None or shape is None:
+        if joint is None or (shape := axial_shape(joint)) is None:
             return None
-        half = 0.5e3 * joint.length
-        place = self.axial_origin + np.linspace(-half, half, shape.size)
+        place = self.axial_origin + 1e3 * joint.length * np.linspace(-0.5, 0.5, shape.size)
         return AxialShape(place, 1e6 * shape, self.pitch)
 
     def spread(self, gap: Array) -> Image:

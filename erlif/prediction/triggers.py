@@ -54,7 +54,8 @@ def predict_frames(
     Returns
     -------
     xarray.Dataset
-        displacement_load and displacement_side [m], on dim frame.
+        displacement_load and displacement_side [m], on dim frame; of a joint with a foundation also
+        deflection, by which it yields to the highest pressure [m].
 
     Raises
     ------
@@ -82,7 +83,10 @@ def predict_frames(
         sideways=sideways,
         cells=(cells[0], 1 if journal.long else cells[1] * (1 + (journal.axial_shape is not None))),
     )
-    names = "displacement_load", "displacement_side"
+    names = ["displacement_load", "displacement_side"]
+    if journal.foundation is not None:
+        solved["deflection"] = solved.peak_pressure.fillna(0.0) / journal.foundation
+        names.append("deflection")
     return xr.Dataset(
         {name: ("frame", solved[name].values[motion.steps], solved[name].attrs) for name in names}
     )
@@ -195,8 +199,7 @@ def predict_triggers(
         return frames, average_triggers(frames, trigger, used=used)
 
     def minima(start: float) -> Array:
-        at = positions(start)[1]
-        return summarise_gap(at.displacement_load, at.displacement_side, journal, view)[0]
+        return _summarise_positions(positions(start)[1], journal, view)[0]
 
     fitted = start_film is None
     if fitted and sideways != "free" and motion.lead is not None:
@@ -218,7 +221,20 @@ def predict_triggers(
     reached = np.hypot(frames.displacement_load, frames.displacement_side).values[first]
     begun = _MICRO * (journal.least_clearance - float(reached))
     predicted["film_predicted_min"].attrs.update(start_film=begun, start_film_fitted=int(fitted))
+    if "deflection" in frames:
+        predicted["film_predicted_min"].attrs["deflection"] = _MICRO * float(
+            frames.deflection.max()
+        )
     return predicted
+
+
+def _summarise_positions(
+    positions: xr.Dataset, journal: Journal, view: ImageLine
+) -> tuple[Array, Array]:
+    """Minimum and mean of the film in the region; the deflection is that of the minimum. [m]"""
+    load, side = positions.displacement_load.values, positions.displacement_side.values
+    minimum, mean = summarise_gap(load, side, journal, view)
+    return minimum + positions["deflection"].values if "deflection" in positions else minimum, mean
 
 
 def _describe_positions(
@@ -226,7 +242,7 @@ def _describe_positions(
 ) -> xr.Dataset:
     """The predicted film of positions of the pin."""
     load, side = positions.displacement_load.values, positions.displacement_side.values
-    minimum, mean = summarise_gap(load, side, journal, view)
+    minimum, mean = _summarise_positions(positions, journal, view)
     columns = {
         "film_predicted_min": _MICRO * minimum,
         "film_predicted_mean": _MICRO * mean,

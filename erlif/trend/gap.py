@@ -137,8 +137,8 @@ def find_gap_minimum(
     >>> print(f"{found.value:.3f}")
     3.000
     """
-    options = {"region": region, "sliding_along_x": sliding_along_x, "bore": bore}
-    return find_gap_minima(sums, curve, contacts=[contact], **options)[contact]
+    blocks = average_blocks(sums, sliding_along_x=sliding_along_x)
+    return _fit_gap(blocks, curve, region, contact, bore, sliding_along_x=sliding_along_x)
 
 
 def _fit_gap(
@@ -193,10 +193,8 @@ def _fit_gap(
     # change of the minimum with the ratio of each block, through the reweighted fit
     pull = np.linalg.solve(fit.curvature, at) @ fit.jacobian
     by_block = pull * fit.response / fit.total_var
-    value, (random, surface) = (
-        float(at @ fit.amplitudes) + least,
-        _variance_parts(pull, fit, blocks),
-    )
+    value, (random, surface) = float(at @ fit.amplitudes), _variance_parts(pull, fit, blocks)
+    value += least
     tolerated = max(_TOLERATED, _TOLERATED_SHARE * value)
     # below zero the smooth gap passes through a contact that is flattened
     through = value + _BELOW_ZERO * math.sqrt(random + surface) < 0

@@ -68,6 +68,11 @@ class PinView:
         return (self.bushing_radius - self.pin_radius) * 1e6
 
     @property
+    def least_clearance(self) -> float:
+        """Radial clearance where the bore is narrowest along the axis. [um]"""
+        return self.clearance + (0.0 if self.bore is None else float(self.bore.height.min()))
+
+    @property
     def radius(self) -> float:
         """Radius over which positions along sliding are angles, sqrt(R1 R2). [mm]
 

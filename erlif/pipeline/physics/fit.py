@@ -16,15 +16,10 @@ from erlif.core.progress import Progress, ShowProgress, choose_progress, silent
 from erlif.io.files import open_film, takes
 from erlif.io.settings import RunSettings
 from erlif.models.reynolds import Journal
-from erlif.pipeline.physics.joint import joint_and_oil
+from erlif.pipeline.physics.joint import departure, joint_and_oil
 from erlif.pipeline.physics.position import clearance_std
 from erlif.pipeline.physics.predict import film_beside, is_film, read_film
-from erlif.pipeline.physics.prediction import (
-    build_journal,
-    build_motion,
-    departure,
-    swinging_joint,
-)
+from erlif.pipeline.physics.prediction import build_journal, build_motion, swinging_joint
 from erlif.prediction import (
     Estimate,
     GivenErrors,
@@ -199,9 +194,8 @@ def _compare_models(
         )
     if departs := departure(settings):
         raise ConfigError(
-            "Expected a straight, rigid and smooth bore for a fit: the orbits that are fitted are "
-            f"tabulated for one; run.toml has {departs}. Use erlif predict without --fit, which "
-            "takes it into account."
+            "Expected a straight, rigid and smooth joint for a fit, whose orbits are tabulated; "
+            f"run.toml has {departs}. Use erlif predict without --fit."
         )
     motion = build_motion(settings, frames)
     journal = build_journal(settings, motion.viscosity)

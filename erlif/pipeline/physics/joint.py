@@ -165,27 +165,32 @@ def axial_shape(joint: JointSettings) -> Array | None:
         At equal distances from end to end, as `erlif.models.reynolds.Journal` takes it [m]; None
         for a straight bore.
     """
-    bore = joint.bore
+    bore, half = joint.bore, _HALF_POINTS
     if bore is None:
         return None
-    axial = np.arange(-_HALF_POINTS, _HALF_POINTS + 1) * (joint.length / (2 * _HALF_POINTS))
-    shape: Array = np.zeros(axial.size)
-    if bore.lobe_radius and bore.lobe_height:
-        height = float(bore.lobe_height)
-        shape += lobe_shape(axial, centres=bore.lobes, radius=bore.lobe_radius, height=height)
-    if bore.edge_length and bore.edge_depth:
-        edge, depth = float(bore.edge_length), float(bore.edge_depth)
+    axial, shape = np.arange(-half, half + 1) * (joint.length / (2 * half)), np.zeros(2 * half + 1)
+    if (radius := bore.lobe_radius) and (height := bore.lobe_height):
+        shape += lobe_shape(axial, centres=bore.lobes, radius=radius, height=height)
+    if (edge := bore.edge_length) and (depth := bore.edge_depth):
         shape += relief_shape(axial, length=joint.length, edge=edge, depth=depth)
     return shape
 
 
 def foundation_of(joint: JointSettings) -> float | None:
     """Pressure over deflection of the liner, as a thin layer that cannot spread. [Pa/m]"""
-    liner = joint.liner
-    if liner is None:
+    if (liner := joint.liner) is None:
         return None
-    modulus = winkler_modulus(liner.youngs_modulus, poisson=liner.poissons_ratio)
-    return float(modulus) / liner.thickness
+    return winkler_modulus(liner.youngs_modulus, poisson=liner.poissons_ratio) / liner.thickness
+
+
+def departure(settings: RunSettings) -> str:
+    """Keys by which the joint is not straight, rigid and smooth; empty where it is."""
+    joint, rough = settings.joint, settings.prediction.rough
+    bore, liner = (None, None) if joint is None else (joint.bore, joint.liner)
+    names = ("bore in [joint]", "liner in [joint]", "rough in [prediction]")
+    return " and ".join(
+        name for name, stated in zip(names, (bore, liner, rough), strict=True) if stated
+    )
 
 
 def missing_load() -> ConfigError:

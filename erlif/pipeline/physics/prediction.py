@@ -17,6 +17,7 @@ from erlif.models.reynolds import Journal
 from erlif.pipeline.physics.joint import (
     axial_shape,
     build_linkage,
+    departure,
     describe_joint,
     foundation_of,
     joint_and_oil,
@@ -169,17 +170,6 @@ def build_journal(settings: RunSettings, viscosity: float) -> Journal:
         foundation=foundation_of(joint),
         roughness=rms if options.rough else None,
     )
-
-
-def departure(settings: RunSettings) -> str:
-    """Keys by which the joint is not straight, rigid and smooth; empty where it is."""
-    joint, options = settings.joint, settings.prediction
-    keys = {
-        "bore in [joint]": joint is not None and joint.bore is not None,
-        "liner in [joint]": joint is not None and joint.liner is not None,
-        "rough in [prediction]": bool(options.rough),
-    }
-    return " and ".join(key for key, departs in keys.items() if departs)
 
 
 def build_motion(
@@ -478,6 +468,11 @@ def _describe_assumptions(settings: RunSettings, predicted: xr.Dataset, regime: 
         f"round rigid bodies with parallel axes{departs and ', changed by '}{departs}, flooded at "
         f"the unloaded side and at the ends; the film ruptures at {pressure * 1e-3:.3g} kPa",
     ]
+    if "deflection" in attrs:
+        lines.append(
+            f"the liner yields by up to {attrs['deflection']:.2g} um at the thinnest film: the "
+            "minimum is that of the deflected wall, mean and map are those of the wall at rest"
+        )
     if regime != _RIGID:
         lines.append(
             f"the regime map finds the {regime} regime, in which the surfaces deflect or the oil "

@@ -1,3 +1,4 @@
+from .bore import film_along_axis as film_along_axis
 from .calibration import calibration_figure as calibration_figure
 from .calibration import fixture_profile as fixture_profile
 from .calibration import profile_figure as profile_figure

@@ -2,10 +2,12 @@
 
 import numpy as np
 import pytest
-from conftest import Laboratory
 
 import erlif
+from conftest import Laboratory
+from erlif.io.files import region_of
 from erlif.rig import RigSettings
+from erlif.trend import cut_through_minimum, place_of_minimum
 
 RIG = RigSettings(
     width=160,
@@ -56,8 +58,25 @@ def test_minimum_film_and_pin_are_those_of_the_rig(lab, film):
 
 
 @pytest.mark.slow
+def test_film_along_the_axis_is_that_of_the_rig_within_its_bars(lab, film):
+    """At some 500 axial places of 12 triggers, whose noise and marks are independent."""
+    pulls = []
+    low, high = region_of(film).x
+    for trigger, true in enumerate(lab.truth.film.values):
+        found = cut_through_minimum(film, trigger=trigger, exchanged=True)
+        off = np.abs(film.x - place_of_minimum(film, trigger=trigger)["x"])
+        mean = true[:, off < 0.05 * (high - low)].mean(axis=1)
+        std = np.hypot(found.thickness_std, found.thickness_std_shared)
+        pulls.append(((found.thickness - mean) / std).values)
+    pulls = np.concatenate(pulls)
+    pulls = pulls[np.isfinite(pulls)]
+    assert pulls.size > 400
+    assert 0.93 < np.mean(np.abs(pulls) < 2) < 0.98
+
+
+@pytest.mark.slow
 def test_predicted_film_is_that_of_the_lobes(lab, film):
-    """By finite volumes, against the over-relaxed pressures of the rig; a thinner film than seen."""
+    """By finite volumes, against the over-relaxed pressures of the rig."""
     np.testing.assert_allclose(film.film_predicted_min, lab.truth.film_min, rtol=0.01)
     assert "bore in [joint]" in film.film_predicted_min.attrs["notes"]
 
