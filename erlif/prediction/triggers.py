@@ -14,6 +14,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from erlif.core.arrays import Array
+from erlif.core.errors import ModelError
 from erlif.core.variables import FILM, FRAMES
 from erlif.models.reynolds import Journal, solve_journal
 from erlif.prediction.motion import FrameMotion
@@ -84,6 +85,12 @@ def predict_frames(
         cells=(cells[0], 1 if journal.long else cells[1] * (1 + (journal.axial_shape is not None))),
     )
     names = ["displacement_load", "displacement_side"]
+    far = np.hypot(solved.displacement_load, solved.displacement_side)
+    if journal.foundation is None and journal.least_clearance <= far.max():
+        raise ModelError(
+            "No film carries the load: the pin touches the crest of the bore between the cells "
+            "along the axis. Check load and viscosity, and the bore in [joint]."
+        )
     if journal.foundation is not None:
         solved["deflection"] = solved.peak_pressure.fillna(0.0) / journal.foundation
         names.append("deflection")

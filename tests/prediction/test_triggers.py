@@ -12,7 +12,8 @@ import xarray as xr
 from scenes.orbits import RIG, SPEED, STATED
 from scipy.integrate import solve_ivp
 
-from erlif.models.reynolds import Journal, Motion, solve_journal
+from erlif.core.errors import ModelError
+from erlif.models.reynolds import Journal, Motion, lobe_shape, solve_journal
 from erlif.prediction import (
     FrameMotion,
     ImageLine,
@@ -195,3 +196,14 @@ def test_a_liner_yields_by_its_pressure_over_its_stiffness():
     expected = rigid + solved.pressure.max(["circumference", "axial"]).values / joint.foundation
     npt.assert_allclose(found.film_predicted_min, 1e6 * expected, rtol=0.01)
     assert (found.film_predicted_min > 1e6 * rigid * 1.1).all()
+
+
+def test_a_pin_that_reaches_the_crest_of_a_lobe_is_refused():
+    """Its crest, which no cell has at its middle, is lower by 0.2 um than the film of the cells."""
+    axial = np.arange(-1000, 1001) * 15e-6
+    shape = lobe_shape(axial, centres=[1e-3], radius=0.2, height=20e-6)
+    joint = Journal(0.03336, 0.03359, length=0.03, viscosity=0.12, axial_shape=shape)
+    time = np.linspace(0.0, 1.0, 51)
+    moved = FrameMotion(Motion(time, 0 * time, 60.0), np.array([25, 50]), time, 0.12)
+    with pytest.raises(ModelError, match="No film carries the load"):
+        predict_frames(joint, moved, start_film=2e-6, cells=(64, 2))

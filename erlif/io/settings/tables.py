@@ -293,8 +293,8 @@ class OpticsSettings(Settings):
 
     axial_centre: Place | None = None
     """Place of the middle of the joint along the axial direction, from the centre of the first
-    pixel. The bore of the joint and its ends are placed from it. Default: the middle
-    of the image."""
+    pixel. The bore of the joint and its ends are placed from it. Default: the middle of the
+    image."""
 
     @property
     def reflectance(self) -> float | None:
@@ -793,9 +793,8 @@ class PredictionOptions(Settings):
     long: bool = False
     """Leave out the flow along the axis: an infinitely long joint."""
     rough: bool | None = Field(None, examples=[True])
-    """Let the roughness of pin and bushing hinder the flow between them, by the flow
-    factors of Patir and Cheng. Default: false. Films below six times the combined roughness then
-    carry more load."""
+    """Let the roughness of pin and bushing hinder the flow between them, by the flow factors of
+    Patir and Cheng. Default: false. It counts for films below five times the combined roughness."""
 
 
 class RunName(Settings):

@@ -37,6 +37,16 @@ def film_along_axis(film: xr.Dataset, *, trigger: int, ax: Axes = style.NEW) -> 
     ------
     ErlifError
         If the bore is straight, or the trigger has no minimum film.
+
+    Examples
+    --------
+    The bore of the example film is straight:
+
+    >>> from erlif.show.plots import example_film
+    >>> film_along_axis(example_film(), trigger=0)  # doctest: +ELLIPSIS
+    Traceback (most recent call last):
+        ...
+    erlif.core.errors.ConfigError: Expected a film with bore in [joint] and a minimum at ...
     """
     plane = ObjectPlane(settings_of(film), (film.sizes["y"], film.sizes["x"]))
     place = place_of_minimum(film, trigger=trigger)

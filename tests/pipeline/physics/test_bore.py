@@ -5,7 +5,9 @@ import pytest
 
 import erlif
 from conftest import Laboratory
+from erlif.core.errors import ConfigError
 from erlif.io.files import region_of
+from erlif.pipeline.physics.fit import fit_film
 from erlif.rig import RigSettings
 from erlif.trend import cut_through_minimum, place_of_minimum
 
@@ -39,7 +41,7 @@ def lab(tmp_path_factory) -> Laboratory:
 
 @pytest.fixture(scope="module")
 def film(lab):
-    return erlif.process(lab.run, workers=1)
+    return erlif.process(lab.run, output=lab.film, workers=1)
 
 
 def within_two(error, std):
@@ -100,3 +102,11 @@ def test_a_straight_gap_describes_no_lobes(lab):
         ('lobe_radius = "200 mm"\nlobe_height = "20 um"\n', ""),
     )
     assert np.isnan(straight.film_min).sum() >= 10  # no smooth gap describes the map
+
+
+@pytest.mark.slow
+def test_a_fit_of_straight_orbits_is_refused_by_the_key(lab, film):
+    assert "physics" not in film.attrs
+    assert film.pin_displacement.attrs["load_line_source"] == "given"
+    with pytest.raises(ConfigError, match=r"run.toml has bore in \[joint\]"):
+        fit_film(lab.film)
