@@ -143,7 +143,11 @@ VARIABLE_ATTRIBUTES = (
             ("viscosity_given", "viscosity of [oil] at the same triggers [Pa s]."),
         )
     ),
-    Attribute("clearance", "Of displacement and tilt: radial clearance of the joint [um]."),
+    Attribute(
+        "clearance",
+        "Of displacement and tilt: radial clearance of the joint, of a bore that is not straight "
+        "the least [um].",
+    ),
     Attribute(
         "load_line", "Of displacement and tilt: load line along sliding [mm]; also of the attitude."
     ),

@@ -12,7 +12,8 @@ from erlif.core.arrays import Array, Image
 from erlif.core.errors import ConfigError
 from erlif.core.variables import FILM
 from erlif.io.settings import RunSettings
-from erlif.trend import GapShape, PinView, Region, find_region
+from erlif.pipeline.physics.joint import axial_shape
+from erlif.trend import AxialShape, GapShape, PinView, Region, find_region
 
 # Rows and columns of a patch, at least. [px]
 _SMALLEST = 8
@@ -63,16 +64,43 @@ class ObjectPlane:
         return self.region.columns if self.sliding_along_x else self.region.rows
 
     @property
+    def bore_height(self) -> Array | float:
+        """Height that the bore adds to the gap across the region; 0 if straight. [um]"""
+        rows = self.region.rows if self.sliding_along_x else self.region.columns
+        return 0.0 if self.bore is None else self.bore.at(self.across[rows])
+
+    @property
     def contacts(self) -> tuple[GapShape, ...]:
         """Gaps that the surfaces may have: that of a pin in a bushing, else all."""
         mechanism = self.settings.mechanism
         linked = mechanism is not None and mechanism.kind in ("crank-rocker", "slider-crank")
         return (GapShape.LINE,) if linked or self.settings.joint is not None else tuple(GapShape)
 
+    @property
+    def across(self) -> Array:
+        """Positions along the axis, (pixel,). [mm]"""
+        return self.y if self.sliding_along_x else self.x
+
+    @property
+    def axial_origin(self) -> float:
+        """Position along the axis of the middle of the joint, else of the image. [mm]"""
+        stated = self.settings.optics.axial_centre
+        return 0.5 * (self.across.size - 1) * self.pitch if stated is None else stated * 1e3
+
+    @cached_property
+    def bore(self) -> AxialShape | None:
+        """Shape of the bore along the axis; None for a straight one."""
+        joint = self.settings.joint
+        if joint is None or (shape := axial_shape(joint)) is None:
+            return None
+        place = self.axial_origin + 1e3 * joint.length * np.linspace(-0.5, 0.5, shape.size)
+        return AxialShape(place, 1e6 * shape, self.pitch)
+
     def spread(self, gap: Array) -> Image:
-        """A film (pixel,) along sliding over the image, (y, x): pin and bushing are parallel."""
-        across = gap[np.newaxis, :] if self.sliding_along_x else gap[:, np.newaxis]
-        return np.ascontiguousarray(np.broadcast_to(across, self.shape), np.float32)
+        """A film (pixel,) along sliding over the image, with the shape of the bore, (y, x)."""
+        shape = np.zeros(self.across.size) if self.bore is None else self.bore.at(self.across)
+        whole = gap[:, np.newaxis] + shape
+        return np.ascontiguousarray(whole.T if self.sliding_along_x else whole, np.float32)
 
     def grid(self, triggers: int) -> xr.Dataset:
         """Coordinates of the maps of so many triggers: trigger, y and x."""
@@ -127,15 +155,15 @@ class ObjectPlane:
         joint, given = self.settings.joint, self.settings.prediction.load_line
         if joint is None:
             return None
-        rows, columns = self.shape
-        sliding, axial = (columns, rows) if self.sliding_along_x else (rows, columns)
+        sliding = self.along.size
         view = PinView(
             joint.pin_radius,
             joint.bushing_radius,
             self.pitch,
             load_line=0.5 * (sliding - 1) * self.pitch if given is None else given * 1e3,
-            axial_origin=0.5 * (axial - 1) * self.pitch,
+            axial_origin=self.axial_origin,
             sliding_along_x=self.sliding_along_x,
+            bore=self.bore,
         )
         last = (sliding - 1) * self.pitch
         if view.sees(0.0, last):

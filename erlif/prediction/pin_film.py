@@ -86,7 +86,7 @@ def solve_pin_motion(
     around, along, angle = angle.size, axial.size, angle + turned
     cosine, sine = np.cos(angle)[:, None], np.sin(angle)[:, None]
     load, side = tilted(position, axial)
-    film = journal.clearance - load * cosine - side * sine
+    film = journal.clearance_at(axial) - load * cosine - side * sine
     if film.min() <= 0:
         raise OverlapError(
             "Expected a gap all over the joint; pin and bushing overlap by "
@@ -206,7 +206,8 @@ def follow_cavities(
     angle, axial = lay_cells(journal, cells)
     at, turned = path(fine), angle + swing(fine)[:, None] / 2
     load, side = tilted(at.T[..., None, None], axial)
-    film = journal.clearance - load * np.cos(turned)[..., None] - side * np.sin(turned)[..., None]
+    film = journal.clearance_at(axial) - load * np.cos(turned)[..., None]
+    film = film - side * np.sin(turned)[..., None]
     if film.min() <= 0:
         raise OverlapError("Expected a gap all over the joint; pin and bushing overlap on the way.")
     solved = solve_round(journal, film, time=fine - fine[0])

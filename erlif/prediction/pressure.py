@@ -53,6 +53,7 @@ CLEAR = 0.5
 
 # Standard deviations within which all rates of a film at rest are zero.
 RESTING = 3.0
+_SHAPED = 3  # times as many cells over the length of a bore that is not straight
 
 _STEP = 0.02  # largest relative change of the film for a derivative
 
@@ -114,7 +115,8 @@ def find_pressures(
         Gives the motion with its gaps filled (`erlif.prediction.gaps`), or None; called where
         cavities need it.
     cells : (int, int)
-        As for `solve_pin_motion`.
+        As for `solve_pin_motion`; a bore that is not straight has thrice as many over its length,
+        and what coarser cells make in its errors.
     progress : callable
         Receives the name of the step, the triggers that are finished, and their number.
 
@@ -143,12 +145,15 @@ def find_pressures(
     >>> float((found.peak_pressure_std / found.peak_pressure).item()) < 0.01
     True
     """
-    view = _View(journal.radius, place, axial)
+    view, shaped = _View(journal.radius, place, axial), journal.axial_shape is not None
+    cells = (cells[0], _SHAPED * cells[1]) if shaped else cells
     search = _Search(journal, viscosity, motion, view, cells, np.array(settings_std), load_line_std)
     # known before anything is solved
     if _rests(motion) and not _covers_turn(motion):
         return _collect([_hide({}, np.nan, np.inf) for _ in viscosity], view)
     rows = [_judge(row) for row in search.find_all(progress)]
+    if shaped:
+        rows = _add_error_of_cells(rows)
     # a cavity at a trigger without a pressure may be one of the noise
     if any(row["pressure_measured"] > 0 and row["cavity"] > 0 for row in rows):
         mean = replace(journal, viscosity=float(np.mean(viscosity)))
@@ -158,7 +163,7 @@ def find_pressures(
                 return _collect([_hide(row, np.nan, np.inf) for row in rows], view)
             motion = filled
         try:
-            cavities = _Cavities.of(mean, motion, {cells, min(cells, SLOPE_CELLS)})
+            cavities = _Cavities.of(mean, motion, {cells, _coarser(cells)})
         except ModelError:
             rows = [_judge(_nothing(solved=False)) for _ in rows]
         else:
@@ -214,6 +219,11 @@ def _add_error_of_cells(rows: list[dict[str, Array]]) -> list[dict[str, Array]]:
         for row, more in zip(done, mean, strict=True):
             row.update({std: np.sqrt(row[std] ** 2 + more) for std in stds if std in row})
     return [_judge(row) for row in done]
+
+
+def _coarser(cells: tuple[int, int]) -> tuple[int, int]:
+    """Cells for the derivatives, and for the error by the size of the cells."""
+    return min(cells, (SLOPE_CELLS[0], max(SLOPE_CELLS[1], cells[1] // _SHAPED)))
 
 
 def _nothing(*, solved: bool) -> dict[str, Array]:
@@ -453,7 +463,7 @@ class _Search:
     def _find(self, journal: Journal, k: int) -> dict[str, Array]:
         """Pressure of one trigger."""
         motion, view, cavities = self.motion, self.view, self.cavities
-        solve, coarse = partial(self._solve, journal, k), min(self.cells, SLOPE_CELLS)
+        solve, coarse = partial(self._solve, journal, k), _coarser(self.cells)
         numbers = np.concatenate([motion.position[k], motion.rate[k], np.zeros(len(SETTINGS))])
         solved = solve(numbers, self.cells)
         found = view.look(solved)

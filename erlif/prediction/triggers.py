@@ -14,6 +14,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from erlif.core.arrays import Array
+from erlif.core.errors import ModelError
 from erlif.core.variables import FILM, FRAMES
 from erlif.models.reynolds import Journal, solve_journal
 from erlif.prediction.motion import FrameMotion
@@ -48,12 +49,14 @@ def predict_frames(
     sideways : str or float
         "free", "guided", or a stiffness. [N/m]
     cells : (int, int)
-        Cells round the joint, and along half of its length; a long one has one along.
+        Cells round the joint, and along half of its length; a long one has one along, one with an
+        axial shape twice as many.
 
     Returns
     -------
     xarray.Dataset
-        displacement_load and displacement_side [m], on dim frame.
+        displacement_load and displacement_side [m], on dim frame; of a joint with a foundation also
+        deflection, by which it yields to the highest pressure [m].
 
     Raises
     ------
@@ -72,16 +75,25 @@ def predict_frames(
     >>> (1e6 * (joint.clearance - found.displacement_load.values)).round()
     array([20., 16.])
     """
-    eccentric = journal.clearance - start_film
+    eccentric = journal.least_clearance - start_film
     toward = motion.motion.angle[0] / 2 if sideways == "free" else 0.0
     solved = solve_journal(
         replace(journal, viscosity=motion.viscosity),
         motion.motion,
         start=(eccentric * np.cos(toward), eccentric * np.sin(toward)),
         sideways=sideways,
-        cells=(cells[0], 1) if journal.long else cells,
+        cells=(cells[0], 1 if journal.long else cells[1] * (1 + (journal.axial_shape is not None))),
     )
-    names = "displacement_load", "displacement_side"
+    names = ["displacement_load", "displacement_side"]
+    far = np.hypot(solved.displacement_load, solved.displacement_side)
+    if journal.foundation is None and journal.least_clearance <= far.max():
+        raise ModelError(
+            "No film carries the load: the pin touches the crest of the bore between the cells "
+            "along the axis. Check load and viscosity, and the bore in [joint]."
+        )
+    if journal.foundation is not None:
+        solved["deflection"] = solved.peak_pressure.fillna(0.0) / journal.foundation
+        names.append("deflection")
     return xr.Dataset(
         {name: ("frame", solved[name].values[motion.steps], solved[name].attrs) for name in names}
     )
@@ -194,8 +206,7 @@ def predict_triggers(
         return frames, average_triggers(frames, trigger, used=used)
 
     def minima(start: float) -> Array:
-        at = positions(start)[1]
-        return summarise_gap(at.displacement_load, at.displacement_side, journal, view)[0]
+        return _summarise_positions(positions(start)[1], journal, view)[0]
 
     fitted = start_film is None
     if fitted and sideways != "free" and motion.lead is not None:
@@ -203,7 +214,7 @@ def predict_triggers(
     if start_film is None:
         measured, std = film["film_min"].values, film["film_min_std"].values
         start_film = find_start_film(
-            minima, measured / _MICRO, std / _MICRO, clearance=journal.clearance
+            minima, measured / _MICRO, std / _MICRO, clearance=journal.least_clearance
         )
     frames, triggers = positions(start_film)
     predicted = _describe_positions(triggers, journal, view, "trigger")
@@ -215,9 +226,22 @@ def predict_triggers(
     # after a lead the film at the first frame is no longer that of the start
     first = int(np.argmin(motion.steps))
     reached = np.hypot(frames.displacement_load, frames.displacement_side).values[first]
-    begun = _MICRO * (journal.clearance - float(reached))
+    begun = _MICRO * (journal.least_clearance - float(reached))
     predicted["film_predicted_min"].attrs.update(start_film=begun, start_film_fitted=int(fitted))
+    if "deflection" in frames:
+        predicted["film_predicted_min"].attrs["deflection"] = _MICRO * float(
+            frames.deflection.max()
+        )
     return predicted
+
+
+def _summarise_positions(
+    positions: xr.Dataset, journal: Journal, view: ImageLine
+) -> tuple[Array, Array]:
+    """Minimum and mean of the film in the region; the deflection is that of the minimum. [m]"""
+    load, side = positions.displacement_load.values, positions.displacement_side.values
+    minimum, mean = summarise_gap(load, side, journal, view)
+    return minimum + positions["deflection"].values if "deflection" in positions else minimum, mean
 
 
 def _describe_positions(
@@ -225,7 +249,7 @@ def _describe_positions(
 ) -> xr.Dataset:
     """The predicted film of positions of the pin."""
     load, side = positions.displacement_load.values, positions.displacement_side.values
-    minimum, mean = summarise_gap(load, side, journal, view)
+    minimum, mean = _summarise_positions(positions, journal, view)
     columns = {
         "film_predicted_min": _MICRO * minimum,
         "film_predicted_mean": _MICRO * mean,
@@ -246,10 +270,14 @@ class ImageLine:
         Distance of each pixel from the load line, along sliding. (pixel,) [m]
     region : slice
         Pixels of the region of interest.
+    shape : Array or float
+        Height that the bore adds to the gap at the pixels across sliding of the region; 0 where it
+        is straight. [m]
     """
 
     place: Array
     region: slice
+    shape: Array | float = 0.0
 
 
 def gap_in_view(
@@ -315,4 +343,4 @@ def summarise_gap(
     thinnest = np.clip(np.arctan2(side, load), phi.min(), phi.max())
     minimum = journal.clearance - load * np.cos(thinnest) - side * np.sin(thinnest)
     mean = journal.clearance - load * np.cos(phi).mean() - side * np.sin(phi).mean()
-    return np.asarray(minimum), np.asarray(mean)
+    return np.asarray(minimum + np.min(view.shape)), np.asarray(mean + np.mean(view.shape))

@@ -25,6 +25,8 @@ from erlif.rig.orbit import THINNEST, RigidBearing
 AROUND = 96
 # Nodes on half of the length, denser towards the end.
 ALONG = 12
+# Nodes on the whole length of a bore that is not straight, evenly spread.
+SHAPED = 81
 
 _CLUSTER = 0.7  # of the mapping a = pi s - q sin(pi s) of evenly spread s
 _RELAXATION = 1.95, 0.14  # over-relaxation of an even film, and how much less a thin one needs
@@ -123,7 +125,10 @@ def _lay_grid(bearing: RigidBearing, *, whole: bool) -> _Grid:
     half = bearing.length / bearing.radius / 2
     place = half * np.sin(np.pi / 2 * np.arange(ALONG) / (ALONG - 1))
     width = np.diff(np.concatenate([[0], (place[1:] + place[:-1]) / 2, [half]]))
-    if whole:
+    if bearing.shape is not None:
+        place = np.linspace(-half, half, SHAPED)
+        width = np.gradient(place) * np.where(np.abs(place) < half, 1.0, 0.5)
+    elif whole:
         place = np.concatenate([-place[:0:-1], place])
         width = np.concatenate([width[:0:-1], [2 * width[0]], width[1:]])
 
@@ -147,11 +152,15 @@ class _Film:
         turn: float,
         tilt: float = 0.0,
     ) -> None:
-        self.grid = _lay_grid(bearing, whole=tilt != 0)
+        whole = tilt != 0 or bearing.shape is not None
+        self.grid = _lay_grid(bearing, whole=whole)
         self.unit = 12 * bearing.viscosity * (bearing.radius / bearing.clearance) ** 2 / step  # Pa
-        self.area = (1 if tilt else 2) * bearing.radius**2  # or of both halves of the length [m2]
+        self.area = (1 if whole else 2) * bearing.radius**2  # or of both halves of the length [m2]
         self.cavity = cavity / self.unit
         self.lift = tilt * bearing.radius / bearing.clearance * self.grid.axial
+        self.form: Array = np.zeros(self.grid.axial.size)
+        if bearing.shape is not None:
+            self.form = bearing.shape(self.grid.axial * bearing.radius) / bearing.clearance
         self.pressure = np.zeros_like(self.grid.area)
         self.content, _ = self.measure(place, turn)
         self.before: Array | None = None
@@ -160,6 +169,7 @@ class _Film:
         """Film over the clearance at the nodes and half-way to the next ones, (around, along)."""
         at_nodes, between = (
             1
+            + self.form
             - (place[0] + self.lift) * np.cos(angle + turn)[:, None]
             - place[1] * np.sin(angle + turn)[:, None]
             for angle in (self.grid.angle, self.grid.face)
@@ -285,7 +295,8 @@ def follow_cavitated(
             return np.asarray(left[:free] / weight)
 
         guess = places[k - 1] + (places[k - 1] - places[k - 2] if k > 1 else 0)
-        places[k], derivative = _balance(unbalance, places[k - 1], guess, derivative, free)
+        play = 1 + float(film.form.min())
+        places[k], derivative = _balance(unbalance, places[k - 1], guess, derivative, free, play)
         film.advance()
     return np.asarray(bearing.clearance * CubicSpline(moments, places)(time))
 
@@ -296,15 +307,16 @@ def _balance(
     guess: Array,
     derivative: Array | None,
     free: int,
+    play: float,
 ) -> tuple[Array, Array]:
     """Find the place where the forces balance, by Broyden's method; gives the derivative as well.
 
     The derivative of the step before serves once more; where it fails, a new one is taken.
     """
-    film = 1 - float(np.hypot(*last))
+    film = play - float(np.hypot(*last))
     for _ in range(2):
         place = guess if derivative is not None else last
-        place = _keep_open(last, place)
+        place = _keep_open(last, place, play)
         left = unbalance(place)
         if derivative is None:
             columns = []
@@ -320,7 +332,7 @@ def _balance(
                 return place, derivative
             move = np.zeros(2)
             move[:free] = np.linalg.solve(derivative, -left)
-            tried = _keep_open(place, place + move)
+            tried = _keep_open(place, place + move, play)
             move = (tried - place)[:free]
             after = unbalance(tried)
             derivative = derivative + np.outer(after - left - derivative @ move, move) / (
@@ -333,9 +345,9 @@ def _balance(
     )
 
 
-def _keep_open(last: Array, place: Array) -> Array:
+def _keep_open(last: Array, place: Array, play: float) -> Array:
     """Shorten a step of the pin so that it keeps enough of the film."""
-    film = 1 - np.hypot(*last)
-    while 1 - np.hypot(*place) < _LEAST * film:
+    film = play - np.hypot(*last)
+    while play - np.hypot(*place) < _LEAST * film:
         place = (last + place) / 2
     return place

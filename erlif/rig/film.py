@@ -299,7 +299,8 @@ class Gap:
         """Film without marks: of a pin c - e cos(phi); phi = 0 is the thin line. [um]
 
         The tilt moves the pin by a part of e that is zero at the edge of the region, so that h_min
-        is the minimum in the region. A ball of radius R has h_min + r^2/2R.
+        is the minimum in the region. A ball of radius R has h_min + r^2/2R. The shape of a bore is
+        added, and the pin moved so that h_min stays that of the region.
         """
         rig = self.rig
         along = (x - rig.centre[0]) * rig.pitch - rig.thin_line
@@ -311,7 +312,26 @@ class Gap:
         rise = rig.tilt / (rig.height * rig.pitch) * from_edge
         if rig.contact == "plane":
             return np.asarray(self.film_min + rise + 0 * along)
-        return np.asarray(rig.clearance - (rig.clearance - self.film_min - rise) * np.cos(phi))
+        rise = rise - self.least_shape
+        gap = rig.clearance - (rig.clearance - self.film_min - rise) * np.cos(phi)
+        return np.asarray(gap + self.shape(y))
+
+    @property
+    def least_shape(self) -> float:
+        """Least of shape and tilt of the bore in the region; 0 for a straight one. [um]"""
+        rig = self.rig
+        if not rig.shaped:
+            return 0.0
+        low, high = rig.region[1]
+        place = np.linspace(low, high, 10 * rig.height)
+        from_edge = place - (low if rig.tilt >= 0 else high)
+        rise = rig.tilt / (rig.height * rig.pitch) * from_edge
+        return float((self.shape(place / rig.pitch) + rise).min())
+
+    def shape(self, y: Array) -> Array:
+        """What the shape of the bore adds to the film at rows [pixel]. [um]"""
+        middle = self.rig.centre[1] * self.rig.pitch + self.rig.axial_centre
+        return self.rig.shape(y * self.rig.pitch - middle)
 
     def __call__(self, x: Array, y: Array) -> Array:
         """Film with marks at object points [pixel]. [um]"""

@@ -48,7 +48,8 @@ class JournalGap(Gap):
         """Film without marks, c - e cos(phi - attitude); phi = 0 is the load line. [um]"""
         rig = self.rig
         phi = ((x - rig.centre[0]) * rig.pitch - rig.thin_line) / rig.journal_radius
-        return np.asarray(rig.clearance - self.along * np.cos(phi) - self.side * np.sin(phi))
+        gap = rig.clearance - self.along * np.cos(phi) - self.side * np.sin(phi)
+        return np.asarray(gap + self.shape(y))
 
     @property
     def eccentricity(self) -> float:
@@ -80,6 +81,7 @@ def _place_pin(rig: RigSettings, marks: Marks, along: float, side: float) -> Jou
     )
     thinnest = np.clip(attitude, *edges)
     film_min = rig.clearance - np.hypot(along, side) * np.cos(thinnest - attitude)
+    film_min += Gap(rig, 0.0, marks).least_shape
     return JournalGap(rig, float(film_min), marks, along, side)
 
 
@@ -104,6 +106,7 @@ def follow_pin(time: Array, rig: RigSettings) -> Array:
         clearance=1e-6 * rig.clearance,
         length=1e-3 * rig.length,
         viscosity=rig.viscosity,
+        shape=(lambda axial: 1e-6 * rig.shape(1e3 * axial)) if rig.shaped else None,
     )
     cycle, middle = cycle_time(rig), float(np.mean(rocker_range(rig)))
     moments = np.append(-rig.elapsed * cycle, time)
@@ -119,7 +122,7 @@ def follow_pin(time: Array, rig: RigSettings) -> Array:
 
     # a free pin squeezes a full film, unless its pressure would fall below that of cavities
     cavity = 1e3 * rig.cavitation_pressure
-    if rig.sideways == "free":
+    if rig.sideways == "free" and not rig.shaped:
         history = np.linspace(moments[0], moments[-1], _HISTORY)
         looked_up = np.union1d(history, moments)
         path = follow_orbit(bearing, looked_up, load=load, rotation=speed)

@@ -46,12 +46,16 @@ class RigidBearing(NamedTuple):
         which is flooded. [m]
     viscosity : float
         [Pa s]
+    shape : callable or None
+        What a bore that is not straight adds to the gap [m] at places along the axis from its
+        middle [m].
     """
 
     radius: float
     clearance: float
     length: float
     viscosity: float
+    shape: Callable[[Array], Array] | None = None
 
     @property
     def damping(self) -> float:

@@ -7,6 +7,9 @@ from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any, TypeVar
 
+import numpy as np
+
+from erlif.core.arrays import Array
 from erlif.core.errors import ModelError
 from erlif.core.terms import keys_in
 
@@ -15,7 +18,7 @@ SIDEWAYS = ("free", "guided")
 # Angle through which the rocker of the thesis turns; the default one differs little. [degree]
 SWING = 24.0
 # Settings of any number of values.
-_LISTS = ("film_table", "flat_levels")
+_LISTS = ("film_table", "flat_levels", "lobes")
 
 _Value = TypeVar("_Value")
 
@@ -121,6 +124,15 @@ class RigSettings:
         Radius of the bushing. [mm]
     length : float
         Length of the joint along its axis. [mm]
+    lobes : tuple[float, ...] | None
+        Places along y of lobes in the bore, from the middle of the joint. [mm]
+    lobe : tuple[float, float]
+        Radius of a lobe along y [mm], and its height above the bore [um].
+    edge : tuple[float, float]
+        Length at either end of the joint over which the bore recedes as a parabola [mm], and how
+        far it recedes at the end [um]; 0 for a sharp edge.
+    axial_centre : float
+        Position of the middle of the joint along y, from the middle of the field. [mm]
     load : float
         Mean load, 50 lbf. [N]
     load_swing : float
@@ -307,6 +319,10 @@ class RigSettings:
     pin_radius: float = 33.36
     bushing_radius: float = 33.59
     length: float = _limited(237.0, 1e-3, 1e6)
+    lobes: tuple[float, ...] | None = None
+    lobe: tuple[float, float] = _limited((200.0, 20.0), 1e-3, 1e6)
+    edge: tuple[float, float] = _limited((0.0, 0.0), 0, 1e4)
+    axial_centre: float = 0.0
     load: float = _limited(222.411, 1e-6, 1e9)
     load_swing: float = _limited(0.01, 0, 0.99)
     viscosity: float = _limited(0.12, 1e-6, 1e6)
@@ -515,6 +531,25 @@ class RigSettings:
     def clearance(self) -> float:
         """Difference of the radii. [um]"""
         return 1e3 * (self.bushing_radius - self.pin_radius)
+
+    @property
+    def shaped(self) -> bool:
+        """Whether the bore is not straight along its axis."""
+        return bool(self.lobes) or self.edge[0] > 0
+
+    def shape(self, axial: Array) -> Array:
+        """Height that lobes and edges add to the gap, at places from the middle of the joint [mm].
+
+        Of each lobe the circle is taken, not its parabola. [um]
+        """
+        total: Array = np.zeros(np.shape(axial))
+        (radius, height), (edge, depth) = self.lobe, self.edge
+        for place in self.lobes or ():
+            off = np.minimum(np.abs(axial - place), radius)
+            total -= np.maximum(height - 1e3 * (radius - np.sqrt(radius**2 - off**2)), 0.0)
+        if edge > 0:
+            total += depth * np.clip((np.abs(axial) - self.length / 2) / edge + 1, 0.0, None) ** 2
+        return total
 
     @property
     def region(self) -> tuple[tuple[float, float], tuple[float, float]]:

@@ -13,6 +13,7 @@ from .blocks import BlockSums as BlockSums
 from .blocks import Region as Region
 from .blocks import find_region as find_region
 from .blocks import sum_blocks as sum_blocks
+from .bore import AxialShape as AxialShape
 from .course import CourseChange as CourseChange
 from .course import find_ratio_change as find_ratio_change
 from .course import find_shift as find_shift

@@ -113,7 +113,7 @@ class BlockFit:
 
 
 def fit_blocks(
-    blocks: BlockMeans, curve: FilmCurve, shapes: Array, *, base: float = 0.0
+    blocks: BlockMeans, curve: FilmCurve, shapes: Array, *, base: float | Array = 0.0
 ) -> BlockFit | None:
     """Fit the amplitudes of shapes to the log ratio of blocks.
 
@@ -123,8 +123,9 @@ def fit_blocks(
     curve : FilmCurve
     shapes : array, (shape, block)
         Of the order of 1.
-    base : float
-        Film that the shapes are added to. [um]
+    base : float or array, (place, block)
+        Film that the shapes are added to; of an array, the log ratio of a block is the mean over
+        its places. [um]
 
     Returns
     -------
@@ -133,12 +134,12 @@ def fit_blocks(
         tilt across.
     """
     try:
-        return _iterate(blocks, curve, shapes, base)
+        return _iterate(blocks, curve, shapes, np.atleast_2d(base))
     except np.linalg.LinAlgError:
         return None
 
 
-def _iterate(blocks: BlockMeans, curve: FilmCurve, shapes: Array, base: float) -> BlockFit | None:
+def _iterate(blocks: BlockMeans, curve: FilmCurve, shapes: Array, base: Array) -> BlockFit | None:
     """Reweighted least squares; raises LinAlgError where the shapes are not independent."""
     value, noise = blocks.log_ratio, blocks.variance
     high = curve.calibration.thickness_range[1]
@@ -156,15 +157,16 @@ def _iterate(blocks: BlockMeans, curve: FilmCurve, shapes: Array, base: float) -
     spectrum = np.linalg.eigvalsh(square)
     if spectrum[0] < _APART * spectrum[-1] and np.linalg.matrix_rank(chosen) < len(shapes):
         return None
-    goal = chosen @ (curve.film[place] - base)
+    goal = chosen @ (curve.film[place] - base.mean(axis=0))
     amplitudes: Array = np.asarray(np.linalg.solve(square, goal), float)
 
     trust = use.astype(float)
     response = trust
     surface = 0.0  # variance of the film about a smooth gap beyond that of the noise [um2]
     for step in range(_MOST_STEPS):
-        film = np.clip(base + amplitudes @ shapes, *curve.films[[0, -1]])
-        predicted, slope = curve.predict(film)
+        places = np.clip(base + amplitudes @ shapes, *curve.films[[0, -1]])
+        predicted, slope = (one.mean(axis=0) for one in curve.predict(places))
+        film = places.mean(axis=0)
         residual = value - predicted
 
         if step >= _PLAIN_STEPS:

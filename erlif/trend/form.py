@@ -200,7 +200,7 @@ def judge_form(
     known = [one for one in positions if np.isfinite(one.form.value).all()]
     if not known:
         return None
-    film = view.clearance - np.array([one.value[0] for one in known])
+    film = view.least_clearance - np.array([one.value[0] for one in known])
     excess, bend = np.array([one.form.value for one in known]).T
     cov = [_Covariance.of([one.form for one in known], n, calibration_cov) for n in (0, 1)]
 

@@ -2,7 +2,7 @@
 
 The gap is h = a + b s + c z + d s^2 + e z^2, with s along sliding and z across, both from -1 to 1
 over the region. A plane has the tilts b and c alone, a line contact is curved along sliding, a
-point contact in both directions.
+point contact in both directions. A bore that is not straight adds its known shape along z.
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ import numpy as np
 from erlif.core.arrays import Array
 from erlif.trend.block_fit import BlockFit, BlockMeans, average_blocks, fit_blocks, sum_by_strips
 from erlif.trend.blocks import BlockSums, Region
+from erlif.trend.bore import AxialShape
 from erlif.trend.curve import FilmCurve
 
 # Variance of a map by smooth departures from its gap, over that by noise and marks, from which the
@@ -118,6 +119,7 @@ def find_gap_minimum(
     region: Region,
     sliding_along_x: bool,
     contact: GapShape = GapShape.LINE,
+    bore: AxialShape | None = None,
 ) -> GapMinimum:
     """Fit the smooth gap of a contact to the blocks of a region and find its minimum within it.
 
@@ -128,6 +130,8 @@ def find_gap_minimum(
     region, sliding_along_x
         As for `erlif.trend.summarise_film`; the region is that of the sums.
     contact : GapShape
+    bore : AxialShape, optional
+        Shape along the axis of a bore that is not straight; the minimum is that of the whole gap.
 
     Returns
     -------
@@ -158,7 +162,7 @@ def find_gap_minimum(
     3.000
     """
     blocks = average_blocks(sums, sliding_along_x=sliding_along_x)
-    return _fit_gap(blocks, curve, region, contact, sliding_along_x=sliding_along_x)
+    return _fit_gap(blocks, curve, region, contact, bore, sliding_along_x=sliding_along_x)
 
 
 def _fit_gap(
@@ -166,6 +170,7 @@ def _fit_gap(
     curve: FilmCurve,
     region: Region,
     contact: GapShape,
+    bore: AxialShape | None,
     *,
     sliding_along_x: bool,
 ) -> GapMinimum:
@@ -173,7 +178,9 @@ def _fit_gap(
     s, z = blocks.along, blocks.across
     shapes = np.stack([np.ones_like(s), s, z, blocks.along_squared, blocks.across_squared])
     count = _SHAPES[contact]
-    fit = fit_blocks(blocks, curve, shapes[:count])
+    axial = region.rows if sliding_along_x else region.columns
+    base = 0.0 if bore is None else bore.in_blocks(blocks, axial)
+    fit = fit_blocks(blocks, curve, shapes[:count], base=base)
     unknown, number = np.full(2, math.nan), FilmNumber.unknown(len(curve.gradient))
     nothing = GapMinimum(number, number, unknown, math.nan, *(unknown,) * 3)
     if fit is None:
@@ -195,11 +202,18 @@ def _fit_gap(
     # minimum and mean are linear in the amplitudes; the mean is that of the pixels
     _, b, c, d, e = np.pad(fit.amplitudes, (0, len(shapes) - count))
     along, across = _lowest_place(b, d), _lowest_place(c, e)
+    least = level = 0.0
+    if bore is not None:
+        places = np.linspace(-1, 1, axial.stop - axial.start)
+        heights = bore.within(axial, places)
+        at = np.argmin(c * places + e * places**2 + heights)
+        across, least, level = float(places[at]), float(heights[at]), float(heights.mean())
     lowest = np.array([1.0, along, across, along**2, across**2])
     columns, rows = (_mean_square(pixels) for pixels in (region.columns, region.rows))
     squares = (columns, rows) if sliding_along_x else (rows, columns)
     minimum, mean = (
-        _number_of(at[:count], fit, blocks, curve) for at in (lowest, np.array([1, 0, 0, *squares]))
+        _number_of(at[:count], height, fit, blocks, curve)
+        for at, height in ((lowest, least), (np.array([1, 0, 0, *squares]), level))
     )
     tolerated = max(_TOLERATED, _TOLERATED_SHARE * minimum.value)
     # below zero the smooth gap passes through a contact that is flattened
@@ -212,14 +226,17 @@ def _fit_gap(
     return found._replace(minimum=minimum, mean=mean, place=place)
 
 
-def _number_of(at: Array, fit: BlockFit, blocks: BlockMeans, curve: FilmCurve) -> FilmNumber:
-    """A number of the gap that is the sum of its amplitudes times `at`."""
+def _number_of(
+    at: Array, height: float, fit: BlockFit, blocks: BlockMeans, curve: FilmCurve
+) -> FilmNumber:
+    """A number of the gap: the sum of its amplitudes times `at`, and a height of the bore [um]."""
     # its change with the ratio of each block, through the reweighted fit
     pull = np.linalg.solve(fit.curvature, at) @ fit.jacobian
     random, surface = _variance_parts(pull, fit, blocks)
     by_block = pull * fit.response / fit.total_var
     gradient = np.asarray(-curve.calibration.gradient(fit.film) @ by_block)
-    return FilmNumber(float(at @ fit.amplitudes), math.sqrt(random), math.sqrt(surface), gradient)
+    value = float(at @ fit.amplitudes) + height
+    return FilmNumber(value, math.sqrt(random), math.sqrt(surface), gradient)
 
 
 def find_gap_minima(
@@ -229,6 +246,7 @@ def find_gap_minima(
     region: Region,
     sliding_along_x: bool,
     contacts: Sequence[GapShape],
+    bore: AxialShape | None = None,
 ) -> dict[GapShape, GapMinimum]:
     """The minimum of the gap of each of some contacts.
 
@@ -258,7 +276,7 @@ def find_gap_minima(
     """
     blocks = average_blocks(sums, sliding_along_x=sliding_along_x)
     return {
-        contact: _fit_gap(blocks, curve, region, contact, sliding_along_x=sliding_along_x)
+        contact: _fit_gap(blocks, curve, region, contact, bore, sliding_along_x=sliding_along_x)
         for contact in contacts
     }
 

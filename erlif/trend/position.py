@@ -3,8 +3,8 @@
 The gap of rigid and parallel circles is h = c - ex cos phi - ey sin phi, with the radial clearance
 c and the displacement (ex, ey) of the axis of the pin along the load and sideways; a tilt adds the
 position z along the axis to both. The four numbers are fitted to the log ratio of blocks. The
-curvature along sliding is fixed by the radii. A second fit leaves it and a bend along the axis
-free, as a check of calibration and radii.
+curvature along sliding is fixed by the radii; a bore that is not straight adds its known shape. A
+second fit leaves the curvature and a bend along the axis free, as a check of calibration and radii.
 """
 
 from __future__ import annotations
@@ -23,6 +23,7 @@ from erlif.core.statistics import symmetric_root
 from erlif.models.contact import conformal_radius
 from erlif.trend.block_fit import average_blocks, fit_blocks, sum_by_strips
 from erlif.trend.blocks import BlockSums, Region, sum_blocks
+from erlif.trend.bore import AxialShape
 from erlif.trend.curve import FilmCurve
 
 # Order of the numbers of a position: displacements [um], then tilts [um/mm].
@@ -49,6 +50,8 @@ class PinView:
         Position along the axis at which z is zero, from the first pixel. [mm]
     sliding_along_x : bool
         Whether image x is the sliding direction.
+    bore : AxialShape or None
+        Shape along the axis of a bore that is not straight.
     """
 
     pin_radius: float
@@ -57,11 +60,17 @@ class PinView:
     load_line: float
     axial_origin: float
     sliding_along_x: bool = True
+    bore: AxialShape | None = None
 
     @property
     def clearance(self) -> float:
         """Radial clearance. [um]"""
         return (self.bushing_radius - self.pin_radius) * 1e6
+
+    @property
+    def least_clearance(self) -> float:
+        """Radial clearance where the bore is narrowest along the axis. [um]"""
+        return self.clearance + (0.0 if self.bore is None else float(self.bore.height.min()))
 
     @property
     def radius(self) -> float:
@@ -252,7 +261,8 @@ def find_pin_in_blocks(
 
     # amplitudes of shapes that reach 1 are films; the fit ends by the change of those
     scale = 1 / np.abs(shapes).max(axis=1, initial=1e-9)
-    fit = fit_blocks(blocks, curve, shapes * scale[:, None], base=view.clearance)
+    shape = 0.0 if view.bore is None else view.bore.in_blocks(blocks, axial)
+    fit = fit_blocks(blocks, curve, shapes * scale[:, None], base=view.clearance + shape)
     if fit is None:
         return _no_position(len(curve.gradient))
 

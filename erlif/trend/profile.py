@@ -34,7 +34,11 @@ _PASSES = 3  # of the fit of the rigid gap, whose curvature depends a little on 
 
 
 def average_across_sliding(
-    film: xr.Dataset, *, trigger: int, between: tuple[float, float] | None = None
+    film: xr.Dataset,
+    *,
+    trigger: int,
+    between: tuple[float, float] | None = None,
+    exchanged: bool = False,
 ) -> xr.Dataset:
     """Profile of the film along sliding, averaged over the axial extent of the region of interest.
 
@@ -49,6 +53,8 @@ def average_across_sliding(
         Of the film, counted from 0.
     between : (float, float), optional
         Another extent, across sliding. [mm]
+    exchanged : bool
+        Exchange sliding and axis: a profile along the axis, averaged along sliding.
 
     Returns
     -------
@@ -73,7 +79,8 @@ def average_across_sliding(
     True
     """
     check_trigger(film, trigger)
-    sliding, axial = ("x", "y") if settings_of(film).optics.x_axis == "sliding" else ("y", "x")
+    along_x = (settings_of(film).optics.x_axis == "sliding") != exchanged
+    sliding, axial = ("x", "y") if along_x else ("y", "x")
     calibration, region = calibration_of(film, trigger), region_of(film)
     low, high = getattr(region, axial) if between is None else between
     inside = (film[axial].values >= low) & (film[axial].values <= high)
@@ -98,19 +105,19 @@ def average_across_sliding(
     std = np.sqrt(variance.sum(axis=0)) / total
     shared = np.where(good, one.thickness_std_shared.values.astype(float), 0.0)
     random, common = std * _line_scatter(mean, std), shared.sum(axis=0) / total
-    name = "its standard deviation"
+    name, std_name = "axial" if exchanged else "sliding", "its standard deviation"
     return describe(
         {
-            "thickness": ("position", mean, "um", "film along sliding"),
-            "thickness_std": ("position", random, "um", f"{name}, random part"),
-            "thickness_std_shared": ("position", common, "um", f"{name}, common to all pixels"),
+            "thickness": ("position", mean, "um", f"film along {name}"),
+            "thickness_std": ("position", random, "um", f"{std_name}, random part"),
+            "thickness_std_shared": ("position", common, "um", f"{std_name}, common to all pixels"),
         },
-        {"position": ("position", film[sliding].values, "mm", f"{sliding}, sliding")},
+        {"position": ("position", film[sliding].values, "mm", f"{sliding}, {name}")},
     ).assign_attrs(trigger=trigger)
 
 
-def cut_through_minimum(film: xr.Dataset, *, trigger: int) -> xr.Dataset:
-    """Profile of a point contact along sliding, through its minimum film.
+def cut_through_minimum(film: xr.Dataset, *, trigger: int, exchanged: bool = False) -> xr.Dataset:
+    """Profile along sliding of a point contact, or of a lobe, through its minimum film.
 
     It is that of a tenth of the axial extent of the region of interest, over which a parabola
     through the edge of the region rises by a third of a per cent of its height.
@@ -121,6 +128,8 @@ def cut_through_minimum(film: xr.Dataset, *, trigger: int) -> xr.Dataset:
         With film_min_x and film_min_y.
     trigger : int
         Of the film, counted from 0.
+    exchanged : bool
+        As for `average_across_sliding`.
 
     Returns
     -------
@@ -146,12 +155,13 @@ def cut_through_minimum(film: xr.Dataset, *, trigger: int) -> xr.Dataset:
     """
     place = place_of_minimum(film, trigger=trigger)
     if place is None:
-        return average_across_sliding(film, trigger=trigger)
-    axial = "y" if settings_of(film).optics.x_axis == "sliding" else "x"
+        return average_across_sliding(film, trigger=trigger, exchanged=exchanged)
+    along_x = (settings_of(film).optics.x_axis == "sliding") != exchanged
+    axial = "y" if along_x else "x"
     low, high = getattr(region_of(film), axial)
     reach = max(_CUT * (high - low), abs(float(film[axial][1] - film[axial][0]))) / 2
     between = (place[axial] - reach, place[axial] + reach)
-    return average_across_sliding(film, trigger=trigger, between=between)
+    return average_across_sliding(film, trigger=trigger, between=between, exchanged=exchanged)
 
 
 def place_of_minimum(film: xr.Dataset, *, trigger: int) -> dict[str, float] | None:

@@ -12,8 +12,10 @@ import xarray as xr
 from scenes.orbits import RIG, SPEED, STATED
 from scipy.integrate import solve_ivp
 
-from erlif.models.reynolds import Journal
+from erlif.core.errors import ModelError
+from erlif.models.reynolds import Journal, Motion, lobe_shape, solve_journal
 from erlif.prediction import (
+    FrameMotion,
     ImageLine,
     average_triggers,
     follow_motion,
@@ -166,3 +168,34 @@ def test_minimum_and_mean_are_those_of_the_region():
     clear = 230e-6 - np.hypot(load, side)
     npt.assert_allclose(minimum[0], clear[0], rtol=1e-6)
     assert minimum[1] > clear[1] + 1e-6
+
+
+def test_a_liner_yields_by_its_pressure_over_its_stiffness():
+    """Winkler: where the film is thinnest it is the gap of the radii and p / k."""
+    joint = Journal(0.03336, 0.03359, length=0.05, viscosity=0.12, foundation=2e11)
+    time = np.linspace(0.0, 0.05, 21)
+    motion = Motion(time, 0 * time, 400.0)
+    moved = FrameMotion(motion, np.array([10, 20]), time, 0.12)
+    cells, view = (192, 8), ImageLine(np.linspace(-0.01, 0.01, 501), slice(501))
+    found = predict_triggers(
+        xr.Dataset(), joint, moved, trigger=np.array([0, 1]), view=view, start_film=20e-6,
+        cells=cells,
+    )  # fmt: skip
+    solved = solve_journal(
+        joint, motion, start=(joint.clearance - 20e-6, 0.0), cells=cells, maps=[10, 20]
+    )
+    rigid = joint.clearance - solved.displacement_load.values[[10, 20]]
+    expected = rigid + solved.pressure.max(["circumference", "axial"]).values / joint.foundation
+    npt.assert_allclose(found.film_predicted_min, 1e6 * expected, rtol=0.01)
+    assert (found.film_predicted_min > 1e6 * rigid * 1.1).all()
+
+
+def test_a_pin_that_reaches_the_crest_of_a_lobe_is_refused():
+    """Its crest, which no cell has at its middle, is lower by 0.2 um than the film of the cells."""
+    axial = np.arange(-1000, 1001) * 15e-6
+    shape = lobe_shape(axial, centres=[1e-3], radius=0.2, height=20e-6)
+    joint = Journal(0.03336, 0.03359, length=0.03, viscosity=0.12, axial_shape=shape)
+    time = np.linspace(0.0, 1.0, 51)
+    moved = FrameMotion(Motion(time, 0 * time, 60.0), np.array([25, 50]), time, 0.12)
+    with pytest.raises(ModelError, match="No film carries the load"):
+        predict_frames(joint, moved, start_film=2e-6, cells=(64, 2))

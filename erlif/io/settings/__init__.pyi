@@ -10,6 +10,7 @@ from .reading import read_plan_settings as read_plan_settings
 from .reading import read_run_settings as read_run_settings
 from .reading import settings_of as settings_of
 from .schema import json_schema as json_schema
+from .tables import BoreSettings as BoreSettings
 from .tables import CameraSettings as CameraSettings
 from .tables import ContactSettings as ContactSettings
 from .tables import CrankRockerSettings as CrankRockerSettings
@@ -19,6 +20,7 @@ from .tables import FixtureSettings as FixtureSettings
 from .tables import FixtureSystematics as FixtureSystematics
 from .tables import JointSettings as JointSettings
 from .tables import LightOptions as LightOptions
+from .tables import LinerSettings as LinerSettings
 from .tables import MaterialSettings as MaterialSettings
 from .tables import MechanismSettings as MechanismSettings
 from .tables import OilSettings as OilSettings

@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Annotated, Any, Literal, Self
 
 from annotated_types import Ge, Gt, Le
@@ -160,6 +161,7 @@ Sideways = Annotated[
     *quantity("stiffness", "12 N/mm", "N/m", words=("free", "guided"), positive=True),
 ]
 Place = Annotated[float, *quantity("position", "9.6 mm", "m")]
+Places = Annotated[tuple[Place, ...], Form("list of positions", ["-50 mm", "50 mm"])]
 CavitationPressure = Annotated[
     float, *quantity("pressure below ambient", "-100 kPa", "Pa", Ge(-101325), Le(0))
 ]
@@ -291,6 +293,11 @@ class OpticsSettings(Settings):
     """Share of laser and fluorescence that the wall behind the film returns; [systematics] wall is
     its error. Default: as the fit of the fixture finds it, and that of the fixture for the
     joint."""
+
+    axial_centre: Place | None = None
+    """Place of the middle of the joint along the axial direction, from the centre of the first
+    pixel. The bore of the joint and its ends are placed from it. Default: the middle of the
+    image."""
 
     @property
     def reflectance(self) -> float | None:
@@ -467,6 +474,45 @@ class MaterialSettings(Settings):
     """Rms roughness of the surface. Default: no film parameter Lambda is computed."""
 
 
+class BoreSettings(Settings):
+    """The bore along its axis, where it is not straight: lobes, edges or a measured profile."""
+
+    lobes: Places = ()
+    """Places along the axis of lobes that reach into the bore, from the middle of the joint. Beside
+    them the bore has bushing_radius."""
+    lobe_radius: Length | None = Field(None, examples=["200 mm"])
+    """Radius of the lobes along the axis."""
+    lobe_height: Length | None = Field(None, examples=["20 um"])
+    """Height of the lobes above the bore."""
+    edge_length: Length | None = Field(None, examples=["5 mm"])
+    """Length over which the bore is relieved at either end, as a parabola that begins level: an
+    edge of the radius edge_length^2 / (2 edge_depth)."""
+    edge_depth: Length | None = Field(None, examples=["20 um"])
+    """Depth of the relief at the ends."""
+
+    def faults(self) -> Iterator[str]:
+        if bool(self.lobes) != bool(self.lobe_radius) or bool(self.lobes) != bool(self.lobe_height):
+            yield "give lobes, lobe_radius and lobe_height together, or none of them"
+        if bool(self.edge_length) != bool(self.edge_depth):
+            yield "give edge_length and edge_depth together, or neither"
+
+    @property
+    def lobe_reach(self) -> float:
+        """Distance from the crest of a lobe to its foot. [m]"""
+        return math.sqrt(2 * (self.lobe_radius or 0.0) * (self.lobe_height or 0.0))
+
+
+class LinerSettings(Settings):
+    """A thin elastic layer in the bushing, bonded to a rigid one: a Winkler foundation."""
+
+    thickness: Length = Field(examples=["1 mm"])
+    """Thickness of the layer."""
+    youngs_modulus: Pressure = Field(examples=["1.4 GPa"])
+    """Young's modulus of the layer."""
+    poissons_ratio: float = Field(strict=True, gt=-1, lt=0.5, examples=[0.4])
+    """Poisson's ratio of the layer; a layer of 0.5 that cannot spread does not yield."""
+
+
 class JointSettings(Settings):
     """The pin and the bushing it turns in."""
 
@@ -483,12 +529,48 @@ class JointSettings(Settings):
     """Load on the joint. Used where the encoder log has no column load_N, and required there."""
     pin: MaterialSettings
     bushing: MaterialSettings
+    bore: BoreSettings | None = Field(
+        None,
+        examples=[{"lobes": ["-50 mm", "50 mm"], "lobe_radius": "200 mm", "lobe_height": "20 um"}],
+    )
+    """The bore along its axis where it is not straight. Position, minimum and prediction of the
+    film take its shape. Default: straight."""
+    liner: LinerSettings | None = Field(
+        None,
+        examples=[{"thickness": "1 mm", "youngs_modulus": "1.4 GPa", "poissons_ratio": 0.4}],
+    )
+    """A thin elastic layer on the bushing, which the pressure of the prediction deflects. Default:
+    none; the prediction takes the surfaces as rigid."""
 
     def faults(self) -> Iterator[str]:
         if self.pin_radius >= self.bushing_radius:
             yield (
                 "pin_radius must be smaller than bushing_radius for the pin to turn; got "
                 f"{self.pin_radius * 1e3:g} mm in {self.bushing_radius * 1e3:g} mm"
+            )
+        if self.bore is not None:
+            yield from self._faults_of_bore(self.bore)
+
+    def _faults_of_bore(self, bore: BoreSettings) -> Iterator[str]:
+        """Lobes and edges that have no place in the joint."""
+        half, clearance = self.length / 2, self.bushing_radius - self.pin_radius
+        reach, height, edge = bore.lobe_reach, bore.lobe_height or 0.0, bore.edge_length or 0.0
+        feet = [-half, *(at + side for at in sorted(bore.lobes) for side in (-reach, reach)), half]
+        if any(after < before for before, after in pairwise(feet)):
+            yield (
+                f"lobes of bore must neither overlap nor end beyond {half * 1e3:g} mm from the "
+                f"middle of the joint; each reaches {reach * 1e3:.3g} mm to either side, by its "
+                "radius and height. Correct lobes, lobe_height or length"
+            )
+        if height >= clearance:
+            yield (
+                f"lobe_height of bore must be below the radial clearance, {clearance * 1e6:g} um, "
+                f"for the pin to fit; got {height * 1e6:g} um"
+            )
+        if edge > half:
+            yield (
+                f"edge_length of bore must be at most half of the length, {half * 1e3:g} mm; got "
+                f"{edge * 1e3:g} mm"
             )
 
 
@@ -775,6 +857,9 @@ class PredictionOptions(Settings):
     """Motion of the bushing in the image while the angle of the rocker rises."""
     long: bool = False
     """Leave out the flow along the axis: an infinitely long joint."""
+    rough: bool | None = Field(None, examples=[True])
+    """Let the roughness of pin and bushing hinder the flow between them, by the flow factors of
+    Patir and Cheng. Default: false. It counts for films below five times the combined roughness."""
 
 
 class RunName(Settings):
@@ -868,6 +953,16 @@ class RunSettings(Settings):
                 "give [joint], for a pin in a bushing, or [contact], for a ball, barrel or roller "
                 "on a disc, ring or plane, not both"
             )
+
+        if self.prediction.long and self.joint is not None and self.joint.bore is not None:
+            yield (
+                "long = true in [prediction] is a joint without ends, and bore in [joint] is a "
+                "shape along its axis: remove one of them"
+            )
+
+        sides = [] if self.joint is None else [self.joint.pin, self.joint.bushing]
+        if self.prediction.rough and not any(one.roughness for one in sides):
+            yield "rough = true in [prediction] needs roughness of pin or bushing in [joint]"
 
         if len(self._loads) > 1:
             yield f"give the load once, in {' or in '.join(self._loads)}"

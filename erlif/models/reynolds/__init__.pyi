@@ -6,6 +6,7 @@ from .journal import Mount as Mount
 from .journal import crank_motion as crank_motion
 from .shapes import lobe_shape as lobe_shape
 from .shapes import pin_shape as pin_shape
+from .shapes import relief_shape as relief_shape
 from .shapes import roller_shape as roller_shape
 from .steady import journal_coefficients as journal_coefficients
 from .steady import steady_journal as steady_journal

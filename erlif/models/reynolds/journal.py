@@ -96,6 +96,28 @@ class Journal:
         return self.bushing_radius - self.pin_radius
 
     @property
+    def least_clearance(self) -> float:
+        """Radial clearance where the bore is narrowest along the axis. [m]"""
+        return self.clearance + float(np.min(0.0 if self.axial_shape is None else self.axial_shape))
+
+    def clearance_at(self, axial: Array) -> Array:
+        """Radial clearance at places along the axis. [m]
+
+        Parameters
+        ----------
+        axial : array
+            Distance from the middle of the length. [m]
+
+        Returns
+        -------
+        array
+            Like axial.
+        """
+        shape = np.zeros(2) if self.axial_shape is None else np.asarray(self.axial_shape, float)
+        places = np.linspace(-0.5, 0.5, shape.size) * self.length
+        return np.asarray(self.clearance + np.interp(axial, places, shape))
+
+    @property
     def radius(self) -> float:
         """Radius at which the film lies: the geometric mean of both. [m]
 

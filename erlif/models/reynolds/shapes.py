@@ -1,7 +1,7 @@
-"""Gaps of rigid bodies: rollers, the pin of a pin on disc, the lobes of a bushing.
+"""Gaps of rigid bodies: rollers, the pin of a pin on disc, lobes and edges of a bushing.
 
-`solve_film` takes them as films or, with a load, as shapes; `Journal` takes the lobes as its axial
-shape.
+`solve_film` takes them as films or, with a load, as shapes; `Journal` takes lobes and edges as its
+axial shape.
 """
 
 from collections.abc import Sequence
@@ -94,3 +94,34 @@ def lobe_shape(axial: Values, *, centres: Sequence[float], radius: float, height
     """
     off = np.min([(axial - centre) ** 2 for centre in centres], axis=0)
     return -np.maximum(height - off / (2 * radius), 0.0)
+
+
+@formula(length="length", edge="length", depth="number")
+def relief_shape(axial: Values, *, length: float, edge: float, depth: float) -> Values:
+    """Height that relieved ends of a bushing add to its gap: depth ((|z| - L/2 + l) / l)^2 at them.
+
+    A parabola that begins level at the distance l from either end; its radius there is
+    l^2 / (2 depth).
+
+    Parameters
+    ----------
+    axial : float or array
+        Distance z from the middle of the bushing. [m]
+    length : float
+        Length L of the bushing. [m]
+    edge : float
+        Length l of the relief at either end. [m]
+    depth : float
+        Depth of the relief at the ends. [m]
+
+    Returns
+    -------
+    float or array
+        Height added to the gap. [m]
+
+    Examples
+    --------
+    >>> relief_shape(np.array([0.0, 0.045, 0.05]), length=0.1, edge=0.01, depth=2e-5)
+    array([0.e+00, 5.e-06, 2.e-05])
+    """
+    return depth * np.maximum((np.abs(axial) - length / 2 + edge) / edge, 0.0) ** 2

@@ -39,6 +39,9 @@ if TYPE_CHECKING:
 # Steps above which the compiled form is loaded; it is compiled once on each machine.
 FEWEST_COMPILED = 1000
 
+# Bend of a shape, over its largest, below which it is rounding.
+_STRAIGHT = 1e-6
+
 # How often a step that does not converge is cut in half.
 MOST_HALVINGS = 8
 
@@ -85,8 +88,8 @@ def solve_journal(
         "half-angle" for the frame above. "laboratory" keeps the entrainment and its numerical
         diffusion, for comparison: an oscillating joint then shows a film that does not exist.
     compiled : bool, optional
-        Whether the steps are compiled, where they can be: half-angle frame, no foundation. By
-        default above 1000 steps: the first use on a machine takes some seconds.
+        Whether the steps are compiled, where they can be: half-angle frame, no foundation, cells
+        of equal length. By default above 1000 steps: the first use on a machine takes some seconds.
 
     Returns
     -------
@@ -127,7 +130,8 @@ def solve_journal(
     steps = motion.time.size
     if compiled is None:
         compiled = steps > FEWEST_COMPILED
-    compiled = compiled and film.turning and journal.foundation is None
+    even = bool(np.ptp(bearing.medium.grid.dz) < _STRAIGHT * journal.length)
+    compiled = compiled and film.turning and journal.foundation is None and even
 
     # from map to map, so that only their films are kept
     pictures = [(0, *film.picture())] if 0 in wanted else []
@@ -224,14 +228,28 @@ class Bearing:
 
 
 def _edges(journal: Journal, along_half: int) -> Array:
-    """Edges of equal cells along the axis; from 0 for half of the length."""
+    """Edges of cells along the axis; from 0 for half of the length.
+
+    The cells are equal where the bore is straight, bent by straight lines or curved all over;
+    otherwise half of them lie where it is curved.
+    """
     if journal.long:
         return np.array([-0.5, 0.5]) * journal.length
     half = np.linspace(0.0, 0.5, along_half + 1) * journal.length
     shape = np.zeros(2) if journal.axial_shape is None else np.asarray(journal.axial_shape, float)
-    if np.array_equal(shape, shape[::-1]):
-        return half
-    return np.concatenate([-half[:0:-1], half])
+    halved = np.array_equal(shape, shape[::-1])
+    edges = half if halved else np.concatenate([-half[:0:-1], half])
+    bent = np.abs(np.diff(shape, 2))
+    curved = bent > _STRAIGHT * bent.max(initial=0.0)
+    places = np.linspace(-0.5, 0.5, shape.size) * journal.length
+    here = np.pad(curved[1:] & curved[:-1], 1) & (places[1:] > edges[0])
+    if not here.any() or curved.all():
+        return edges
+    share = 0.5 * (edges - edges[0]) / (edges[-1] - edges[0])
+    crowded = np.append(0.0, np.cumsum(here)) * (0.5 / here.sum())
+    whole = np.interp(places, edges, share) + crowded
+    edges[1:-1] = np.interp(2 * share[1:-1], whole, places)
+    return edges
 
 
 def _rigid(journal: Journal, grid: Grid, axial: Array, edges: Array) -> Walls:
@@ -239,9 +257,7 @@ def _rigid(journal: Journal, grid: Grid, axial: Array, edges: Array) -> Walls:
     if journal.axial_shape is None:
         centre = np.full((grid.along, 1), journal.clearance)
         return Walls(centre, np.full((grid.along + 1, 1), journal.clearance), centre)
-    shape = np.asarray(journal.axial_shape, dtype=float)
-    places = np.linspace(-0.5, 0.5, shape.size) * journal.length
-    cells, faces = (journal.clearance + np.interp(at, places, shape) for at in (axial, edges))
+    cells, faces = journal.clearance_at(axial), journal.clearance_at(edges)
     return Walls(
         np.tile(cells, (grid.along, 1)),
         np.tile(cells, (grid.along + 1, 1)),

@@ -157,6 +157,7 @@ class TriggerTask(PickledByFields):
             region=plane.region,
             sliding_along_x=plane.sliding_along_x,
             contacts=plane.contacts,
+            bore=plane.bore,
         )
         statistics = summarise_blocks(film.sums, curve, minima[plane.contacts[0]])
         position = None

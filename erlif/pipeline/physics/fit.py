@@ -16,7 +16,7 @@ from erlif.core.progress import Progress, ShowProgress, choose_progress, silent
 from erlif.io.files import open_film, takes
 from erlif.io.settings import RunSettings
 from erlif.models.reynolds import Journal
-from erlif.pipeline.physics.joint import describe_viscosity, joint_and_oil
+from erlif.pipeline.physics.joint import departure, describe_viscosity, joint_and_oil
 from erlif.pipeline.physics.position import clearance_std
 from erlif.pipeline.physics.predict import film_beside, is_film, read_film
 from erlif.pipeline.physics.prediction import build_journal, build_motion, swinging_joint
@@ -184,6 +184,11 @@ def _compare_models(
         raise ConfigError(
             'Expected the load for a fit of the film: add load = "50 lbf" to [joint] in run.toml, '
             "or load_N to the log, and process the run again."
+        )
+    if departs := departure(settings):
+        raise ConfigError(
+            "Expected a straight, rigid and smooth joint for a fit, whose orbits are tabulated; "
+            f"run.toml has {departs}. Use erlif predict without --fit."
         )
     motion = build_motion(settings, frames)
     journal = build_journal(settings, motion.viscosity)

@@ -44,8 +44,8 @@ def find_errors(
     if not systematics.covariance.any() or calibration.later is not None:
         return None
     joint = plane.settings.joint
-    if plane.view is None or joint is None:
-        return None
+    if plane.view is None or joint is None or plane.bore is not None:
+        return None  # the cells of a lobe hold many films
     frames = np.array(sorted(lights))
     parts = np.array([lights[frame].cells for frame in frames], float).reshape(frames.size, 4, -1)
     if not np.isfinite(parts).any():

@@ -11,6 +11,7 @@ import xarray as xr
 from erlif.calibration import calibration_of
 from erlif.core.errors import ErlifError
 from erlif.core.notes import Note, remark
+from erlif.pipeline.physics.joint import departure
 from erlif.pipeline.physics.prediction import build_journal, build_motion, swings
 from erlif.pipeline.plane import ObjectPlane
 from erlif.prediction import FrameMotion, MeasuredMotion, fit_motion, measured_positions
@@ -129,6 +130,8 @@ def _fit_load_line(
     plane: ObjectPlane, measured: MeasuredMotion, motion: FrameMotion, frames: xr.Dataset
 ) -> tuple[float, float] | None:
     """Deviation of the line from that of the view and its standard deviation [mm]; None without."""
+    if departure(plane.settings):
+        return None
     fit = fit_motion(
         measured,
         build_journal(plane.settings, motion.viscosity),

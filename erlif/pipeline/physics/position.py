@@ -63,7 +63,7 @@ def describe_positions(
     form_std = np.sqrt([np.diag(one.form.covariance(shared)) for one in known])
     expected = value[:, 0] / view.radius**2
     place = {
-        "clearance": view.clearance,
+        "clearance": view.least_clearance,
         "load_line": view.load_line,
         "axial_origin": view.axial_origin,
     }

@@ -15,9 +15,12 @@ from erlif.io.settings import CrankRockerSettings, PredictionOptions, RunSetting
 from erlif.models.mechanism import CrankRocker
 from erlif.models.reynolds import Journal
 from erlif.pipeline.physics.joint import (
+    axial_shape,
     build_linkage,
+    departure,
     describe_contact,
     describe_joint,
+    foundation_of,
     joint_and_oil,
 )
 from erlif.pipeline.plane import ObjectPlane
@@ -154,6 +157,7 @@ def frames_of_run(run: Run, cycle: xr.Dataset) -> xr.Dataset:
 def build_journal(settings: RunSettings, viscosity: float) -> Journal:
     """The joint of the settings, which have one, with a viscosity [Pa s], for the solver."""
     (joint, oil), options = joint_and_oil(settings), settings.prediction
+    rms = float(np.hypot(joint.pin.roughness or 0.0, joint.bushing.roughness or 0.0))
     return Journal(
         pin_radius=joint.pin_radius,
         bushing_radius=joint.bushing_radius,
@@ -162,6 +166,9 @@ def build_journal(settings: RunSettings, viscosity: float) -> Journal:
         pressure_viscosity=oil.pressure_viscosity,
         cavitation_pressure=options.cavitation_pressure,
         long=options.long,
+        axial_shape=axial_shape(joint),
+        foundation=foundation_of(joint),
+        roughness=rms if options.rough else None,
     )
 
 
@@ -245,7 +252,7 @@ def predict_run(plane: ObjectPlane, film: xr.Dataset, frames: xr.Dataset) -> Pre
         motion,
         trigger=frames.trigger.values,
         used=frames.used.values,
-        view=ImageLine(1e-3 * (plane.along - line), plane.within),
+        view=ImageLine(1e-3 * (plane.along - line), plane.within, 1e-6 * plane.bore_height),
         sideways=options.sideways if isinstance(options.sideways, str) else float(options.sideways),
         start_film=None if options.start_film == "fit" else float(options.start_film),
     )
@@ -427,12 +434,18 @@ def _why_transient(settings: RunSettings) -> str:
 def _describe_assumptions(settings: RunSettings, predicted: xr.Dataset, regime: str) -> str:
     """List the assumptions of the transient prediction, one per line."""
     attrs, pressure = predicted["film_predicted_min"].attrs, settings.prediction.cavitation_pressure
+    departs = departure(settings)
     source = "fitted to the measured minima" if attrs["start_film_fitted"] else "as given"
     lines = [
         f"minimum film of {attrs['start_film']:.3g} um at the first frame, {source}",
-        "round rigid bodies with parallel axes, flooded at the unloaded side and at the ends; the "
-        f"film ruptures at {pressure * 1e-3:.3g} kPa",
+        f"round rigid bodies with parallel axes{departs and ', changed by '}{departs}, flooded at "
+        f"the unloaded side and at the ends; the film ruptures at {pressure * 1e-3:.3g} kPa",
     ]
+    if "deflection" in attrs:
+        lines.append(
+            f"the liner yields by up to {attrs['deflection']:.2g} um at the thinnest film: the "
+            "minimum is that of the deflected wall, mean and map are those of the wall at rest"
+        )
     if regime != _RIGID:
         lines.append(
             f"the regime map finds the {regime} regime, in which the surfaces deflect or the oil "

@@ -325,7 +325,7 @@ def _pressure_by_trigger(
     columns["film_rate"], columns["film_rate_std"] = spread(rate), spread(rate_std)
     load = _loads(film, settings)
     radius = float(conformal_radius(view.pin_radius, bushing_radius=view.bushing_radius))
-    thinnest = spread(view.clearance - np.hypot(*motion.position[:, :2].T) * _MICRO) / _MICRO
+    thinnest = spread(view.least_clearance - np.hypot(*motion.position[:, :2].T) * _MICRO) / _MICRO
     reach = np.sqrt(2 * radius * np.maximum(thinnest, 0.0))
     length = joint_and_oil(settings)[0].length
     columns["peak_of_load"] = _KILO * load / (length * 0.5 * np.pi * reach)

@@ -1,4 +1,5 @@
 from .agreement import film_over_theory as film_over_theory
+from .bore import film_along_axis as film_along_axis
 from .calibration import calibration_figure as calibration_figure
 from .calibration import fixture_profile as fixture_profile
 from .calibration import profile_figure as profile_figure

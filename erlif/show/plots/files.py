@@ -19,6 +19,7 @@ from erlif.io import files as stored
 from erlif.io.settings import CrankRockerSettings, read_fixture_settings, read_run_settings
 from erlif.pipeline import restore_images
 from erlif.show.plots import style as looks
+from erlif.show.plots.bore import film_along_axis
 from erlif.show.plots.calibration import calibration_figure, fixture_profile, profile_figure
 from erlif.show.plots.images import band_images_figure, ratio_image
 from erlif.show.plots.kinematics import cycle_figure, speed_against_angle
@@ -31,6 +32,7 @@ from erlif.show.plots.sheet import map_sheet_figure
 from erlif.show.plots.style import ONE_COLUMN, AnyFigure, new_figure, styled
 from erlif.show.plots.trend import speed_figure, speed_over_load, stribeck_figure
 from erlif.show.plots.triggers import has_varying_speed
+from erlif.trend import place_of_minimum
 
 logger = logging.getLogger(__name__)
 
@@ -186,9 +188,9 @@ class FigureSource:
 
 
 @styled
-def _draw_speed(source: FigureSource) -> AnyFigure:
+def _draw_panel(source: FigureSource, draw: Callable[..., Any], **options: Any) -> AnyFigure:
     figure = new_figure(named=source.film)
-    speed_against_angle(source.film, ax=figure.add_subplot())
+    draw(source.film, ax=figure.add_subplot(), **options)
     return figure
 
 
@@ -216,7 +218,7 @@ def _draw_ratio(source: FigureSource) -> AnyFigure:
 
 # The figures of a film, in the order of the method.
 DRAWN: dict[str, Callable[[FigureSource], AnyFigure]] = {
-    "speed_against_angle": _draw_speed,
+    "speed_against_angle": lambda source: _draw_panel(source, speed_against_angle),
     "fixture_profile": _draw_fixture,
     "processed_images": lambda source: band_images_figure(
         source.images, source.film, trigger=source.trigger
@@ -224,6 +226,7 @@ DRAWN: dict[str, Callable[[FigureSource], AnyFigure]] = {
     "ratio_image": _draw_ratio,
     "calibration": lambda source: calibration_figure(source.calibration),
     "thickness_map": lambda source: thickness_figure(source.film, trigger=source.trigger),
+    "film_along_axis": lambda source: _draw_panel(source, film_along_axis, trigger=source.trigger),
     "film_against_speed": lambda source: speed_figure(source.film),
     "stribeck": lambda source: stribeck_figure(source.film),
     "map_sheet": lambda source: map_sheet_figure(source.film),
@@ -236,6 +239,13 @@ DRAWN: dict[str, Callable[[FigureSource], AnyFigure]] = {
         source.group("registration"), source.group("frames"), film=source.film
     ),
 }
+
+
+def figures_of(film: xr.Dataset) -> list[str]:
+    """Names of the figures of a film: one along the axis where the bore is not straight."""
+    joint = stored.settings_of(film).joint
+    shaped = joint is not None and joint.bore is not None
+    return [name for name in DRAWN if shaped or name != "film_along_axis"]
 
 
 def reason_missing(name: str, source: FigureSource) -> str | None:
@@ -251,6 +261,10 @@ def reason_missing(name: str, source: FigureSource) -> str | None:
 
     if name == "speed_against_angle" and not has_varying_speed(source.film):
         return _describe_steady(source.film)
+    if name not in figures_of(source.film):
+        return "run.toml has no bore in [joint]: it is straight"
+    if name == "film_along_axis" and place_of_minimum(source.film, trigger=source.trigger) is None:
+        return "the trigger has no minimum film"
     if name == "film_over_cycle" and source.film.sizes["trigger"] < 2:
         return "the film has a single trigger"
     if name == "pin_orbit" and not has_position(source.film):
@@ -344,7 +358,7 @@ def missing_figures(
     """
     with stored.open_film(film_path) as film:
         source = find_source(film_path, film, None, run_dir, fixture_dir)
-        reasons = {name: reason_missing(name, source) for name in DRAWN}
+        reasons = {name: reason_missing(name, source) for name in figures_of(film)}
     return {name: reason for name, reason in reasons.items() if reason is not None}
 
 
@@ -452,7 +466,7 @@ def write_figures(
         source = find_source(
             film_path, film, trigger, run_dir, fixture_dir, allow_outside=allow_outside
         )
-        wanted = [name for name in DRAWN if only is None or name in only]
+        wanted = figures_of(film) if only is None else [name for name in DRAWN if name in only]
         reasons = {name: reason_missing(name, source) for name in wanted}
         names = [name for name, reason in reasons.items() if reason is None]
         if only is not None and len(names) < len(wanted):

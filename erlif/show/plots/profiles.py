@@ -49,8 +49,9 @@ def sliding_profile(film: xr.Dataset, *, trigger: int, ax: Axes = style.NEW) -> 
     """
     profile = _profile_of(film, trigger)
     x, h = profile.position.values, profile.thickness.values
-    artists = _draw_profile(ax, film, profile, np.zeros_like(x))
-    artists += _mark_minimum(ax, film, trigger)
+    artists = draw_profile(ax, film, profile, np.zeros_like(x))
+    along = "x" if settings_of(film).optics.x_axis == "sliding" else "y"
+    artists += mark_minimum(ax, film, trigger, along)
 
     gap = rigid_gap(profile, film)
     if gap is not None:
@@ -98,7 +99,7 @@ def profile_residual(film: xr.Dataset, *, trigger: int, ax: Axes = style.NEW) ->
     gap = rigid_gap(profile, film)
     x = profile.position.values
     base = np.zeros_like(x) if gap is None else gap.thickness(x)
-    artists = _draw_profile(ax, film, profile, base)
+    artists = draw_profile(ax, film, profile, base)
 
     _name_visible(ax, profile, artists)
 
@@ -108,27 +109,27 @@ def profile_residual(film: xr.Dataset, *, trigger: int, ax: Axes = style.NEW) ->
 
 
 def _profile_of(film: xr.Dataset, trigger: int) -> xr.Dataset:
-    """Profile along sliding: through the minimum of a point contact, else over the whole region."""
-    through = cut_through_minimum if _is_point(film) else average_across_sliding
+    """Profile along sliding: through the minimum of a point or lobe, else over the whole region."""
+    through = cut_through_minimum if is_local(film) else average_across_sliding
     return through(film, trigger=trigger)
 
 
-def _is_point(film: xr.Dataset) -> bool:
-    """Whether the gap of a film is that of a point contact."""
-    return bool(film.attrs.get("contact") == GapShape.POINT)
+def is_local(film: xr.Dataset) -> bool:
+    """Whether the gap of a film differs along the axis: a point contact, or a bore with a shape."""
+    joint = settings_of(film).joint
+    return film.attrs.get("contact") == GapShape.POINT or bool(joint and joint.bore)
 
 
-def _mark_minimum(ax: Axes, film: xr.Dataset, trigger: int) -> list[Artist]:
-    """Mark the minimum film with its bar, where its place is known."""
+def mark_minimum(ax: Axes, film: xr.Dataset, trigger: int, axis: str) -> list[Artist]:
+    """Mark the minimum film with its bar at its place along x or y, where this is known."""
     place = place_of_minimum(film, trigger=trigger)
     value, std = (float(film[name][trigger]) for name in ("film_min", "film_min_std"))
     if place is None or not np.isfinite([value, std]).all():
         return []
-    along = "x" if settings_of(film).optics.x_axis == "sliding" else "y"
     look: dict[str, Any] = {"fmt": "D", "color": MINIMUM, "markersize": pt(2.6), "zorder": 4}
     look |= {"elinewidth": pt(0.7), "capsize": pt(1.5)}
     label = f"film_min {value:.2f} ± {std:.2f} µm"
-    return list(ax.errorbar(place[along], value, std, label=label, **look).lines[:1])
+    return list(ax.errorbar(place[axis], value, std, label=label, **look).lines[:1])
 
 
 def _name_visible(ax: Axes, profile: xr.Dataset, artists: list[Artist]) -> None:
@@ -149,12 +150,12 @@ def _ends(film: xr.Dataset, trigger: int, profile: xr.Dataset) -> tuple[float, f
     return float(np.nanmin(np.concatenate(ends))), float(np.nanmax(np.concatenate(ends)))
 
 
-def _draw_profile(ax: Axes, film: xr.Dataset, profile: xr.Dataset, base: Array) -> list[Artist]:
+def draw_profile(ax: Axes, film: xr.Dataset, profile: xr.Dataset, base: Array) -> list[Artist]:
     """Draw the profile less `base`, with the bands of its random and its shared error."""
     # a profile along y runs to the right as well, so that both directions compare
     x, h = profile.position.values, profile.thickness.values - base
     random, shared = profile.thickness_std.values, profile.thickness_std_shared.values
-    label = "measured, through the minimum" if _is_point(film) else "measured"
+    label = "measured, through the minimum" if is_local(film) else "measured"
     (line,) = style.draw_line(ax, x, h, OUTWARD, width=_LINE, label=label)
     band = style.draw_band(ax, x, h - random, h + random, OUTWARD, label=f"random, {style.ONE_STD}")
 

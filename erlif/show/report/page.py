@@ -16,7 +16,7 @@ from erlif.core.notes import Level, split_notes
 from erlif.core.progress import Progress, ShowProgress, choose_progress, silent
 from erlif.core.version import __version__
 from erlif.io import files
-from erlif.show.plots.files import DRAWN, FigureSource, find_source, reason_missing
+from erlif.show.plots.files import DRAWN, FigureSource, figures_of, find_source, reason_missing
 from erlif.show.plots.prediction import has_prediction, predicted_map
 from erlif.show.plots.style import in_style
 from erlif.show.report import layout, tables
@@ -39,7 +39,8 @@ _FIRST = (
     *("film_over_cycle", "thickness_map", "film_against_speed", "film_and_prediction"),
     *("prediction_map", "pin_orbit", "stribeck", "map_sheet", "map_sheet_less_gap"),
 )
-_OF_ONE_TRIGGER = ("processed_images", "ratio_image", "thickness_map", "prediction_map")
+_OF_IMAGES = ("processed_images", "ratio_image")
+_OF_ONE_TRIGGER = (*_OF_IMAGES, "thickness_map", "film_along_axis", "prediction_map")
 
 
 @files.takes(film_path="film file", out_path="path")
@@ -230,7 +231,7 @@ def figures_section(
         Bytes that all figures may take; the largest are left out until the others fit.
     """
     parts, missing = [], []
-    for done, name in enumerate(sorted(DRAWN, key=[*_FIRST, *DRAWN].index)):
+    for done, name in enumerate(sorted(figures_of(source.film), key=[*_FIRST, *DRAWN].index)):
         progress("figures", done, len(DRAWN))
         caption = caption_of(name, source.film)
         reason = reason_missing(name, source)

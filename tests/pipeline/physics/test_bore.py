@@ -1,0 +1,112 @@
+"""A lobed bushing photographed by the rig, whose film two squeezed lobes carry."""
+
+import numpy as np
+import pytest
+
+import erlif
+from conftest import Laboratory
+from erlif.core.errors import ConfigError
+from erlif.io.files import region_of
+from erlif.pipeline.physics.fit import fit_film
+from erlif.rig import RigSettings
+from erlif.trend import cut_through_minimum, place_of_minimum
+
+RIG = RigSettings(
+    width=160,
+    height=128,
+    spacing=4.0,
+    fixture_frames=6,
+    dark_pages=8,
+    flat_pages=4,
+    bubbles=2,
+    length=30.0,
+    lobes=(-4.0, 4.5),
+    lobe=(200.0, 20.0),
+    axial_centre=0.3,
+    film="reynolds",
+    tilt=0.0,
+    load=30.0,
+    elapsed=2.1,
+)
+"""Twelve triggers; the film on the crests sinks from 11 to 5 um within the cycle."""
+
+EXPECTED_WITHIN = 0.75
+"""Share of 12 triggers within two standard deviations, of 0.954: three times the binomial less."""
+
+
+@pytest.fixture(scope="module")
+def lab(tmp_path_factory) -> Laboratory:
+    return Laboratory.simulated(tmp_path_factory.mktemp("lobed"), seed=1, rig=RIG)
+
+
+@pytest.fixture(scope="module")
+def film(lab):
+    return erlif.process(lab.run, output=lab.film, workers=1)
+
+
+def within_two(error, std):
+    return np.mean(np.abs(error) < 2 * std)
+
+
+@pytest.mark.slow
+def test_minimum_film_and_pin_are_those_of_the_rig(lab, film):
+    truth = lab.truth
+    assert within_two(film.film_min - truth.film_min.values, film.film_min_std) > EXPECTED_WITHIN
+    true = np.stack([truth.pin_displacement_load, truth.pin_displacement_side], axis=1)
+    std = np.sqrt(np.diagonal(film.pin_position_cov.values, axis1=1, axis2=2))
+    error = film.pin_displacement.values - true
+    assert within_two(error, std[:, :2]) > EXPECTED_WITHIN
+    assert within_two(film.pin_tilt.values, std[:, 2:]) > EXPECTED_WITHIN
+
+
+@pytest.mark.slow
+def test_film_along_the_axis_is_that_of_the_rig_within_its_bars(lab, film):
+    """At some 500 axial places of 12 triggers, whose noise and marks are independent."""
+    pulls = []
+    low, high = region_of(film).x
+    for trigger, true in enumerate(lab.truth.film.values):
+        found = cut_through_minimum(film, trigger=trigger, exchanged=True)
+        off = np.abs(film.x - place_of_minimum(film, trigger=trigger)["x"])
+        mean = true[:, off < 0.05 * (high - low)].mean(axis=1)
+        std = np.hypot(found.thickness_std, found.thickness_std_shared)
+        pulls.append(((found.thickness - mean) / std).values)
+    pulls = np.concatenate(pulls)
+    pulls = pulls[np.isfinite(pulls)]
+    assert pulls.size > 400
+    assert 0.93 < np.mean(np.abs(pulls) < 2) < 0.98
+
+
+@pytest.mark.slow
+def test_predicted_film_is_that_of_the_lobes(lab, film):
+    """By finite volumes, against the over-relaxed pressures of the rig."""
+    np.testing.assert_allclose(film.film_predicted_min, lab.truth.film_min, rtol=0.01)
+    assert "bore in [joint]" in film.film_predicted_min.attrs["notes"]
+
+
+@pytest.mark.slow
+def test_pressure_of_the_lobed_film_carries_the_load(lab, film):
+    """To twice its stated error; no load is put in."""
+    found = erlif.pressure_from_film(film)
+    assert (found.pressure_measured == 1).all()
+    error = found.load_from_pressure - lab.truth.joint_load.values
+    assert within_two(error, found.load_from_pressure_std) > EXPECTED_WITHIN
+    assert (found.load_from_pressure_std < 2.0).all()  # N of 30
+
+
+@pytest.mark.slow
+def test_a_straight_gap_describes_no_lobes(lab):
+    straight = lab.process_copy(
+        "straight",
+        ("[joint.bore]\n", "[joint.none]\n"),
+        ('[joint.none]\nlobes = ["-4 mm", "4.5 mm"]\n', ""),
+        ('lobe_radius = "200 mm"\nlobe_height = "20 um"\n', ""),
+    )
+    assert np.isnan(straight.film_min).sum() >= 10  # no smooth gap describes the map
+
+
+@pytest.mark.slow
+def test_a_fit_of_straight_orbits_is_refused_by_the_key(lab, film):
+    assert "physics" not in film.attrs
+    assert film.pin_displacement.attrs["load_line_source"] == "given"
+    with pytest.raises(ConfigError, match=r"run.toml has bore in \[joint\]"):
+        fit_film(lab.film)
