@@ -46,7 +46,6 @@ from erlif.pipeline.physics.position import describe_positions, note_form
 from erlif.pipeline.physics.prediction import (
     frames_of_run,
     join_theories,
-    note_difference,
     predict_theory,
     try_prediction,
 )
@@ -220,7 +219,6 @@ def with_theory(draft: FilmDraft) -> FilmDraft:
         *note_moved_mean(film),
         *prediction.notes,
         *about_friction,
-        *note_difference(film, settings.prediction),
     )
     return draft.adding(film, *notes, frames=prediction.frames)
 

@@ -1,7 +1,6 @@
 from .agreement import Correlation as Correlation
 from .agreement import Factor as Factor
 from .agreement import correlate as correlate
-from .agreement import fast_triggers as fast_triggers
 from .agreement import film_factor as film_factor
 from .agreement import find_delay as find_delay
 from .background import BackgroundEstimate as BackgroundEstimate
@@ -22,6 +21,7 @@ from .exponent import LARGEST_BEYOND as LARGEST_BEYOND
 from .exponent import LEAST_TRIGGERS as LEAST_TRIGGERS
 from .exponent import SLOWEST as SLOWEST
 from .exponent import Exponent as Exponent
+from .exponent import fast_triggers as fast_triggers
 from .exponent import fit_exponent as fit_exponent
 from .exponent import mean_at_constant_minimum as mean_at_constant_minimum
 from .form import SCALE_STD as SCALE_STD

@@ -8,8 +8,8 @@ from typing import NamedTuple
 import numpy as np
 import scipy
 
-from erlif.core.arrays import Array, Mask
-from erlif.trend.exponent import LEAST_TRIGGERS, SLOWEST
+from erlif.core.arrays import Array
+from erlif.trend.exponent import LEAST_TRIGGERS, fast_triggers
 
 _LEAST_SPREAD = 0.05  # of the logarithm of the speed, below which no correlation is determined
 _95 = 1.96  # standard deviations of a 95 % interval
@@ -70,12 +70,6 @@ class Correlation(NamedTuple):
     log: float
     log_low: float
     log_high: float
-
-
-def fast_triggers(speed: Array) -> Mask:
-    """Triggers above a tenth of the highest speed: squeeze carries the film below."""
-    size = np.abs(speed)
-    return np.asarray(size >= SLOWEST * np.nanmax(size, initial=0.0))
 
 
 def film_factor(

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from erlif.core.arrays import Array
+from erlif.core.arrays import Array, Mask
 
 # Triggers below this share of the top speed are left out of the speed exponent.
 SLOWEST = 0.1
@@ -41,6 +41,27 @@ class Exponent:
     std: float
     log_scale: float
     triggers: int
+
+
+def fast_triggers(speed: Array) -> Mask:
+    """Find the triggers above a tenth of the highest speed: squeeze carries the film below.
+
+    Parameters
+    ----------
+    speed : array, (trigger,)
+        Its sign does not matter.
+
+    Returns
+    -------
+    array of bool, (trigger,)
+
+    Examples
+    --------
+    >>> fast_triggers(np.array([-2.0, 0.1, 1.0])).tolist()
+    [True, False, True]
+    """
+    size = np.abs(speed)
+    return np.asarray(size >= SLOWEST * np.nanmax(size, initial=0.0))
 
 
 def fit_exponent(
@@ -84,8 +105,7 @@ def fit_exponent(
     >>> round(found.value, 6)
     0.62
     """
-    fast = np.abs(speed) >= SLOWEST * np.abs(speed).max()
-    use = fast & (film > 0) & np.isfinite(film) & np.isfinite(random_std)
+    use = fast_triggers(speed) & (film > 0) & np.isfinite(film) & np.isfinite(random_std)
     x = np.log(np.abs(speed[use]) / load[use])
     if x.size < LEAST_TRIGGERS or np.ptp(x) < _LEAST_RANGE:
         return Exponent(math.nan, math.nan, math.nan, int(use.sum()))

@@ -36,16 +36,6 @@ from erlif.trend import LubricatedJoint, compare_with_roughness, predict_film, v
 # Regime whose surfaces keep their shape, as the transient prediction takes them.
 _RIGID = "isoviscous-rigid"
 
-# Standard deviations of the minimum beyond which a difference from the prediction is no chance:
-# the film varies in more ways than one error describes, so that three are not enough.
-_ERRORS = 5.0
-
-# Of the film; a smaller difference is within what marks and waviness of surfaces do.
-_SHARE = 0.03
-
-# Triggers; of three, a start film and a chance make any course.
-_FEWEST = 4
-
 
 class Prediction(NamedTuple):
     """The transient prediction of a run.
@@ -357,59 +347,6 @@ def join_theories(settings: RunSettings, steady: xr.Dataset, predicted: xr.Datas
     for name in steady.keys() & {"film_theory", "film_theory_central", "film_hamrock_dowson"}:
         both[name].attrs["comment"] = f"steady formula, for reference: {reason}"
     return both
-
-
-def note_difference(film: xr.Dataset, options: PredictionOptions) -> list[Note]:
-    """Warn where the measured minimum film departs from the predicted one beyond its error.
-
-    The course over the run is judged by the random error of the minimum, as calibration and other
-    shared errors shift all triggers nearly alike; the level by the whole error, unless the start
-    film was fitted to it.
-
-    Parameters
-    ----------
-    film : xarray.Dataset
-        With film_min, film_min_std, film_predicted_min and, where it is known,
-        film_min_std_random (trigger). [um]
-    options : PredictionOptions
-        How the pin was taken to be held.
-
-    Returns
-    -------
-    list of Note
-        Empty without a prediction, and where the difference is within the error.
-    """
-    if not {"film_min", "film_min_std", "film_predicted_min"} <= set(film):
-        return []
-    random = "film_min_std_random" if "film_min_std_random" in film else "film_min_std"
-    measured, whole, own, predicted = (
-        film[name].values for name in ("film_min", "film_min_std", random, "film_predicted_min")
-    )
-    known = np.isfinite(measured) & np.isfinite(whole) & np.isfinite(predicted)
-    if known.sum() < _FEWEST:
-        return []
-    off = (measured - predicted)[known]
-    marked = _SHARE * float(np.mean(measured[known]))
-    error, error_of_level = (float(np.sqrt(np.mean(std[known] ** 2))) for std in (own, whole))
-    pin = describe_sideways(options)
-
-    fitted = film["film_predicted_min"].attrs.get("start_film_fitted", 0)
-    course, level = float(off.std()), float(off.mean())
-    texts = []
-    if course >= max(_ERRORS * error, marked):
-        texts.append(
-            f"the course of the minimum film is not that of a {pin}: it is {course:.3g} um (rms) "
-            f"off, differences are known to {error:.2g} um. Run erlif predict RUN_DIR --fit: it "
-            "fits the viscosity of a free and of a guided pin, and states which of them describes "
-            "the film, or that neither does; check the load and its unit"
-        )
-    if not fitted and abs(level) >= max(_ERRORS * error_of_level, marked):
-        texts.append(
-            f"the minimum film is not that of a {pin}: it is {level:+.3g} um off in the mean, and "
-            f"known to {error_of_level:.2g} um. Check viscosity, load, start_film and how the pin "
-            "is held ([prediction])"
-        )
-    return [warn("theory", text) for text in texts]
 
 
 def describe_sideways(options: PredictionOptions) -> str:

@@ -13,7 +13,7 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
-from erlif.core.arrays import Array, Mask
+from erlif.core.arrays import Array
 from erlif.io.files import formula_label
 from erlif.show.plots import style
 from erlif.show.plots.agreement import film_over_theory, has_ratio
@@ -25,7 +25,7 @@ from erlif.show.plots.triggers import (
     state_no_film,
     stroke_looks,
 )
-from erlif.trend import SLOWEST
+from erlif.trend import fast_triggers
 
 # labels of the axis by the speed: that of the joint in a linkage, else the sliding speed
 _LABELS = {
@@ -114,15 +114,9 @@ def film_against_speed(film: xr.Dataset, *, ax: Axes = style.NEW) -> list[Artist
     return [*artists, *lines]
 
 
-def _used_in_fit(film: xr.Dataset) -> Mask:
-    """Triggers fast enough for the fit of the power."""
-    speed = np.abs(film[_speed_name(film)].values)
-    return np.asarray(speed >= SLOWEST * speed.max())
-
-
 def _draw_points(ax: Axes, film: xr.Dataset, name: str, colour: str) -> list[Artist]:
     """Draw one statistic with its error bars, by stroke, in grey where the fit leaves it out."""
-    x, fitted = _MILLI * speed_over_load(film), _used_in_fit(film)
+    x, fitted = _MILLI * speed_over_load(film), fast_triggers(film[_speed_name(film)].values)
     if name == "film_mean":
         fitted = fitted & ~have_partial_mean(film)
     value, std = film[name].values, bars_of(film, name).std
@@ -141,7 +135,7 @@ def _draw_power(ax: Axes, film: xr.Dataset, name: str, label: str, **look: Any) 
         return style.draw_line(ax, [], [], look["color"], form="o", label=label)
 
     # a power is drawn over the triggers it was fitted to, not beyond them
-    used = speed_over_load(film)[_used_in_fit(film)]
+    used = speed_over_load(film)[fast_triggers(film[_speed_name(film)].values)]
     ends = np.geomspace(used.min(), used.max(), 50)
     error = f" ± {std:.3f}" if np.isfinite(std) else ""
     label = f"{label}, n = {power:.3f}{error}".replace("-", "−")
@@ -155,7 +149,7 @@ def _add_stroke_keys(ax: Axes, film: xr.Dataset) -> None:
         face = "white" if look["markerfacecolor"] == "white" else MINIMUM
         key = {"form": look["marker"], "markerfacecolor": face, "label": look["label"]}
         style.draw_line(ax, [], [], MINIMUM, **key)
-    if not _used_in_fit(film).all() or have_partial_mean(film).any():
+    if not fast_triggers(film[_speed_name(film)].values).all() or have_partial_mean(film).any():
         style.draw_line(ax, [], [], MUTED, form="o", label="not in the fit")
 
 

@@ -9,9 +9,8 @@ import numpy as np
 import xarray as xr
 
 from erlif.core.arrays import Array
-from erlif.core.notes import join_notes
 from erlif.io.files import settings_of
-from erlif.pipeline.physics.prediction import describe_sideways, note_difference
+from erlif.pipeline.physics.prediction import describe_sideways
 from erlif.prediction import Estimate, ModelComparison
 from erlif.prediction.comparison import DESCRIBED
 from erlif.show.report.layout import TABLES, print_rows
@@ -101,9 +100,6 @@ def summarise_prediction(prediction: xr.Dataset) -> str:
     rows["minimum at the first frame"] = f"{attrs['start_film']:.4g} um, {source}"
     rows["measured less predicted"] = describe_difference(prediction)
     rows["correlation with |speed|"] = describe_correlation(prediction)
-    if "settings" in attrs:
-        notes = note_difference(prediction, settings_of(prediction).prediction)
-        rows["notes"] = join_notes(notes)
     return print_rows(f"{name}: {attrs['model']}, {minimum.size} triggers", rows)
 
 

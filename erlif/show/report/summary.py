@@ -141,7 +141,7 @@ def _wrapped(title: str, text: str) -> list[str]:
 
 
 def _first_clause(text: str) -> str:
-    """What a warning says first; the rest is why, and what to do."""
+    """The finding of a warning; the rest is why, and what to do."""
     return _first_sentence(text).partition("; ")[0]
 
 

@@ -10,24 +10,18 @@ from scenes.film import CRANK, LOAD, RUN_TOML, minimum_film
 
 import erlif
 from erlif.core.errors import ConfigError
-from erlif.core.notes import Level
 from erlif.io.settings import RunSettings
 from erlif.pipeline.physics.prediction import (
     NO_PREDICTION,
     build_motion,
     film_along_sliding,
     join_theories,
-    note_difference,
     predict_run,
     swinging_joint,
     swings,
     try_prediction,
 )
 from erlif.pipeline.plane import ObjectPlane
-from erlif.rig import RigSettings
-from erlif.rig.film import draw_marks, list_triggers
-from erlif.rig.journal import list_gaps
-from erlif.rig.logger import frame_times
 
 SLIDER = {"kind": "slider-crank", "crank": "5 cm", "coupler": "20 cm", "crank_speed": "60 rpm"}
 PLACE = 0.06 * np.arange(300)
@@ -156,93 +150,6 @@ def test_the_transient_film_is_the_theory_and_the_steady_ones_stay_for_reference
     reason = "swings by 24.4 deg in 0.263 s and carries oil 7.11 mm to and fro"
     for name in ("film_theory", "film_hamrock_dowson"):
         assert reason in found[name].attrs["comment"]
-
-
-KNOWN_TO = 0.04  # um
-TURNS = 14.0  # after loading; at ten the films differ too little for a warning
-
-
-@pytest.fixture(scope="module")
-def rig_films():
-    """Frames, and minimum film by the solver of the rig, some turns after loading."""
-    found = {}
-    for held in ("free", "guided"):
-        rig = RigSettings(film="reynolds", tilt=0.0, marks=0.0, sideways=held, elapsed=TURNS)
-        triggers = list_triggers(rig)
-        gaps = list_gaps(triggers, rig, draw_marks(rig, np.random.default_rng(0)))
-        number = len(gaps)
-        columns = {
-            "trigger": np.arange(number),
-            "cycle": np.zeros(number, int),
-            "crank_angle": triggers.crank_angle,
-            "time": frame_times(triggers, rig),
-            "joint_load": triggers.load,
-            "used": np.ones(number, bool),
-        }
-        noise = np.random.default_rng(3).normal(0, KNOWN_TO, number)
-        measured = np.array([gap.film_min for gap in gaps]) + noise
-        found[held] = (
-            xr.Dataset({name: ("frame", values) for name, values in columns.items()}),
-            xr.Dataset(
-                {
-                    "film_min": ("trigger", measured),
-                    "film_min_std": ("trigger", np.full(number, KNOWN_TO)),
-                }
-            ),
-        )
-    return found
-
-
-@pytest.mark.parametrize(
-    ("true", "taken", "other"),
-    [
-        ("free", "free", None),
-        ("guided", "guided", None),
-        ("guided", "free", "guided"),
-        ("free", "guided", "free"),
-    ],
-)
-def test_a_pin_that_is_held_otherwise_is_a_warning(rig_films, true, taken, other):
-    rig_frames, measured = rig_films[true]
-    one = settings(sideways=taken)
-    found = try_prediction(plane(one), measured, rig_frames)
-    notes = note_difference(measured.merge(found.triggers), one.prediction)
-    assert [note.level for note in notes] == ([Level.WARNING] if other else [])
-    if other:
-        assert "erlif predict RUN_DIR --fit" in str(notes[0])
-        assert "or that neither does; check the load" in str(notes[0])
-        assert "sideways =" not in str(notes[0])  # a film of neither runs in no circle
-
-
-def test_a_difference_is_a_warning_beyond_error_and_share_of_the_film():
-    """Up and down by a size is an rms of that size, which a shared error does not hide; a shift of
-    all triggers is one of the level.
-    """
-    up = np.array([1.0, -1.0, 1.0, -1.0, 1.0, -1.0])
-    predicted = xr.Dataset({"film_predicted_min": ("trigger", np.full(6, 10.0))})
-
-    def warned(course, random, shared=0.0):
-        whole = np.full(6, np.hypot(random, shared))
-        columns = {
-            "film_min": 10.0 + course,
-            "film_min_std": whole,
-            "film_min_std_random": np.full(6, random),
-        }
-        films = predicted.assign({name: ("trigger", one) for name, one in columns.items()})
-        found = " ".join(map(str, note_difference(films, settings().prediction)))
-        return [word for word in ("course", "in the mean") if word in found]
-
-    assert warned(0.5 * up, 0.04) == ["course"]
-    assert warned(0.5 * up, 0.04, shared=1.0) == ["course"]
-    assert warned(3.0 + 0.5 * up, 0.04) == ["course", "in the mean"]
-    assert warned(3.0 + 0.5 * up, 0.04, shared=1.0) == ["course"]
-    assert warned(np.full(6, -3.0), 0.01) == ["in the mean"]
-    predicted["film_predicted_min"].attrs["start_film_fitted"] = 1
-    assert not warned(np.full(6, -3.0), 0.01)
-    assert not warned(0.5 * up, 0.2)  # within the error
-    assert not warned(0.1 * up, 0.001)  # 1 % of the film
-    assert not warned(np.where(up > 0, [0.0, 0, 1, 0, 2, 0], np.nan), 0.01)  # too few triggers
-    assert note_difference(predicted, settings().prediction) == []
 
 
 def test_deflecting_surfaces_are_named_as_a_limit():
