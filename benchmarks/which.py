@@ -38,8 +38,20 @@ PHOTOGRAPHS = {
     "constant": {**LAW, "film_table": (6.0,) * 50},
     "stick-slip": {**LAW, "film_table": SAW},
     "free pin": {"film": "reynolds", "tilt": 0.0},
-    "other oil": {"film": "reynolds", "tilt": 0.0, "viscosity": 0.3, "stated_viscosity": 0.12},
-    "guided pin": {"film": "reynolds", "tilt": 0.0, "sideways": "guided"},
+    "other oil": {
+        "film": "reynolds",
+        "tilt": 0.0,
+        "viscosity": 0.3,
+        "stated_viscosity": 0.12,
+        "elapsed": 60.0,
+    },
+    "guided pin": {
+        "film": "reynolds",
+        "tilt": 0.0,
+        "sideways": "guided",
+        "load": 2000.0,
+        "elapsed": 6.0,
+    },
 }
 """Changes of the rig."""
 ROCKS = 0.06  # half the range of the tilt that is added to the film at rest [um/mm]
@@ -88,6 +100,9 @@ def run_photographs(seed=3):
             erlif.process(place / "run", calibration=calibration, output=output, workers=1).close()
             with erlif.open_film(output) as film:
                 print(f"{name}: {film.attrs.get('physics')}", flush=True)
+                if name.startswith("formula"):
+                    top = changes["film_reference"] / float(film.film_hamrock_dowson.max())
+                    print(f"true factor {top:.4f}, at the highest speed of a trigger")
                 if name == "constant":
                     source, tilt = read_film(output), film.pin_tilt.load().copy()
                     tilt[:, 0] += ROCKS * np.sin(2 * np.pi * np.arange(len(tilt)) / len(tilt))

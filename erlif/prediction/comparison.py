@@ -65,9 +65,9 @@ CONSTANT = "a constant gap"
 # candidate leave up to 1.1, photographed ones up to 1.7 (docs/theory/which.md).
 DESCRIBED = 3.0
 
-# The factor from which a viscosity that changes within the run is looked for, the number of values
-# from which so small a factor is no chance, and the width of that change.
-DRIFTING, _MANY, _DRIFT_STD = 1.2, 100, 0.3
+# The factor from which a viscosity that changes within the run is looked for, and to which; the
+# number of values from which so small a factor is no chance; and the width of that change.
+DRIFTING, _LOST, _MANY, _DRIFT_STD = 1.2, 10.0, 100, 0.3
 
 # Standard deviation of the viscosity of the oil in the joint where none is stated, relative.
 OIL_STD = 0.3
@@ -238,7 +238,7 @@ def compare_models(
     regime : str
         Of film_theory, of `POWERS`.
     drive : array, (trigger,), optional
-        Size of the speed over the load, in any unit: with it two power laws are fitted.
+        Speed over load, in any unit: with it two laws in powers of its size are fitted.
     viscosity_std : float, optional
         Standard deviation of the viscosity of the journal; by default `OIL_STD` of it. [Pa s]
     sideways : sequence of str
@@ -298,7 +298,8 @@ def compare_models(
         )
         try:
             fit = fit_held(given=given)
-            if held == "free" and _misses(fit.inflation, problem) and "drift" not in fit.names:
+            near = held == "free" and "drift" not in fit.names and fit.inflation < _LOST
+            if near and _misses(fit.inflation, problem):
                 wide = replace(given or GivenErrors(), drift=_DRIFT_STD)
                 drifting = fit_held(given=wide)
                 if drifting.minimum.log_likelihood > fit.minimum.log_likelihood + _WEAK:
@@ -482,12 +483,15 @@ def _law(problem: Problem, shape: Array, *more: str, viscous: float = np.nan) ->
     journal = problem.orbits.journal
     distance, direction = _distances(problem)
     film = np.maximum(journal.clearance - distance, 1e-9)
-    size = np.maximum(np.nan_to_num(shape[problem.frames.measured]), 0.0)
+    size = np.abs(np.nan_to_num(shape[problem.frames.measured]))
     top = max(float(size.max()), 1e-300)
     relative = np.log(np.maximum(size / top, 1e-12))
     offset = 0.9 * film.min() if "offset" in more else 0.0
-    begin = {"power": 0.5, "offset": offset / journal.clearance}
-    start = {"factor": float(np.log(max((film - offset).mean() / np.mean(size / top), 1e-9)))}
+    power, factor = 1.0, np.log(film.mean() / max(np.mean(size / top), 1e-12))
+    if "power" in more:
+        power, factor = np.polyfit(relative, np.log(film - offset), 1, w=film - offset)
+    begin = {"power": max(power, 0.1), "offset": offset / journal.clearance}
+    start = {"factor": float(factor)}
     start |= {name: begin[name] for name in more} | direction
 
     def predict(sets: Array) -> Array:
