@@ -157,11 +157,7 @@ class ModelComparison:
 
 
 def _weigh(
-    name: str,
-    problem: Problem,
-    found: Minimum,
-    predicted: Array,
-    estimates: Mapping[str, Estimate],
+    name: str, problem: Problem, found: Minimum, predicted: Array, shown: Mapping[str, Estimate]
 ) -> FilmModel:
     """The record of a fitted model from its prediction of the measured triggers, with the whole of
     its criterion.
@@ -178,7 +174,7 @@ def _weigh(
         found.value.size,
         found.inflation,
         float(np.sqrt(np.mean((value - predicted) ** 2))),
-        {key: replace(one, std=wider * one.std) for key, one in estimates.items()},
+        {key: replace(one, std=wider * one.std) for key, one in shown.items()},
     )
 
 
@@ -300,8 +296,7 @@ def compare_models(
             fit = fit_held(given=given)
             near = held == "free" and "drift" not in fit.names and fit.inflation < _LOST
             if near and _misses(fit.inflation, problem):
-                wide = replace(given or GivenErrors(), drift=_DRIFT_STD)
-                drifting = fit_held(given=wide)
+                drifting = fit_held(given=replace(given or GivenErrors(), drift=_DRIFT_STD))
                 if drifting.minimum.log_likelihood > fit.minimum.log_likelihood + _WEAK:
                     fit = drifting
         except ModelError as error:
