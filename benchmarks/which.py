@@ -3,23 +3,58 @@
     pip install -e .
     python benchmarks/which.py               # all kinds, five seeds
     python benchmarks/which.py --constant    # 300 films at rest, neighbours correlated
+    python benchmarks/which.py --photographs # by the virtual rig, with a pin that rocks
 
 A sentence is right if it names what carries the film, or that no model fits.
 """
 
 import argparse
 import sys
+import tempfile
 import time
 import warnings
 from pathlib import Path
 
 import numpy as np
 
+import erlif
+from erlif.pipeline.physics.fit import state_physics
+from erlif.pipeline.physics.predict import read_film
+from erlif.rig import RigSettings, simulate
+
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
-from scenes.carried import KINDS, compare, pulls
+from scenes.carried import FORMULA, KINDS, compare, pulls
 
 SEEDS = 5
 FILMS, CORRELATIONS = 100, (0.0, 0.5, 0.9)
+
+TOP = 1e6 * float(FORMULA.max())
+LAW = {"film_floor": 1e-3, "tilt": 0.0, "load_swing": 0.0}
+SAW = tuple(5 + (7 * np.arange(50) / 50) % 1)
+PHOTOGRAPHS = {
+    "formula": {**LAW, "film_reference": TOP, "exponent": 0.7},
+    "formula x 5": {**LAW, "film_reference": 5.03 * TOP, "exponent": 0.7},
+    "power": {**LAW, "film_reference": 9.0, "exponent": 0.4},
+    "constant": {**LAW, "film_table": (6.0,) * 50},
+    "stick-slip": {**LAW, "film_table": SAW},
+    "free pin": {"film": "reynolds", "tilt": 0.0},
+    "other oil": {
+        "film": "reynolds",
+        "tilt": 0.0,
+        "viscosity": 0.3,
+        "stated_viscosity": 0.12,
+        "elapsed": 60.0,
+    },
+    "guided pin": {
+        "film": "reynolds",
+        "tilt": 0.0,
+        "sideways": "guided",
+        "load": 2000.0,
+        "elapsed": 6.0,
+    },
+}
+"""Changes of the rig."""
+ROCKS = 0.06  # half the range of the tilt that is added to the film at rest [um/mm]
 
 
 def run_kinds(seeds, names):
@@ -54,9 +89,31 @@ def run_constant(films):
                 print("  ", one.verdict)
 
 
+def run_photographs(seed=3):
+    for name, changes in PHOTOGRAPHS.items():
+        with tempfile.TemporaryDirectory() as folder:
+            place = Path(folder)
+            rig = RigSettings(width=128, height=96, fixture_frames=6, bubbles=0, **changes)
+            simulate(place, seed=seed, rig=rig)
+            calibration = erlif.calibrate(place / "fixture")
+            output = place / "film.nc"
+            erlif.process(place / "run", calibration=calibration, output=output, workers=1).close()
+            with erlif.open_film(output) as film:
+                print(f"{name}: {film.attrs.get('physics')}", flush=True)
+                if name.startswith("formula"):
+                    top = changes["film_reference"] / float(film.film_hamrock_dowson.max())
+                    print(f"true factor {top:.4f}, at the highest speed of a trigger")
+                if name == "constant":
+                    source, tilt = read_film(output), film.pin_tilt.load().copy()
+                    tilt[:, 0] += ROCKS * np.sin(2 * np.pi * np.arange(len(tilt)) / len(tilt))
+                    rocking = film.load().assign(pin_tilt=tilt)
+                    print("rocking:", state_physics(rocking, source.settings, source.frames))
+
+
 if __name__ == "__main__":
     parser = argparse.ArgumentParser()
     parser.add_argument("--constant", action="store_true")
+    parser.add_argument("--photographs", action="store_true")
     parser.add_argument("--seeds", type=int, default=SEEDS)
     parser.add_argument("--films", type=int, default=FILMS)
     parser.add_argument("kinds", nargs="*", default=list(KINDS))
@@ -64,5 +121,7 @@ if __name__ == "__main__":
     warnings.simplefilter("ignore")
     if chosen.constant:
         run_constant(chosen.films)
+    elif chosen.photographs:
+        run_photographs()
     else:
         run_kinds(chosen.seeds, chosen.kinds)

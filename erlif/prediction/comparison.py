@@ -19,7 +19,6 @@ from erlif.prediction.given import GivenErrors
 from erlif.prediction.least_squares import (
     LeastSquares,
     Minimum,
-    Observations,
     Predict,
     Unknowns,
 )
@@ -66,9 +65,9 @@ CONSTANT = "a constant gap"
 # candidate leave up to 1.1, photographed ones up to 1.7 (docs/theory/which.md).
 DESCRIBED = 3.0
 
-# The factor from which a viscosity that changes within the run is looked for, the number of values
-# from which so small a factor is no chance, and the width of that change.
-DRIFTING, _MANY, _DRIFT_STD = 1.2, 100, 0.3
+# The factor from which a viscosity that changes within the run is looked for, and to which; the
+# number of values from which so small a factor is no chance; and the width of that change.
+DRIFTING, _LOST, _MANY, _DRIFT_STD = 1.2, 10.0, 100, 0.3
 
 # Standard deviation of the viscosity of the oil in the joint where none is stated, relative.
 OIL_STD = 0.3
@@ -157,43 +156,26 @@ class ModelComparison:
     not_fitted: Mapping[str, str] = field(default_factory=dict)
 
 
-@dataclass(frozen=True)
-class _Fitted:
-    """Fit of one model, reduced to the numbers that a comparison needs."""
+def _weigh(
+    name: str, problem: Problem, found: Minimum, predicted: Array, shown: Mapping[str, Estimate]
+) -> FilmModel:
+    """The record of a fitted model from its prediction of the measured triggers, with the whole of
+    its criterion.
+    """
+    value = problem.measured.value[problem.frames.measured]
+    gained, correlation = _correlate(found.residual.reshape(value.shape), found.inflation)
+    likely = found.log_likelihood + gained
 
-    name: str
-    log_likelihood: float
-    unknowns: int
-    inflation: float
-    miss: Array  # measured less predicted, (trigger, axis) [m]
-    residual: Array  # in stated errors, (trigger, axis)
-    estimates: Mapping[str, Estimate] = field(default_factory=dict)
-
-    @classmethod
-    def of(
-        cls,
-        name: str,
-        problem: Problem,
-        found: Minimum,
-        predicted: Array,
-        estimates: Mapping[str, Estimate],
-    ) -> _Fitted:
-        """Make the record of a fitted model from its prediction of the measured triggers."""
-        value = problem.measured.value[problem.frames.measured]
-        residual = found.residual.reshape(value.shape)
-        gained, correlation = _correlate(residual, found.inflation)
-
-        # of neighbours that depart together fewer are independent
-        wider = float(np.sqrt((1 + correlation) / (1 - correlation)).max())
-        return cls(
-            name,
-            found.log_likelihood + gained,
-            found.value.size,
-            found.inflation,
-            value - predicted,
-            residual,
-            {key: replace(one, std=wider * one.std) for key, one in estimates.items()},
-        )
+    # of neighbours that depart together fewer are independent
+    wider = float(np.sqrt((1 + correlation) / (1 - correlation)).max())
+    return FilmModel(
+        name,
+        float(found.value.size * np.log(value.size) - 2 * likely),
+        found.value.size,
+        found.inflation,
+        float(np.sqrt(np.mean((value - predicted) ** 2))),
+        {key: replace(one, std=wider * one.std) for key, one in shown.items()},
+    )
 
 
 def _correlate(residual: Array, inflation: float) -> tuple[float, Array]:
@@ -252,7 +234,7 @@ def compare_models(
     regime : str
         Of film_theory, of `POWERS`.
     drive : array, (trigger,), optional
-        Size of the speed over the load, in any unit: with it two power laws are fitted.
+        Speed over load, in any unit: with it two laws in powers of its size are fitted.
     viscosity_std : float, optional
         Standard deviation of the viscosity of the journal; by default `OIL_STD` of it. [Pa s]
     sideways : sequence of str
@@ -270,8 +252,6 @@ def compare_models(
     ------
     ConfigError
         As `fit_motion`.
-    ModelError
-        If none of the models could be fitted.
 
     Examples
     --------
@@ -293,7 +273,7 @@ def compare_models(
     """
     frames = FrameSteps.of(measured, motion.steps, trigger)
     problem = Problem(FreeOrbits(journal, motion.motion), frames, measured, "free")
-    fitted: list[_Fitted] = []
+    fitted: list[FilmModel] = []
     fits: dict[str, MotionFit] = {}
     failures: dict[str, str] = {}
     transient = [one for one in sideways if one != "any guided"]
@@ -314,9 +294,9 @@ def compare_models(
         )
         try:
             fit = fit_held(given=given)
-            if held == "free" and _misses(fit.inflation, problem) and "drift" not in fit.names:
-                wide = replace(given or GivenErrors(), drift=_DRIFT_STD)
-                drifting = fit_held(given=wide)
+            near = held == "free" and "drift" not in fit.names and fit.inflation < _LOST
+            if near and _misses(fit.inflation, problem):
+                drifting = fit_held(given=replace(given or GivenErrors(), drift=_DRIFT_STD))
                 if drifting.minimum.log_likelihood > fit.minimum.log_likelihood + _WEAK:
                     fit = drifting
         except ModelError as error:
@@ -327,7 +307,7 @@ def compare_models(
         if not measured.is_position:
             predicted = np.hypot(*predicted.T)[:, np.newaxis]
         shown = {name: fit.estimates[name] for name in _SHOWN if name in fit.estimates}
-        fitted.append(_Fitted.of(HELD[held], problem, fit.minimum, predicted, shown))
+        fitted.append(_weigh(HELD[held], problem, fit.minimum, predicted, shown))
 
     # closed forms take no time beside the transient films
     simple = [
@@ -337,8 +317,8 @@ def compare_models(
     if drive is not None:
         laws = ("power",), ("power", "offset")
         simple += [(n, _law(problem, drive, *law)) for n, law in zip(POWER, laws, strict=True)]
-    candidates = [(CONSTANT, _constant(problem)), (SQUEEZE, _squeeze(problem)), *simple]
-    for done, (name, closed) in enumerate(candidates, len(transient)):
+    forms = [(CONSTANT, _constant(problem)), (SQUEEZE, _squeeze(problem)), *simple]
+    for done, (name, closed) in enumerate(forms, len(transient)):
         progress("fit", done, total)
         # laws without a theory are for films that no theory describes to their errors
         if name in POWER and not _misses(min(one.inflation for one in fitted), problem):
@@ -350,19 +330,19 @@ def compare_models(
             failures[name] = str(error)
             continue
         read = closed.read(minimum.value, np.sqrt(np.diag(minimum.covariance)))
-        fitted.append(_Fitted.of(name, problem, minimum, minimum.predicted, read))
+        fitted.append(_weigh(name, problem, minimum, minimum.predicted, read))
     progress("fit", total, total)
 
-    if not fitted:
-        raise ModelError(
-            f"No model of the film could be fitted. {next(iter(failures.values()))} Check load, "
-            "viscosity and radii in run.toml."
-        )
+    fitted.sort(key=lambda one: one.bic)
+    candidates = tuple(replace(one, bic=one.bic - fitted[0].bic) for one in fitted)
     asked = "any guided" in sideways or HELD["guided"] in failures
-    guided = measured.is_position and asked and _stays_on_line(problem, load_line_std)
+    guided = measured.is_position and asked and _stays_on_line(problem)
     std = OIL_STD * journal.viscosity if viscosity_std is None else viscosity_std
     oil = Estimate(journal.viscosity, std, 0.0, np.inf, "Pa s")
-    return replace(_rank(fitted, fits, oil, guided), not_fitted=failures)
+    drifts = _misses(fitted[0].inflation, problem)
+    carrier, verdict = _verdict(candidates, oil, guided=guided, drifts=drifts)
+    best = next((fits[one.name] for one in candidates if one.name in fits), None)
+    return ModelComparison(candidates, verdict, best, carrier, failures)
 
 
 def _misses(inflation: float, problem: Problem) -> bool:
@@ -370,36 +350,14 @@ def _misses(inflation: float, problem: Problem) -> bool:
     return inflation > DRIFTING and problem.measured.value[problem.frames.measured].size >= _MANY
 
 
-def _rank(
-    fitted: Sequence[_Fitted], fits: Mapping[str, MotionFit], oil: Estimate, guided: bool
-) -> ModelComparison:
-    """Order the models by the criterion, and state the verdict for an oil.
-
-    `guided`: a guided pin is possible, and was not fitted.
-    """
-    criteria = [one.unknowns * np.log(one.residual.size) - 2 * one.log_likelihood for one in fitted]
-    order = np.argsort(criteria)
-    candidates = tuple(
-        FilmModel(
-            fitted[k].name,
-            float(criteria[k] - criteria[order[0]]),
-            fitted[k].unknowns,
-            fitted[k].inflation,
-            float(np.sqrt(np.mean(fitted[k].miss ** 2))),
-            fitted[k].estimates,
-        )
-        for k in order
-    )
-    transient = [one.name for one in candidates if one.name in fits]
-    many = fitted[0].residual.size >= _MANY
-    carrier, verdict = _verdict(candidates, oil, guided, many)
-    return ModelComparison(candidates, verdict, fits[transient[0]] if transient else None, carrier)
-
-
 def _verdict(
-    candidates: Sequence[FilmModel], oil: Estimate, guided: bool, many: bool
+    candidates: Sequence[FilmModel], oil: Estimate, *, guided: bool, drifts: bool
 ) -> tuple[str | None, str]:
-    """Name the model that carries the film; the first sentence states it."""
+    """Name the model that carries the film; the first sentence states it.
+
+    `guided`: a guided pin is possible, and was not fitted; `drifts`: the residuals of the best
+    model are too large for chance.
+    """
     best, constant = candidates[0], next((one for one in candidates if one.name == CONSTANT), None)
     if constant is not None and constant.describes and constant.bic <= _WEAK:
         return None, (
@@ -408,38 +366,34 @@ def _verdict(
         )
     if not best.describes:
         closest = min(candidates, key=lambda one: one.inflation)
-        text = f"No model fits: the best, {closest.name}, is off by {closest.inflation:.3g} times "
-        text += "its errors" + ("; a guided pin is left to fit" if guided else "")
-        text += f". It misses the positions by {closest.residual * 1e6:.2g} um. "
-        if guided:
-            text += (
-                "The pin stays on one line, as a guided one: fit it with erlif predict FILM --fit."
-            )
-        else:
-            text += "Check load, clearance and tilt of the joint, and the times of the frames."
-        return None, text
+        left = "; a guided pin is left to fit" if guided else ""
+        cure = (
+            "The pin stays on one line, as a guided one: fit it with erlif predict FILM --fit."
+            if guided
+            else "Check load, clearance and tilt of the joint, and the times of the frames."
+        )
+        return None, (
+            f"No model fits: the best, {closest.name}, is off by {closest.inflation:.3g} times its "
+            f"errors{left}. It misses the positions by {closest.residual * 1e6:.2g} um. {cure}"
+        )
 
     # what is a case of another model is no rival of it
     rivals = [one for one in candidates[1:] if one.name not in POWER]
-    strength = ""
-    if rivals:
-        strength = f" ({next(name for limit, name in _STRENGTHS if rivals[0].bic < limit)})"
-    found, viscosity = best.estimates, best.estimates.get("viscosity")
-    carrier: str | None = best.name
+    strengths = [name for limit, name in _STRENGTHS if rivals and rivals[0].bic < limit]
+    strength = f" ({strengths[0]})" if strengths else ""
+    found = best.estimates
+    carrier = None
     times = f"{found['factor']} times it, which would take " if "factor" in found else ""
     if best.name in POWER:
-        carrier = None
         text = f"The film follows speed over load to the power {found['power']}{strength}"
         text += f", above {found['offset'].times(1e6, 'um')}" if "offset" in found else ""
         text += ", as no theory here has it"
-    elif viscosity is None:
-        text = _CARRIES[best.name] + strength
-    elif abs(viscosity.value - oil.value) <= 2 * np.hypot(viscosity.std, oil.std):
-        text = f"{_CARRIES[best.name]}{strength}: {times}{viscosity}"
+    elif abs(found["viscosity"].value - oil.value) <= 2 * np.hypot(found["viscosity"].std, oil.std):
+        carrier = best.name
+        text = f"{_CARRIES[best.name]}{strength}: {times}{found['viscosity']}"
     else:
-        carrier = None
         text = (
-            f"The shape is that of {best.name}, the viscosity not: {times}{viscosity} "
+            f"The shape is that of {best.name}, the viscosity not: {times}{found['viscosity']} "
             f"([oil]: {oil.value:.3g})"
         )
     text += "."
@@ -447,31 +401,22 @@ def _verdict(
         text += f" Second: {rivals[0].name}, BIC {rivals[0].bic:.3g} higher."
     if "drift" in found:
         text += f" The viscosity changes by {found['drift'].times(100, '%')} within the run."
-    if many and best.inflation > DRIFTING:
-        text += (
-            f" Its residuals are {best.inflation:.3g} times the stated errors: viscosity or "
-            "temperature may drift within the run."
+    if drifts:
+        text += f" Its residuals are {best.inflation:.3g} times their errors: viscosity or "
+        text += "temperature may drift within the run" + (
+            ", or the pin is guided." if guided else "."
         )
-        text += " A guided pin may agree better: erlif predict FILM --fit." if guided else ""
     return carrier, text
 
 
-def _stays_on_line(problem: Problem, load_line_std: float) -> bool:
-    """Whether a guided pin may be behind the positions: its sideways place does not change.
-
-    But for the turn of the load line, which is known to a standard deviation [m].
+def _stays_on_line(problem: Problem) -> bool:
+    """Whether a guided pin may be behind the positions: its sideways place is constant, but for the
+    turn of the load line.
     """
     observed = problem.observations()
     load, side = observed.value.T
-    start = {"rest": float(side.mean())} | ({"load_line": 0.0} if load_line_std > 0 else {})
-    columns = np.stack([np.ones_like(load), load], axis=1)[:, : len(start)]
-    known = np.array([np.inf, load_line_std / problem.orbits.journal.radius])[: len(start)]
-    unknowns = replace(_plain_unknowns(start), expected_std=known)
-    alone = Observations(
-        side[:, np.newaxis], observed.random_cov[:, 1:, 1:], observed.shared[:, 1:]
-    )
-    found = LeastSquares(alone, unknowns, lambda sets: (sets @ columns.T)[..., np.newaxis]).solve()
-    return found.inflation <= DESCRIBED
+    left = side - np.polyval(np.polyfit(load, side, 1), load)
+    return bool(np.sqrt(np.mean(left**2 / observed.random_cov[:, 1, 1])) <= DESCRIBED)
 
 
 class _ClosedForm(NamedTuple):
@@ -533,12 +478,15 @@ def _law(problem: Problem, shape: Array, *more: str, viscous: float = np.nan) ->
     journal = problem.orbits.journal
     distance, direction = _distances(problem)
     film = np.maximum(journal.clearance - distance, 1e-9)
-    size = np.maximum(np.nan_to_num(shape[problem.frames.measured]), 0.0)
+    size = np.abs(np.nan_to_num(shape[problem.frames.measured]))
     top = max(float(size.max()), 1e-300)
     relative = np.log(np.maximum(size / top, 1e-12))
     offset = 0.9 * film.min() if "offset" in more else 0.0
-    begin = {"power": 0.5, "offset": offset / journal.clearance}
-    start = {"factor": float(np.log(max((film - offset).mean() / np.mean(size / top), 1e-9)))}
+    power, factor = 1.0, np.log(film.mean() / max(np.mean(size / top), 1e-12))
+    if "power" in more:
+        power, factor = np.polyfit(relative, np.log(film - offset), 1, w=film - offset)
+    begin = {"power": max(power, 0.1), "offset": offset / journal.clearance}
+    start = {"factor": float(factor)}
     start |= {name: begin[name] for name in more} | direction
 
     def predict(sets: Array) -> Array:

@@ -218,6 +218,10 @@ class LeastSquares:
         axes, sizes, _ = np.linalg.svd(self.columns, full_matrices=False)
         self.axes, self.spread = axes, sizes**2
         self.known = np.isfinite(unknowns.expected_std)
+        # the factors of which the likeliest is taken, squared, and what they make of the variances
+        self.square = np.exp(np.linspace(0.0, _LARGEST_LOG, _INFLATIONS))[:, np.newaxis]
+        self.variances = self.square + self.spread
+        self.logarithms = np.log(self.variances)
 
     def misses(self, sets: Array) -> Array:
         """Whitened differences of the observations from each set of unknowns."""
@@ -335,10 +339,10 @@ class LeastSquares:
         rest = max(float(miss @ miss - along @ along), 0.0)
 
         # the likelihood with the shared errors integrated out, over the factor squared
-        square = np.exp(np.linspace(0.0, _LARGEST_LOG, _INFLATIONS))[:, np.newaxis]
-        unlikely = (along**2 / (square + self.spread) + np.log(square + self.spread)).sum(axis=1)
-        unlikely += rest / square[:, 0] + freedom * np.log(square[:, 0])
-        return float(np.sqrt(square[int(np.argmin(unlikely)), 0]))
+        square = self.square[:, 0]
+        unlikely = (along**2 / self.variances + self.logarithms).sum(axis=1)
+        unlikely += rest / square + freedom * np.log(square)
+        return float(np.sqrt(square[int(np.argmin(unlikely))]))
 
     def _minimum(self, value: Array, miss: Array, jacobian: Array) -> Minimum:
         """The result at a set of unknowns."""

@@ -23,7 +23,8 @@ from erlif.models.reynolds import Journal
 from erlif.prediction import MeasuredMotion, compare_models, fit_motion, measured_minima
 
 LONG = Journal(0.03336, 0.03359, length=0.237, viscosity=0.12, long=True)
-SWEPT = np.abs(np.asarray(RIG.rocker_speed(CRANK[STEPS], crank_speed=SPEED)))
+SPEEDS = np.asarray(RIG.rocker_speed(CRANK[STEPS], crank_speed=SPEED))
+SWEPT = np.abs(SPEEDS)
 STEADY = {"film_theory": 52e-6 * SWEPT, "film_hamrock_dowson": 1e-6 * SWEPT**0.7}
 START = 205e-6, 20e-6
 
@@ -149,7 +150,7 @@ def test_power_law_of_the_speed_is_told_from_the_formulas():
     """Of 4 um + 8 um (v/top)^0.4; the prefactor and the exponent of no formula."""
     film = 4e-6 + 8e-6 * (SWEPT / SWEPT.max()) ** 0.4
     orbit = np.stack([STATED.clearance - film, 0 * film], axis=1)
-    found = compare(measure(orbit, 5), STATED, steady=STEADY, drive=SWEPT, sideways=["free"])
+    found = compare(measure(orbit, 5), STATED, steady=STEADY, drive=SPEEDS, sideways=["free"])
     assert found.carrier is None
     assert found.verdict.startswith("The film follows speed over load to the power 0.")
     power, offset = (found.candidates[0].estimates[name] for name in ("power", "offset"))

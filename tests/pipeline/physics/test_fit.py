@@ -9,7 +9,8 @@ import pytest
 
 import erlif
 from erlif.core.errors import ErlifError
-from erlif.pipeline.physics.fit import fit_film
+from erlif.pipeline.physics.fit import fit_film, state_physics
+from erlif.pipeline.physics.predict import read_film
 from erlif.prediction import compare_models
 from erlif.rig import RigSettings, simulate
 from erlif.show.report import summarise
@@ -106,6 +107,22 @@ def test_film_states_in_one_line_which_physics_carries_it(sinking):
         assert str(film.attrs["physics"]) in lines[0]
     assert "Squeeze carries the film of a pin that is free sideways" in lines[0]
     assert "strong" in lines[0]
+
+
+def test_a_tilt_that_moves_is_part_of_the_verdict(sinking):
+    """A range of 2 a, of a sine; the errors of the tilt alone are no motion."""
+    source = read_film(sinking / "film.nc")
+    with erlif.open_film(sinking / "film.nc") as film:
+        kept = film.load()
+    assert "rocks" not in str(kept.attrs["physics"])
+    tilt = kept.pin_tilt.values.copy()
+    tilt[:, 0] += 0.08 * np.sin(np.arange(len(tilt)) * 2 * np.pi / len(tilt) + np.pi / 4)
+    rocking = kept.assign(pin_tilt=(kept.pin_tilt.dims, tilt))
+    text = state_physics(rocking, source.settings, source.frames)
+    said = re.match(
+        r"The pin rocks by (\S+) nm/mm, which no model has; in its middle squeeze", text
+    )
+    npt.assert_allclose(float(said[1]), np.ptp(1e3 * tilt[:, 0]), rtol=0.05)
 
 
 def test_minima_determine_the_viscosity_where_positions_are_absent(sinking, tmp_path):
