@@ -128,7 +128,10 @@ VARIABLE_ATTRIBUTES = (
     ),
     Attribute("flag_masks", "Of flags: the bits."),
     Attribute("flag_meanings", "Of flags: the names of the bits."),
-    Attribute("clearance", "Of displacement and tilt: radial clearance of the joint, of a bore that is not straight the least [um]."),
+    Attribute(
+        "clearance",
+        "Of displacement and tilt: radial clearance of the joint, the least along its axis [um].",
+    ),
     Attribute(
         "load_line", "Of displacement and tilt: load line along sliding [mm]; also of the attitude."
     ),
