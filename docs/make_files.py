@@ -145,8 +145,7 @@ VARIABLE_ATTRIBUTES = (
     ),
     Attribute(
         "clearance",
-        "Of displacement and tilt: radial clearance of the joint, of a bore that is not straight "
-        "the least [um].",
+        "Of displacement and tilt: radial clearance of the joint, the least along its axis [um].",
     ),
     Attribute(
         "load_line", "Of displacement and tilt: load line along sliding [mm]; also of the attitude."

@@ -34,9 +34,9 @@ class AxialShape:
     height: Array
     pitch: float
 
-    def at(self, place: Array) -> Array:
+    def at(self, place: Array | float) -> Array:
         """Height at places along the axis from the first pixel [mm]. [um]"""
-        return np.interp(place, self.place, self.height)
+        return np.asarray(np.interp(place, self.place, self.height))
 
     def within(self, pixels: slice, position: Array) -> Array:
         """Height at positions from -1 to 1 over some pixels along the axis. [um]

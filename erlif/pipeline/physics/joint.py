@@ -216,7 +216,8 @@ def foundation_of(joint: JointSettings) -> float | None:
     """Pressure over deflection of the liner, as a thin layer that cannot spread. [Pa/m]"""
     if (liner := joint.liner) is None:
         return None
-    return winkler_modulus(liner.youngs_modulus, poisson=liner.poissons_ratio) / liner.thickness
+    modulus = winkler_modulus(liner.youngs_modulus, poisson=liner.poissons_ratio)
+    return float(modulus) / liner.thickness
 
 
 def departure(settings: RunSettings) -> str:
