@@ -34,7 +34,7 @@ _LABELS = {
 # of a Stribeck curve, by its variable: label of the axis, its unit and its scale
 _STRIBECK = {
     "hersey_number": ("Hersey number, ηvL/F [10⁻⁶]", 1e6, "log"),
-    "film_parameter": ("film parameter, Λ", 1.0, "linear"),
+    "film_parameter": ("film parameter, Λ [1]", 1.0, "linear"),
 }
 
 _TALL = 0.52  # height by width
@@ -303,7 +303,7 @@ def stribeck_curve(
     'Hersey number, ηvL/F [10⁻⁶]'
     """
     label, unit, scale = _STRIBECK[against]
-    ax.set(xscale=scale, yscale="log", xlabel=label, ylabel="friction coefficient")
+    ax.set(xscale=scale, yscale="log", xlabel=label, ylabel="friction coefficient [1]")
     x, value = unit * film[against].values, film.friction_coefficient.values
     drawable = (x > 0) & (value > 0)  # the scales are logarithmic
     std = film.friction_coefficient_std.values
@@ -338,7 +338,7 @@ def stribeck_figure(film: xr.Dataset, *, figure: AnyFigure | None = None) -> Any
     >>> names = "hersey_number", "friction_coefficient", "friction_coefficient_std"
     >>> figure = stribeck_figure(film.assign(dict.fromkeys(names, number)))
     >>> [ax.get_xlabel() for ax in figure.axes]
-    ['Hersey number, ηvL/F [10⁻⁶]', 'film parameter, Λ']
+    ['Hersey number, ηvL/F [10⁻⁶]', 'film parameter, Λ [1]']
     """
     drawings = [partial(stribeck_curve, against=name) for name in _STRIBECK if name in film]
     return _draw_beside(drawings, film, figure)
