@@ -38,7 +38,7 @@ _TALL, _TWO_ROWS = 0.52, 1.6  # height by width of one row of panels, and two ro
 # of a Stribeck curve, by its variable: label of the axis, its unit and its scale
 _STRIBECK = {
     "hersey_number": ("Hersey number, ηvL/F [10⁻⁶]", 1e6, "log"),
-    "film_parameter": ("film parameter, Λ", 1.0, "linear"),
+    "film_parameter": ("film parameter, Λ [1]", 1.0, "linear"),
 }
 _MILLI = 1e3  # speed over load is drawn in thousandths
 _DASHES = (0, (3, 1.5))
@@ -307,7 +307,7 @@ def stribeck_curve(
     'Hersey number, ηvL/F [10⁻⁶]'
     """
     label, unit, scale = _STRIBECK[against]
-    ax.set(xscale=scale, yscale="log", xlabel=label, ylabel="friction coefficient")
+    ax.set(xscale=scale, yscale="log", xlabel=label, ylabel="friction coefficient [1]")
     x, value = unit * film[against].values, film.friction_coefficient.values
     drawable = (x > 0) & (value > 0)  # the scales are logarithmic
     std = film.friction_coefficient_std.values
@@ -342,7 +342,7 @@ def stribeck_figure(film: xr.Dataset, *, figure: AnyFigure | None = None) -> Any
     >>> names = "hersey_number", "friction_coefficient", "friction_coefficient_std"
     >>> figure = stribeck_figure(film.assign(dict.fromkeys(names, number)))
     >>> [ax.get_xlabel() for ax in figure.axes]
-    ['Hersey number, ηvL/F [10⁻⁶]', 'film parameter, Λ']
+    ['Hersey number, ηvL/F [10⁻⁶]', 'film parameter, Λ [1]']
     """
     drawings = [partial(stribeck_curve, against=name) for name in _STRIBECK if name in film]
     return _draw_beside(drawings, film, figure)
