@@ -13,6 +13,7 @@ import numpy.typing as npt
 from erlif.core.arrays import Array
 from erlif.core.errors import ModelError
 from erlif.core.progress import Progress, silent
+from erlif.models.film import HAMROCK_DOWSON_LINE
 from erlif.models.reynolds import Journal
 from erlif.prediction.fit import LOAD_LINE_STD, Estimate, MotionFit, fit_motion
 from erlif.prediction.given import GivenErrors
@@ -29,7 +30,7 @@ from erlif.prediction.problem import FrameSteps, Problem
 
 # Steady formulas, by the variables of a film that hold them.
 STEADY = {
-    "film_hamrock_dowson": "the steady line-contact formula",
+    "film_hamrock_dowson": HAMROCK_DOWSON_LINE,
     "film_theory": "the steady film of the regime map",
 }
 
@@ -77,7 +78,7 @@ _CARRIES = {
     HELD["free"]: "Squeeze carries the film of a pin that is free sideways",
     HELD["guided"]: "The swing carries the film of a guided pin: cavities rectify its wedge",
     HELD["spring"]: "Squeeze and swing carry the film of a pin on a sideways spring",
-    STEADY["film_hamrock_dowson"]: "The film follows the steady line-contact formula",
+    STEADY["film_hamrock_dowson"]: f"The film follows {HAMROCK_DOWSON_LINE}",
     STEADY["film_theory"]: "The film follows the steady formula of the regime map",
 }
 

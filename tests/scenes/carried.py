@@ -124,10 +124,10 @@ def stick_slip(rng):
 
 GUIDED = ("free", "guided")
 KINDS = {
-    "formula": Kind(formula, "The film follows the steady line-contact formula"),
+    "formula": Kind(formula, "The film follows Hamrock-Dowson, line contact (2.65)"),
     "formula x 5": Kind(
         lambda rng: formula(rng, 5.03),
-        "The shape is that of the steady line-contact formula, the viscosity not",
+        "The shape is that of Hamrock-Dowson, line contact (2.65), the viscosity not",
     ),
     "power": Kind(power, "The film follows speed over load to the power"),
     "power above an offset": Kind(

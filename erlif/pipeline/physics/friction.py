@@ -13,7 +13,7 @@ from erlif.core.notes import Note, remark
 from erlif.models.shear import shear_heating
 from erlif.pipeline.engines.results import TriggerResult
 from erlif.pipeline.physics.fit import given_errors, reading_error
-from erlif.pipeline.physics.joint import describe_viscosity
+from erlif.pipeline.physics.joint import departure, describe_viscosity
 from erlif.pipeline.physics.prediction import build_journal
 from erlif.pipeline.plane import ObjectPlane
 from erlif.prediction import find_drag, find_friction
@@ -64,6 +64,9 @@ def describe_friction(
 
     if settings.joint is None or not {"pin_displacement", "joint_load"} <= set(film):
         return found, []
+    if shaped := departure(settings):
+        text = f"not of the whole joint, which is taken as a round rigid bore: {shaped}"
+        return found, [remark("friction", text)]
     moved = next((film[name].values for name in ("rocker_speed", "stroke") if name in film), 1.0)
     whole = find_friction(
         film,

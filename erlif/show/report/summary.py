@@ -12,7 +12,13 @@ from erlif.core.arrays import Array
 from erlif.core.flags import Flag, describe_share
 from erlif.core.notes import Level, rank_notes, split_notes
 from erlif.core.units import count_of
-from erlif.io.files import applicable_theory, flag_shares, formula_label, takes
+from erlif.io.files import (
+    applicable_theory,
+    fastest_trigger,
+    flag_shares,
+    formula_label,
+    takes,
+)
 from erlif.show.report.agreement import (
     describe_correlations,
     describe_delay,
@@ -20,7 +26,7 @@ from erlif.show.report.agreement import (
     describe_following,
     describe_other_factors,
 )
-from erlif.show.report.layout import TABLES, print_columns, print_rows
+from erlif.show.report.layout import TABLES, decimals, print_columns, print_rows
 from erlif.show.report.prediction import describe_difference
 from erlif.trend import LEAST_TRIGGERS
 
@@ -200,6 +206,7 @@ def describe_film(film: xr.Dataset, shares: Array) -> dict[str, str]:
         "film over Hamrock-Dowson": describe_factor(film),
         "film over other theory": describe_other_factors(film),
         "correlation with the speed": describe_correlations(film),
+        "friction at the top speed": _describe_friction(film),
         "what carries the film": str(film.attrs.get("physics", "")),
         "notes": noted,
     }
@@ -329,6 +336,18 @@ def _describe_theory(film: xr.Dataset) -> str:
         f"{load:.0f} N); {formula_label(film)}: {formula:.3g} um\n"
         f"{theory.attrs['reason']}"
     )
+
+
+def _describe_friction(film: xr.Dataset) -> str:
+    """Friction torque and coefficient of the film of the whole joint, and of the logged torque."""
+    if "friction_torque" not in film:
+        return ""
+    top = film.isel(trigger=fastest_trigger(film))
+    torque, std = float(top.friction_torque), float(top.friction_torque_std)
+    digits = decimals(std, 2)
+    text = f"{torque:.{digits}f} ± {std:.{digits}f} N m, coefficient {top.friction_coefficient:.3g}"
+    rest = top.get("torque_not_film")
+    return text if rest is None else f"{text}; logged {float(torque + rest):.{digits}f} N m"
 
 
 def describe_calibration(calibration: Calibration, *, brief: bool = False) -> str:

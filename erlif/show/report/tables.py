@@ -14,7 +14,6 @@ from erlif.core.flags import FLAG_COLOURS, Flag, describe_share
 from erlif.io.conversion import table_csv, trigger_columns
 from erlif.io.files import (
     applicable_theory,
-    fastest_trigger,
     formula_label,
     motion_of,
     settings_of,
@@ -80,12 +79,6 @@ def results_table(film: xr.Dataset, shares: Array) -> PageTable:
         rows.append(("Sliding speed", f"{with_span(1e3 * film.sliding_speed.values)} mm/s"))
     if "joint_load" in film:
         rows.append(("Load", f"{with_span(film['joint_load'].values)} N"))
-
-    if "friction_torque" in film:
-        top = film.isel(trigger=fastest_trigger(film))
-        torque = with_error(float(top.friction_torque), float(top.friction_torque_std))
-        coefficient = f"coefficient {float(top.friction_coefficient):.3g}"
-        rows.append(("Friction of the film at top speed", f"{torque} N m, {coefficient}"))
 
     return PageTable(rows, caption="Results (± is one standard deviation, random and shared)")
 
