@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import xarray as xr
 
 from erlif.core.tables import read_table
-from erlif.io.files import formula_label, settings_of
+from erlif.io.files import settings_of
 from erlif.show.plots.triggers import has_varying_speed
 
 
@@ -50,9 +50,6 @@ def caption_of(name: str, film: xr.Dataset) -> Caption:
     """
     # a caption names what the figure of this film shows, and nothing that it lacks
     caption, settings = CAPTIONS[name], settings_of(film)
-    if name == "film_and_prediction" and "film_theory" in film:
-        comment = str(film["film_theory"].attrs.get("comment", ""))
-        return replace(caption, text=f"{caption.text} {_explain_steady(film, comment)}".rstrip())
     if name == "thickness_map" and settings.joint is None:
         return CAPTIONS["thickness_map_without_joint"]
     if name == "film_against_speed" and "film_theory" not in film:
@@ -80,15 +77,3 @@ def caption_of(name: str, film: xr.Dataset) -> Caption:
         )
         return replace(caption, title="Film thickness over the run", text=text)
     return caption
-
-
-def _explain_steady(film: xr.Dataset, comment: str) -> str:
-    """Films by the steady formulas, and why they do not describe the joint."""
-    reason = comment.removeprefix("steady formula, for reference: ")
-    if not reason:
-        return ""
-    steady, formula = (float(film[name].max()) for name in ("film_theory", "film_hamrock_dowson"))
-    return (
-        f"At the highest speed the steady regime map gives {steady:.3g} µm and "
-        f"{formula_label(film)} {formula:.3g} µm; they stand for reference, as {reason}."
-    )

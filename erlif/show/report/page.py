@@ -37,7 +37,8 @@ _LESS = 0.97  # of the room that was exceeded, in another attempt
 # figures of the result, before those of the method
 _FIRST = (
     *("film_over_cycle", "thickness_map", "film_against_speed", "film_and_prediction"),
-    *("prediction_map", "pin_orbit", "stribeck", "map_sheet", "map_sheet_less_gap"),
+    *("film_along_axis", "prediction_map", "pin_orbit", "stribeck", "map_sheet"),
+    "map_sheet_less_gap",
 )
 _OF_IMAGES = ("processed_images", "ratio_image")
 _OF_ONE_TRIGGER = (*_OF_IMAGES, "thickness_map", "film_along_axis", "prediction_map")
@@ -231,7 +232,8 @@ def figures_section(
         Bytes that all figures may take; the largest are left out until the others fit.
     """
     parts, missing = [], []
-    for done, name in enumerate(sorted(figures_of(source.film), key=[*_FIRST, *DRAWN].index)):
+    names = [name for name in DRAWN if name in figures_of(source.film)]
+    for done, name in enumerate(sorted(names, key=[*_FIRST, *DRAWN].index)):
         progress("figures", done, len(DRAWN))
         caption = caption_of(name, source.film)
         reason = reason_missing(name, source)

@@ -9,8 +9,6 @@ import numpy as np
 import xarray as xr
 
 from erlif.core.arrays import Array
-from erlif.io.files import settings_of
-from erlif.pipeline.physics.prediction import describe_sideways
 from erlif.prediction import Estimate, ModelComparison
 from erlif.prediction.comparison import DESCRIBED
 from erlif.show.report.layout import TABLES, print_rows
@@ -35,27 +33,6 @@ def _start_is_fitted(film: xr.Dataset) -> bool:
     """Whether the start film was fitted to the measured minima."""
     attrs = {**film.attrs, **film["film_predicted_min"].attrs}
     return bool(attrs.get("start_film_fitted", 0))
-
-
-def carrying_sentences(film: xr.Dataset) -> list[str]:
-    """Describe the assumed mount of the pin, the agreement of the film, and how to test it."""
-    if "film_predicted_min" not in film:
-        return []
-    options = settings_of(film).prediction
-    lines = [
-        f"Assumed: {describe_sideways(options)} ([prediction]).",
-        TABLES["carried"].get(str(options.sideways), TABLES["carried"]["held"]),
-    ]
-    off = _differences(film)
-    if off.size:
-        mean, rms = f"{off.mean():+.2g}".replace("-", "−"), np.sqrt(np.mean(off**2))
-        level = "with a fitted start film" if _start_is_fitted(film) else f"mean {mean} µm"
-        lines.append(f"Measured less predicted minimum film: {level}, rms {rms:.2g} µm.")
-    lines.append(
-        "erlif predict FILM --fit compares a free with a guided pin by the measured positions and "
-        "fits the viscosity."
-    )
-    return lines
 
 
 def _differences(film: xr.Dataset) -> Array:

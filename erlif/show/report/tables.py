@@ -28,7 +28,6 @@ from erlif.show.report.layout import (
     print_units,
     render,
 )
-from erlif.show.report.prediction import carrying_sentences
 from erlif.show.report.summary import describe_film
 
 _UNKNOWN = "not known"
@@ -87,10 +86,9 @@ def theory_sentences(film: xr.Dataset) -> dict[str, list[str]]:
     """Limits of the theory and what carries the film: sentences, too long for a cell."""
     theory = applicable_theory(film)
     attrs = {} if theory is None else theory.attrs
-    carried = [str(film.attrs.get("physics", "")), *carrying_sentences(film)]
     return {
         "limits": [note for note in str(attrs.get("notes", "")).split("\n") if note],
-        "carried": [sentence for sentence in carried if sentence],
+        "carried": [str(film.attrs["physics"])] if film.attrs.get("physics") else [],
     }
 
 

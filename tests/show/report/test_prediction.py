@@ -4,14 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 import xarray as xr
-from scenes import film as scene
 
 from erlif.core.notes import warn
 from erlif.prediction import Estimate, FilmModel, ModelComparison, MotionFit
 from erlif.prediction.least_squares import Minimum
-from erlif.show.report import summarise_prediction
 from erlif.show.report.prediction import (
-    carrying_sentences,
     describe_correlation,
     describe_difference,
     summarise_comparison,
@@ -37,44 +34,12 @@ def test_correlations_are_those_with_the_size_of_the_speed():
     assert describe_correlation(film.drop_vars("rocker_speed")) == ""
 
 
-def held(sideways):
-    """Settings of a joint whose pin is held so."""
-    table = f"[prediction]\nsideways = {sideways}\n[joint]"
-    return scene.RUN_TOML.replace("[joint]", table, 1)
-
-
-def test_what_carries_the_film_is_stated_as_an_assumption():
+def test_the_difference_has_no_mean_where_the_start_is_fitted():
     film = films(film_min=[3.0, np.nan, 1.0], film_predicted_min=[2.0, 2.0, 4.0])
     assert describe_difference(film) == "rms 2.24 um, start film fitted"
     given = film.assign_attrs(start_film_fitted=0)
     assert describe_difference(given) == "mean -1 um, rms 2.24 um"
     assert describe_difference(film.drop_vars("film_min")) == ""
-    for sideways, assumed, words in (
-        ('"free"', "pin free sideways", "squeeze carries the film, and the pin sinks"),
-        ('"guided"', "pin guided", "cavities form in the widening part of the gap"),
-        ('"12 N/mm"', "pin held sideways by 12 N/mm", "between that of a free pin"),
-    ):
-        sentences = carrying_sentences(given.assign_attrs(settings=held(sideways)))
-        assert sentences[0] == f"Assumed: {assumed} ([prediction])."
-        assert words in sentences[1]
-        # +1 and -3 um: sqrt((1 + 9)/2) = 2.24
-        assert sentences[2].endswith("mean −1 µm, rms 2.2 µm.")
-        assert "erlif predict FILM --fit" in sentences[3]
-    fitted = carrying_sentences(film.assign_attrs(settings=held('"free"')))
-    assert fitted[2].endswith("with a fitted start film, rms 2.2 µm.")
-    assert carrying_sentences(film.drop_vars("film_predicted_min")) == []
-
-
-def test_a_pin_that_is_held_otherwise_is_a_warning_of_the_prediction():
-    film = films(
-        film_min=[16.0, 18.0, 16.0, 18.0],
-        film_min_std=[0.04] * 4,
-        film_predicted_min=[17.2, 17.1, 17.0, 16.9],
-    )
-    text = summarise_prediction(film.assign_attrs(settings=held('"free"')))
-    assert "warning: theory: the course of the minimum film" in text
-    near = film.assign(film_min=film.film_predicted_min + 0.5)
-    assert "warning" not in summarise_prediction(near.assign_attrs(settings=held('"free"')))
 
 
 def comparison(viscosity, inflation=1.0):

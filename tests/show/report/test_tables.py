@@ -62,10 +62,11 @@ def test_results_are_rows_of_the_summary_and_stand_against_theory(film):
 
     # sentences that are too long for a cell
     noted = film.film_predicted_min.assign_attrs(notes="fitted to the minima\nrigid bodies")
-    sentences = theory_sentences(film.assign(film_predicted_min=noted))
+    carried = film.assign_attrs(physics="Squeeze carries the film.")
+    sentences = theory_sentences(carried.assign(film_predicted_min=noted))
     assert sentences["limits"] == ["fitted to the minima", "rigid bodies"]
-    assert sentences["carried"][0].startswith("Assumed: pin free sideways")
-    assert theory_sentences(film.drop_vars("film_predicted_min"))["carried"] == []
+    assert sentences["carried"] == ["Squeeze carries the film."]
+    assert theory_sentences(film)["carried"] == []
 
 
 def test_the_largest_error_of_the_film_is_among_the_results(film):
