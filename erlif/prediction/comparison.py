@@ -384,7 +384,7 @@ def _verdict(
     strength = f" ({strengths[0]})" if strengths else ""
     found = best.estimates
     carrier = None
-    times = f"{found['factor']} times it, which would take " if "factor" in found else ""
+    times = f"{found['factor']} times it, " if "factor" in found else ""
     if best.name in POWER:
         text = f"The film follows speed over load to the power {found['power']}{strength}"
         text += f", above {found['offset'].times(1e6, 'um')}" if "offset" in found else ""
@@ -394,8 +394,8 @@ def _verdict(
         text = f"{_CARRIES[best.name]}{strength}: {times}{found['viscosity']}"
     else:
         text = (
-            f"The shape is that of {best.name}, the viscosity not: {times}{found['viscosity']} "
-            f"([oil]: {oil.value:.3g})"
+            f"The shape is that of {best.name}, the viscosity not: {times}{found['viscosity']}, "
+            f"[oil] {oil.value:.3g}"
         )
     text += "."
     if rivals:

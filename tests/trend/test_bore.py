@@ -57,14 +57,15 @@ def test_minimum_over_a_lobe_is_that_of_the_map(truth):
     """Without a tilt to the side: a twist is no part of the smooth gap, and leaves its error."""
     film = film_of((*truth[:3], 0.0))
     found = minimum(exact_ratios(film))
-    npt.assert_allclose(found.value, film.min(), atol=4e-3)
+    npt.assert_allclose(found.minimum.value, film.min(), atol=4e-3)
+    npt.assert_allclose(found.mean.value, film.mean(), atol=4e-3)
     row = np.unravel_index(film.argmin(), film.shape)[0]
     assert abs(found.place[1] - row) <= 2
 
 
 def test_a_straight_gap_does_not_describe_a_lobe():
     found = minimum(exact_ratios(film_of(POSITIONS[0])), bore=None)
-    assert np.isnan(found.value)
+    assert np.isnan(found.minimum.value)
     assert found.misfit > MISFIT
 
 
@@ -80,7 +81,7 @@ def test_position_of_a_pin_in_a_lobed_bore_comes_back(truth):
 def test_image_with_x_and_y_exchanged_gives_the_same_film():
     ratios = noisy_ratios(film_of(POSITIONS[1]), 0.01, np.random.default_rng(6))
     turned = minimum(exchange_axes(ratios), region=TURNED, along_x=False)
-    npt.assert_allclose(turned.value, minimum(ratios).value, rtol=1e-6)
+    npt.assert_allclose(turned.minimum.value, minimum(ratios).minimum.value, rtol=1e-6)
 
 
 def test_error_bars_cover_film_and_position_over_marked_lobes():
@@ -97,9 +98,8 @@ def test_error_bars_cover_film_and_position_over_marked_lobes():
         fitted = known_calibration().parameters + root @ rng.standard_normal(3)
         calibration, ratios = known_calibration(*fitted), noisy_ratios(film, 0.0135, rng)
         lowest = minimum(ratios, calibration=calibration)
-        shared = lowest.gradient @ covariance @ lowest.gradient
-        std = np.sqrt(lowest.random_std**2 + lowest.surface_std**2 + shared)
+        std = lowest.minimum.std(covariance)
         found = find_pin_position(ratios, calibration, region=WHOLE, view=LOBED)
         error = (found.value - truth * ON_THE_BORE) / np.sqrt(np.diag(found.covariance(covariance)))
-        pulls.append([(lowest.value - smooth.min()) / std, *error])
+        pulls.append([(lowest.minimum.value - smooth.min()) / std, *error])
     assert_covers(pulls)
