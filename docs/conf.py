@@ -149,7 +149,7 @@ NAVIGATION = {
         "endurance",
         "Bibliography </bibliography>",
     ),
-    "theory/film": ("Which theory? <which>", "slider_crank"),
+    "theory/film": ("Film and speed </speed>", "Which theory? <which>", "slider_crank"),
     "theory/reynolds": ("position", "fit", "pressure", "friction"),
     "develop": (
         "API <api/index>",
