@@ -208,7 +208,7 @@ def _numbers_section(source: FigureSource, shares: Array) -> Markup:
     return layout.render(
         "numbers.html",
         results=tables.results_table(film, shares),
-        **tables.theory_sentences(film),
+        limits=tables.theory_limits(film),
         calibration=tables.calibration_table(source),
         registration=tables.registration_table(
             source.group("registration"), source.group("frames")

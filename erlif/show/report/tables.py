@@ -14,7 +14,6 @@ from erlif.core.flags import FLAG_COLOURS, Flag, describe_share
 from erlif.io.conversion import table_csv, trigger_columns
 from erlif.io.files import (
     applicable_theory,
-    formula_label,
     motion_of,
     settings_of,
 )
@@ -58,6 +57,10 @@ def with_digits(value: float, digits: int) -> str:
     return f"{value:.{digits}f}".replace("-", "−") if math.isfinite(value) else _UNKNOWN
 
 
+# Rows of the summary that other parts of the page hold.
+_ELSEWHERE = ("warnings", "notes", "flagged pixels")
+
+
 def results_table(film: xr.Dataset, shares: Array) -> PageTable:
     """Make the table of the results; `shares` as `erlif.io.files.flag_shares` returns them."""
     # the same words as on the terminal, with the signs of print
@@ -66,11 +69,10 @@ def results_table(film: xr.Dataset, shares: Array) -> PageTable:
         ("Triggers, frame pairs", f"{film.sizes['trigger']}, {int(film.frames_used.sum())}"),
         ("Image", f"{film.sizes['x']} × {film.sizes['y']} pixels"),
         *(
-            (title.capitalize(), print_units(described[title].replace(" -", " −")))
-            for title in TABLES["summary"]["results"]
-            if title in described
+            (f"{title[:1].upper()}{title[1:]}", print_units(text.replace(" -", " −")))
+            for title, text in described.items()
+            if title not in _ELSEWHERE
         ),
-        *_theory_rows(film),
     ]
     if "film_parameter" in film:
         rows.append(("Film parameter Λ", with_span(film.film_parameter.values)))
@@ -82,37 +84,11 @@ def results_table(film: xr.Dataset, shares: Array) -> PageTable:
     return PageTable(rows, caption="Results (± is one standard deviation, random and shared)")
 
 
-def theory_sentences(film: xr.Dataset) -> dict[str, list[str]]:
-    """Limits of the theory and what carries the film: sentences, too long for a cell."""
+def theory_limits(film: xr.Dataset) -> list[str]:
+    """Limits of the theory: sentences, too long for a cell."""
     theory = applicable_theory(film)
-    attrs = {} if theory is None else theory.attrs
-    return {
-        "limits": [note for note in str(attrs.get("notes", "")).split("\n") if note],
-        "carried": [str(film.attrs["physics"])] if film.attrs.get("physics") else [],
-    }
-
-
-def _theory_rows(film: xr.Dataset) -> list[tuple[str, str]]:
-    """Predicted films, and the measured minimum relative to them."""
-    theory = applicable_theory(film)
-    if theory is None or "film_theory" not in film:
-        return []
-    share = film.film_min.values / theory.values
-    known = share[np.isfinite(share)]
-    median = f"{float(np.median(known)):.2g} (median)" if known.size else _UNKNOWN
-    span = f"{with_span(theory.values)} µm; measured minimum over theory: {median}"
-    steady = []
-    if "film_predicted_min" in film:
-        regime = film.film_theory.attrs.get("regime", "")
-        text = f"{with_span(film.film_theory.values)} µm, {regime}"
-        steady = [("Regime map for steady motion", text)]
-    return [
-        ("Theory", str(theory.attrs.get("long_name", ""))),
-        ("Range of the theory", span),
-        ("Reason for this theory", str(theory.attrs.get("reason", ""))),
-        *steady,
-        (formula_label(film), f"{with_span(film.film_hamrock_dowson.values)} µm"),
-    ]
+    notes = "" if theory is None else str(theory.attrs.get("notes", ""))
+    return [note for note in notes.split("\n") if note]
 
 
 def calibration_table(source: FigureSource) -> PageTable:
