@@ -1,4 +1,3 @@
-from .agreement import film_over_theory as film_over_theory
 from .bore import film_along_axis as film_along_axis
 from .calibration import calibration_figure as calibration_figure
 from .calibration import fixture_profile as fixture_profile
@@ -63,6 +62,7 @@ from .sheet import map_sheet_figure as map_sheet_figure
 from .style import save_figure as save_figure
 from .trend import film_against_speed as film_against_speed
 from .trend import film_and_theory as film_and_theory
+from .trend import film_over_theory as film_over_theory
 from .trend import speed_figure as speed_figure
 from .trend import stribeck_curve as stribeck_curve
 from .trend import stribeck_figure as stribeck_figure

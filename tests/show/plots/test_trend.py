@@ -8,7 +8,9 @@ from scenes import film as scene
 from scenes.pictures import labels_of
 
 from erlif.show import plots
+from erlif.show.plots import film_over_theory
 from erlif.show.plots.style import MUTED
+from erlif.show.plots.trend import has_ratio
 
 SPEED_OVER_LOAD = 1e3 * np.abs(scene.rocker_speed(scene.CRANK)) / scene.LOAD
 
@@ -141,3 +143,31 @@ def test_friction_that_no_trigger_has_is_stated(film):
 def test_film_parameter_has_a_panel_where_it_is_known(film):
     known, bare = (with_friction(one) for one in (film, film.drop_vars("film_parameter")))
     assert [len(plots.stribeck_figure(one).axes) for one in (known, bare)] == [2, 1]
+
+
+@pytest.fixture
+def ratios(film):
+    """The ratio to the regime map, without its first trigger, and no other."""
+    values = np.linspace(0.4, 0.6, film.sizes["trigger"])
+    values[0] = np.nan
+    return film.assign(
+        film_over_theory=("trigger", values, {"factor": 0.5}),
+        film_over_theory_std=("trigger", 0.1 * values),
+        film_over_predicted=("trigger", values * np.nan, {"factor": np.nan}),
+        film_over_predicted_std=("trigger", values * np.nan),
+    )
+
+
+def test_points_and_median_are_those_of_the_film(ratios):
+    points = film_over_theory(ratios)
+    drawn = np.sort(np.concatenate([one.get_ydata() for one in points]))
+    npt.assert_allclose(drawn, ratios.film_over_theory.values[1:])
+    ax = points[0].axes
+    assert ax.get_legend().get_texts()[0].get_text() == "over regime map: 0.5"
+    assert len(ax.get_legend().get_texts()) == 1
+
+
+def test_a_film_without_a_ratio_has_no_panel(film, ratios):
+    assert has_ratio(ratios)
+    assert not has_ratio(film)
+    assert not has_ratio(ratios.assign(film_over_theory=ratios.film_over_theory * np.nan))
