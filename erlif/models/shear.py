@@ -39,6 +39,7 @@ def journal_shear_torque(
     --------
     The joint of Farzaneh (2002) at its top speed, centred and at a film of 6 um:
 
+    >>> from erlif.models.reynolds import Journal
     >>> joint = Journal(0.03336, 0.03359, length=0.237, viscosity=0.12)
     >>> journal_shear_torque([0.0, 0.974], joint, viscosity=0.12, speed=0.0842).round(4)
     array([0.0733, 0.3236])

@@ -203,6 +203,21 @@ def follow_film_law(rig: RigSettings, speed: Array, load: Array) -> Array:
 # gap
 
 
+def bore_height(rig: RigSettings, axial: Array) -> Array:
+    """Height that lobes and edges add to the gap, at places from the middle of the joint [mm].
+
+    Of each lobe the circle is taken, not its parabola. [um]
+    """
+    total: Array = np.zeros(np.shape(axial))
+    (radius, height), (edge, depth) = rig.lobe, rig.edge
+    for place in rig.lobes or ():
+        off = np.minimum(np.abs(axial - place), radius)
+        total -= np.maximum(height - 1e3 * (radius - np.sqrt(radius**2 - off**2)), 0.0)
+    if edge > 0:
+        total += depth * np.clip((np.abs(axial) - rig.length / 2) / edge + 1, 0.0, None) ** 2
+    return total
+
+
 @dataclass(frozen=True)
 class Marks:
     """Turning marks along the sliding direction, and a few scratches; fixed in the object.
@@ -331,7 +346,7 @@ class Gap:
     def shape(self, y: Array) -> Array:
         """What the shape of the bore adds to the film at rows [pixel]. [um]"""
         middle = self.rig.centre[1] * self.rig.pitch + self.rig.axial_centre
-        return self.rig.shape(y * self.rig.pitch - middle)
+        return bore_height(self.rig, y * self.rig.pitch - middle)
 
     def __call__(self, x: Array, y: Array) -> Array:
         """Film with marks at object points [pixel]. [um]"""

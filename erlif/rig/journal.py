@@ -14,6 +14,7 @@ from erlif.rig.film import (
     Gap,
     Marks,
     Triggers,
+    bore_height,
     crank_at,
     cycle_time,
     load_of,
@@ -106,7 +107,7 @@ def follow_pin(time: Array, rig: RigSettings) -> Array:
         clearance=1e-6 * rig.clearance,
         length=1e-3 * rig.length,
         viscosity=rig.viscosity,
-        shape=(lambda axial: 1e-6 * rig.shape(1e3 * axial)) if rig.shaped else None,
+        shape=(lambda axial: 1e-6 * bore_height(rig, 1e3 * axial)) if rig.shaped else None,
     )
     cycle, middle = cycle_time(rig), float(np.mean(rocker_range(rig)))
     moments = np.append(-rig.elapsed * cycle, time)

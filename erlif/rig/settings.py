@@ -7,9 +7,6 @@ from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any, TypeVar
 
-import numpy as np
-
-from erlif.core.arrays import Array
 from erlif.core.errors import ModelError
 from erlif.core.terms import keys_in
 
@@ -536,20 +533,6 @@ class RigSettings:
     def shaped(self) -> bool:
         """Whether the bore is not straight along its axis."""
         return bool(self.lobes) or self.edge[0] > 0
-
-    def shape(self, axial: Array) -> Array:
-        """Height that lobes and edges add to the gap, at places from the middle of the joint [mm].
-
-        Of each lobe the circle is taken, not its parabola. [um]
-        """
-        total: Array = np.zeros(np.shape(axial))
-        (radius, height), (edge, depth) = self.lobe, self.edge
-        for place in self.lobes or ():
-            off = np.minimum(np.abs(axial - place), radius)
-            total -= np.maximum(height - 1e3 * (radius - np.sqrt(radius**2 - off**2)), 0.0)
-        if edge > 0:
-            total += depth * np.clip((np.abs(axial) - self.length / 2) / edge + 1, 0.0, None) ** 2
-        return total
 
     @property
     def region(self) -> tuple[tuple[float, float], tuple[float, float]]:

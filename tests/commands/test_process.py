@@ -121,7 +121,7 @@ def test_each_run_has_one_line_and_failures_stand_at_the_end(series, film, comma
 def test_resume_shows_the_films_that_are_kept(series, film, command):
     shutil.copy(film, series / "monday" / "film.nc")
     line = unwrapped(command("process", series / "monday", "--resume").stdout)
-    assert "; finished before; 1 warning, see erlif report" in line
+    assert line.rstrip().endswith("; finished before")
 
 
 @pytest.mark.parametrize(

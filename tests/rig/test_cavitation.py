@@ -9,7 +9,7 @@ from erlif.core.errors import ModelError
 from erlif.models.mechanism import CrankRocker
 from erlif.models.reynolds import Journal, Motion, crank_motion, solve_journal
 from erlif.rig.cavitation import follow_cavitated, relax_pressure
-from erlif.rig.film import crank_at, rocker_angle, rocker_range, rocker_speed
+from erlif.rig.film import bore_height, crank_at, rocker_angle, rocker_range, rocker_speed
 from erlif.rig.orbit import RigidBearing, follow_orbit
 from erlif.rig.settings import RigSettings
 
@@ -144,10 +144,10 @@ def test_a_pin_sinks_on_lobes_as_finite_volumes_say():
     """A swinging bushing of 24 mm with two lobes, by two solvers; films of 12 to 7 um."""
     lobed = RigSettings(length=24.0, lobes=(-5.0, 4.0), lobe=(200.0, 20.0))
     bearing = RigidBearing(
-        ACRYLIC.radius, ACRYLIC.clearance, 0.024, 0.12, lambda z: 1e-6 * lobed.shape(1e3 * z)
+        ACRYLIC.radius, ACRYLIC.clearance, 0.024, 0.12, lambda z: 1e-6 * bore_height(lobed, 1e3 * z)
     )
     z = np.arange(-1000, 1001) / 2000 * 0.024
-    joint = Journal(0.03336, 0.03359, 0.024, 0.12, axial_shape=1e-6 * lobed.shape(1e3 * z))
+    joint = Journal(0.03336, 0.03359, 0.024, 0.12, axial_shape=1e-6 * bore_height(lobed, 1e3 * z))
     time, start = np.linspace(0, 0.5, 51), (joint.least_clearance - 12e-6, 0.0)
     motion = Motion(time, [bushing(one) for one in time], load=10.0)
     rig = follow_cavitated(

@@ -455,10 +455,10 @@ def read_reference_pages(
     --------
     >>> pages = read_reference_pages(
     ...     Path("calibration/wedge"), "camera1_dark.tif",
-    ...     what="camera1 dark", bit_depth=12, shape=(256, 320),
+    ...     what="camera1 dark", bit_depth=12, shape=(208, 256),
     ... )
     >>> next(pages).shape
-    (256, 320)
+    (208, 256)
     """
     # headers of all pages first: a fault in the last one is reported before any work
     references = find_pages(directory, pattern, what, selection)

@@ -11,7 +11,7 @@ from erlif.io.settings import RotationSettings, RunSettings, SinusoidalSettings
 
 _THEORY = ("film_hamrock_dowson", "film_theory")
 _POSITION = ("pin_displacement", "pin_tilt", "film_curvature", "film_curvature_axial")
-_EXPONENTS = ("speed_exponent", "speed_exponent_mean")
+_EXPONENTS = ("speed_exponent", "speed_exponent_mean", "speed_exponent_gap_mean")
 
 
 def note_omissions(settings: RunSettings, triggers: xr.Dataset) -> list[Note]:
