@@ -211,8 +211,9 @@ def _fit_gap(
     lowest = np.array([1.0, along, across, along**2, across**2])
     columns, rows = (_mean_square(pixels) for pixels in (region.columns, region.rows))
     squares = (columns, rows) if sliding_along_x else (rows, columns)
+    by_block = -curve.calibration.gradient(fit.film) * (fit.response / fit.total_var)
     minimum, mean = (
-        _number_of(at[:count], height, fit, blocks, curve)
+        _number_of(at[:count], height, fit, blocks, by_block)
         for at, height in ((lowest, least), (np.array([1, 0, 0, *squares]), level))
     )
     tolerated = max(_TOLERATED, _TOLERATED_SHARE * minimum.value)
@@ -227,14 +228,16 @@ def _fit_gap(
 
 
 def _number_of(
-    at: Array, height: float, fit: BlockFit, blocks: BlockMeans, curve: FilmCurve
+    at: Array, height: float, fit: BlockFit, blocks: BlockMeans, by_block: Array
 ) -> FilmNumber:
-    """A number of the gap: the sum of its amplitudes times `at`, and a height of the bore [um]."""
+    """A number of the gap: the sum of its amplitudes times `at`, and a height of the bore [um].
+
+    `by_block` is the change of the amplitudes' equations with each parameter, (parameter, block).
+    """
     # its change with the ratio of each block, through the reweighted fit
     pull = np.linalg.solve(fit.curvature, at) @ fit.jacobian
     random, surface = _variance_parts(pull, fit, blocks)
-    by_block = pull * fit.response / fit.total_var
-    gradient = np.asarray(-curve.calibration.gradient(fit.film) @ by_block)
+    gradient = np.asarray(by_block @ pull)
     value = float(at @ fit.amplitudes) + height
     return FilmNumber(value, math.sqrt(random), math.sqrt(surface), gradient)
 
