@@ -204,6 +204,7 @@ MODELS = (
     "models.mechanism",
     "models.oil",
     "models.reynolds",
+    "models.shear",
     "joint.models.bearing",
     "joint.models.edges",
     "joint.models.friction",
