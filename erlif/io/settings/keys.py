@@ -19,8 +19,8 @@ from typing import Any, Literal, Union, get_args, get_origin
 from pydantic.fields import FieldInfo
 
 from erlif.core.units import parse_quantity
-from erlif.io.settings.tables import Form, Settings
 from erlif.io.settings.toml import toml_value
+from erlif.io.settings.values import Form, Settings
 
 _PLAIN_FORMS: dict[Any, str] = {bool: "true or false", int: "integer", float: "number", str: "text"}
 
@@ -174,7 +174,7 @@ def tables_in(annotation: Any) -> list[type[Settings]]:
     --------
     >>> from erlif.io.settings import VogelSettings
     >>> tables_in(VogelSettings | None), tables_in(float)
-    ([<class 'erlif.io.settings.tables.VogelSettings'>], [])
+    ([<class 'erlif.io.settings.surfaces.VogelSettings'>], [])
     """
     if isinstance(annotation, type):
         return [annotation] if issubclass(annotation, Settings) else []

@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 from annotated_types import Ge, Gt, Le
 from pydantic import Field
 
-from erlif.io.settings.tables import (
+from erlif.io.settings.values import (
     Counts,
     Electrons,
     FileName,

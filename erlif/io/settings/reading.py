@@ -17,7 +17,8 @@ from erlif.core.bounded import read_bounded
 from erlif.core.errors import ConfigError
 from erlif.io.settings.keys import Key, keys_of, tables_in
 from erlif.io.settings.planning import PlanSettings
-from erlif.io.settings.tables import FixtureSettings, MechanismSettings, RunSettings, Settings
+from erlif.io.settings.tables import FixtureSettings, MechanismSettings, RunSettings
+from erlif.io.settings.values import Settings
 
 _Settings = TypeVar("_Settings", bound="Settings")
 

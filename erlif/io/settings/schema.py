@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import Any
 
 from erlif.io.settings.keys import keys_of, meaning_of, tables_of
-from erlif.io.settings.tables import Settings
+from erlif.io.settings.values import Settings
 
 DRAFT = "http://json-schema.org/draft-07/schema#"
 

@@ -1,209 +1,54 @@
-"""The tables of run.toml and fixture.toml as frozen, checked settings.
-
-A quantity is written as text with a unit and kept as a float in the unit of its type (`Form.unit`):
-SI, but nm for a band, electrons and DN for a camera, degC for Vogel's temperature. Its text is kept
-with it (`Quantity`), so that settings are stored as the user wrote them.
-"""
+"""The tables of run.toml and fixture.toml as frozen, checked settings."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
-from dataclasses import dataclass
-from itertools import pairwise
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal
 
-from annotated_types import Ge, Gt, Le
 from pydantic import (
-    BaseModel,
-    BeforeValidator,
-    ConfigDict,
     Field,
-    PlainSerializer,
     StrictFloat,
-    WithJsonSchema,
-    WrapValidator,
     create_model,
-    model_validator,
 )
 
 from erlif.core.terms import keys_in
-from erlif.core.units import Quantity, parse_quantity
-
-
-@dataclass(frozen=True)
-class Form:
-    """Form of a value in a settings file; part of the type of a field.
-
-    Attributes
-    ----------
-    name : str
-        Kind of value, "length" or "file name".
-    example : Any
-        Value as a user writes it.
-    unit : str
-        Unit in which a quantity is kept, in pint's spelling; empty for other values.
-    """
-
-    name: str
-    example: Any
-    unit: str = ""
-
-
-# A number and a unit, for the JSON schema; `erlif.core.units.parse_quantity` checks the unit.
-QUANTITY_PATTERN = (
-    r"^\s*[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]{1,3})?"  # the number
-    r"\s*(1\s*/\s*)?[^0-9\s.,?].*$"  # the unit, as in "mm" or "1/GPa"
+from erlif.io.settings.surfaces import (
+    ContactSettings,
+    JointSettings,
+    MaterialSettings,
+    OilSettings,
 )
-
-
-def _write_quantity(value: float, unit: str) -> str:
-    """A quantity as the user wrote it, or the shortest decimal number in its unit."""
-    return (
-        value.text if isinstance(value, Quantity) else f"{value!r}".removesuffix(".0") + f" {unit}"
-    )
-
-
-def quantity(
-    name: str,
-    example: str,
-    unit: str,
-    *bounds: Gt | Ge | Le,
-    between: tuple[str, ...] = (),
-    words: tuple[str, ...] = (),
-    positive: bool = False,
-) -> Any:
-    """Annotations of a field that is written with its unit and kept as a float in `unit`.
-
-    A value beyond the range `between` is refused with both ends as they are written here. With
-    `words` the field may hold one of these in place of a quantity; `positive` then stands for a
-    bound, and its refusal names them.
-    """
-    listed = ", ".join(f'"{word}"' for word in words)
-    form = f"{name} from {' to '.join(between)}" if between else name
-
-    def read(text: object) -> float:
-        value = parse_quantity(text, unit)
-        ends = [parse_quantity(end, unit) for end in between]
-        if ends and not ends[0] <= value <= ends[1]:
-            raise ValueError(f"expected {' to '.join(between)}; got {text!r}")
-        if positive and value <= 0:
-            raise ValueError(f"expected {listed} or a {name} above 0; got {text!r}")
-        return value
-
-    def keep(text: Any, check: Any) -> Any:
-        if words and isinstance(text, str) and not any(sign.isdigit() for sign in text):
-            if text in words:
-                return text
-            raise ValueError(f"expected {listed} or a {name} such as {example!r}; got {text!r}")
-        return Quantity(check(text), " ".join(text.split()))
-
-    pattern = f"^({'|'.join(words)})$|{QUANTITY_PATTERN}" if words else QUANTITY_PATTERN
-    # Bounds are checked on the converted float. The schema is last: it replaces what pydantic would
-    # derive from the float, since the file holds text.
-    return (
-        BeforeValidator(read),
-        *bounds,
-        WrapValidator(keep),
-        PlainSerializer(
-            lambda value: value if isinstance(value, str) else _write_quantity(value, unit),
-            return_type=str,
-        ),
-        WithJsonSchema({"type": "string", "pattern": pattern, "examples": [example]}),
-        Form(f"{name}, or {listed}" if words else form, example, unit),
-    )
-
-
-Length = Annotated[float, *quantity("length", "5.5 cm", "m", Gt(0))]
-CurvatureRadius = Annotated[
-    float, *quantity("radius, negative where the body is hollow", "9.5 mm", "m")
-]
-Distance = Annotated[float, *quantity("length, or 0 mm", "0.06 mm", "m", Ge(0))]
-Angle = Annotated[float, *quantity("angle", "0 deg", "rad")]
-Speed = Annotated[float, *quantity("speed of rotation", "114 rpm", "rad/s", Gt(0))]
-Frequency = Annotated[float, *quantity("frequency", "5 Hz", "Hz", Gt(0))]
-Force = Annotated[float, *quantity("force", "50 lbf", "N", Gt(0))]
-Pressure = Annotated[float, *quantity("pressure", "2.7 GPa", "Pa", Gt(0))]
-Viscosity = Annotated[float, *quantity("dynamic viscosity", "0.12 Pa s", "Pa s", Gt(0))]
-PressureViscosity = Annotated[
-    float, *quantity("pressure-viscosity coefficient", "20 1/GPa", "1/Pa", Ge(0))
-]
-Wavelength = Annotated[float, *quantity("wavelength", "580 nm", "nm", Gt(0))]
-# wavelengths that cameras and filters cover: a band in um in place of nm is no light
-Band = Annotated[float, *quantity("wavelength", "580 nm", "nm", between=("200 nm", "2000 nm"))]
-# pixels in the object plane, from those of a microscope to an image of metres
-PixelPitch = Annotated[float, *quantity("length", "60 um", "m", between=("50 nm", "5 mm"))]
-Counts = Annotated[float, *quantity("counts", "64 DN", "DN", Ge(0))]
-Gain = Annotated[float, *quantity("gain", "4.4 electron/DN", "electron/DN", Gt(0))]
-Electrons = Annotated[float, *quantity("electrons", "9 electron", "electron", Gt(0))]
-Temperature = Annotated[float, *quantity("temperature", "-115 degC", "degC")]
-TemperatureDifference = Annotated[
-    float, *quantity("temperature difference", "1100 K", "delta_degC", Gt(0))
-]
-
-
-# a standard deviation as a share, kept in per cent
-Share = Annotated[float, *quantity("share", "1 %", "%", between=("0 %", "50 %"))]
-TemperatureCoefficient = Annotated[
-    float, *quantity("relative change with temperature", "-0.2 %/K", "%/K")
-]
-TemperatureCoefficientStd = Annotated[
-    float, *quantity("relative change with temperature", "0.02 %/K", "%/K", Ge(0))
-]
-TemperatureStd = Annotated[float, *quantity("temperature difference", "1 K", "delta_degC", Ge(0))]
-Reflectance = Annotated[float, *quantity("share", "30 %", "%", between=("0 %", "100 %"))]
-Start = Annotated[float | Literal["fit"], *quantity("time", "0.25 s", "s", words=("fit",))]
-StartFilm = Annotated[
-    float | Literal["fit"], *quantity("length", "20 um", "m", words=("fit",), positive=True)
-]
-Sideways = Annotated[
-    float | Literal["free", "guided"],
-    *quantity("stiffness", "12 N/mm", "N/m", words=("free", "guided"), positive=True),
-]
-Place = Annotated[float, *quantity("position", "9.6 mm", "m")]
-Places = Annotated[tuple[Place, ...], Form("list of positions", ["-50 mm", "50 mm"])]
-CavitationPressure = Annotated[
-    float, *quantity("pressure below ambient", "-100 kPa", "Pa", Ge(-101325), Le(0))
-]
-
-Interval = Annotated[tuple[float, float], Form("interval [low, high] in mm", [4, 15])]
-
-NO_CONTROL_CHARACTERS = r"^[^\x00-\x1f\x7f]*$"
-
-Text = Annotated[str, Field(pattern=NO_CONTROL_CHARACTERS), Form("text", "straight bushing 1")]
-FileName = Annotated[
-    str,
-    Field(min_length=1, pattern=NO_CONTROL_CHARACTERS),
-    Form("file name or pattern", "camera1/*.tif"),
-]
-
-CalibrationNames = Annotated[
-    FileName | tuple[FileName, FileName],
-    Form("file name, or two of them", "../fixture/calibration.nc"),
-]
-
-ColumnName = Annotated[
-    str, Field(min_length=1, pattern=NO_CONTROL_CHARACTERS), Form("column", "Encoder [deg]")
-]
-
-
-class Settings(BaseModel):
-    """A table of a settings file: frozen, and closed to keys it does not know."""
-
-    # a misspelt key must not pass unnoticed, and NaN must not reach the physics
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
-
-    def faults(self) -> Iterator[str]:
-        """Yield contradictions between the keys of the table, each as a complete message."""
-        yield from ()
-
-    @model_validator(mode="after")
-    def _has_no_fault(self) -> Self:
-        fault = next(self.faults(), None)
-        if fault is not None:
-            raise ValueError(fault)
-        return self
-
+from erlif.io.settings.values import (
+    Angle,
+    Band,
+    CalibrationNames,
+    CavitationPressure,
+    ColumnName,
+    Counts,
+    Distance,
+    Electrons,
+    FileName,
+    Force,
+    Frequency,
+    Gain,
+    Interval,
+    Length,
+    PixelPitch,
+    Place,
+    Pressure,
+    Reflectance,
+    Settings,
+    Share,
+    Sideways,
+    Speed,
+    Start,
+    StartFilm,
+    Temperature,
+    TemperatureCoefficient,
+    TemperatureCoefficientStd,
+    TemperatureStd,
+    Text,
+)
 
 _Channel = Literal["channel 1", "channel 2", "channel 3", "channel 4"]
 # Parts of a file that may belong to one of two cameras.
@@ -461,213 +306,6 @@ class SinusoidalSettings(Settings):
     load: Force | None = Field(None, examples=["20 N"])
     """Load on the contact, where the encoder log has no column load_N. Default: the film has no
     load."""
-
-
-class MaterialSettings(Settings):
-    """One side of the joint."""
-
-    youngs_modulus: Pressure
-    """Young's modulus."""
-    poissons_ratio: float = Field(strict=True, gt=-1, le=0.5, examples=[0.37])
-    """Poisson's ratio."""
-    roughness: Length | None = Field(None, examples=["0.2 um"])
-    """Rms roughness of the surface. Default: no film parameter Lambda is computed."""
-
-
-class BoreSettings(Settings):
-    """The bore along its axis, where it is not straight: lobes, edges or a measured profile."""
-
-    lobes: Places = ()
-    """Places along the axis of lobes that reach into the bore, from the middle of the joint. Beside
-    them the bore has bushing_radius."""
-    lobe_radius: Length | None = Field(None, examples=["200 mm"])
-    """Radius of the lobes along the axis."""
-    lobe_height: Length | None = Field(None, examples=["20 um"])
-    """Height of the lobes above the bore."""
-    edge_length: Length | None = Field(None, examples=["5 mm"])
-    """Length over which the bore is relieved at either end, as a parabola that begins level: an
-    edge of the radius edge_length^2 / (2 edge_depth)."""
-    edge_depth: Length | None = Field(None, examples=["20 um"])
-    """Depth of the relief at the ends."""
-
-    def faults(self) -> Iterator[str]:
-        if bool(self.lobes) != bool(self.lobe_radius) or bool(self.lobes) != bool(self.lobe_height):
-            yield "give lobes, lobe_radius and lobe_height together, or none of them"
-        if bool(self.edge_length) != bool(self.edge_depth):
-            yield "give edge_length and edge_depth together, or neither"
-
-    @property
-    def lobe_reach(self) -> float:
-        """Distance from the crest of a lobe to its foot. [m]"""
-        return math.sqrt(2 * (self.lobe_radius or 0.0) * (self.lobe_height or 0.0))
-
-
-class LinerSettings(Settings):
-    """A thin elastic layer in the bushing, bonded to a rigid one: a Winkler foundation."""
-
-    thickness: Length = Field(examples=["1 mm"])
-    """Thickness of the layer."""
-    youngs_modulus: Pressure = Field(examples=["1.4 GPa"])
-    """Young's modulus of the layer."""
-    poissons_ratio: float = Field(strict=True, gt=-1, lt=0.5, examples=[0.4])
-    """Poisson's ratio of the layer; a layer of 0.5 that cannot spread does not yield."""
-
-
-class JointSettings(Settings):
-    """The pin and the bushing it turns in."""
-
-    pin_radius: Length = Field(examples=["33.36 mm"])
-    """Radius of the pin."""
-    bushing_radius: Length = Field(examples=["33.59 mm"])
-    """Inner radius of the bushing, larger than pin_radius."""
-    clearance_std: Length | None = Field(None, examples=["1 um"])
-    """Standard deviation of the radial clearance, for the pressure and `predict --fit`. Default:
-    exact for the pressure; known to the last digits of both radii for the fit."""
-    length: Length = Field(examples=["237 mm"])
-    """Loaded length of the joint along its axis."""
-    load: Force | None = None
-    """Load on the joint. Used where the encoder log has no column load_N, and required there."""
-    pin: MaterialSettings
-    bushing: MaterialSettings
-    bore: BoreSettings | None = Field(
-        None,
-        examples=[{"lobes": ["-50 mm", "50 mm"], "lobe_radius": "200 mm", "lobe_height": "20 um"}],
-    )
-    """The bore along its axis where it is not straight. Position, minimum and prediction of the
-    film take its shape. Default: straight."""
-    liner: LinerSettings | None = Field(
-        None,
-        examples=[{"thickness": "1 mm", "youngs_modulus": "1.4 GPa", "poissons_ratio": 0.4}],
-    )
-    """A thin elastic layer on the bushing, which the pressure of the prediction deflects. Default:
-    none; the prediction takes the surfaces as rigid."""
-
-    def faults(self) -> Iterator[str]:
-        if self.pin_radius >= self.bushing_radius:
-            yield (
-                "pin_radius must be smaller than bushing_radius for the pin to turn; got "
-                f"{self.pin_radius * 1e3:g} mm in {self.bushing_radius * 1e3:g} mm"
-            )
-        if self.bore is not None:
-            yield from self._faults_of_bore(self.bore)
-
-    def _faults_of_bore(self, bore: BoreSettings) -> Iterator[str]:
-        """Lobes and edges that have no place in the joint."""
-        half, clearance = self.length / 2, self.bushing_radius - self.pin_radius
-        reach, height, edge = bore.lobe_reach, bore.lobe_height or 0.0, bore.edge_length or 0.0
-        feet = [-half, *(at + side for at in sorted(bore.lobes) for side in (-reach, reach)), half]
-        if any(after < before for before, after in pairwise(feet)):
-            yield (
-                f"lobes of bore must neither overlap nor end beyond {half * 1e3:g} mm from the "
-                f"middle of the joint; each reaches {reach * 1e3:.3g} mm to either side, by its "
-                "radius and height. Correct lobes, lobe_height or length"
-            )
-        if height >= clearance:
-            yield (
-                f"lobe_height of bore must be below the radial clearance, {clearance * 1e6:g} um, "
-                f"for the pin to fit; got {height * 1e6:g} um"
-            )
-        if edge > half:
-            yield (
-                f"edge_length of bore must be at most half of the length, {half * 1e3:g} mm; got "
-                f"{edge * 1e3:g} mm"
-            )
-
-
-class BodySettings(MaterialSettings):
-    """A body of the contact: its curvature, its material and its surface."""
-
-    radius: CurvatureRadius | None = Field(None, examples=["9.525 mm"])
-    """Radius of a ball. Default: the body is flat."""
-    radius_along: CurvatureRadius | None = Field(None, examples=["9.525 mm"])
-    """Radius along the sliding direction, negative in a bore. Default: radius."""
-    radius_across: CurvatureRadius | None = Field(None, examples=["50 mm"])
-    """Radius across the sliding direction, negative in a groove. Default: radius."""
-
-    def faults(self) -> Iterator[str]:
-        if 0 in (self.radius, self.radius_along, self.radius_across):
-            yield "a radius must not be zero; leave it out where the body is flat"
-
-    def curvature(self, own: float | None) -> float:
-        """Curvature in one direction, of its `own` radius or that of the ball. [1/m]"""
-        radius = own or self.radius
-        return 0.0 if radius is None else 1 / radius
-
-
-class ContactSettings(Settings):
-    """Ball, barrel or roller on a disc, ring or plane, in place of [joint]."""
-
-    length: Length | None = Field(None, examples=["10 mm"])
-    """Length of a line contact across the sliding direction, as of a roller. Default: the bodies
-    touch in a point."""
-    load: Force | None = Field(None, examples=["20 N"])
-    """Load on the contact, where neither the encoder log nor [mechanism] has one."""
-    slide_to_roll: float = Field(2.0, strict=True, ge=0)
-    """Slide-to-roll ratio: difference of the two surface speeds over their mean. The speed of
-    [mechanism], or of the log, is that of the faster surface: the mean is that speed over
-    1 + slide_to_roll/2. 2 is pure sliding, 0 pure rolling."""
-    body: BodySettings
-    counterbody: BodySettings
-
-    @property
-    def radii(self) -> tuple[float, float]:
-        """Reduced radii along and across the sliding direction, infinite where flat. [m]"""
-        one, other = self.body, self.counterbody
-        along = one.curvature(one.radius_along) + other.curvature(other.radius_along)
-        across = one.curvature(one.radius_across) + other.curvature(other.radius_across)
-        return 1 / along if along else math.inf, 1 / across if across else math.inf
-
-    def faults(self) -> Iterator[str]:
-        along, across = self.radii
-        if not 0 < along < math.inf or across < 0:
-            yield (
-                "the bodies must touch in a point or a line: make the sum of their curvatures, "
-                "1/radius and negative where hollow, positive along the sliding direction and not "
-                "negative across it"
-            )
-        if (self.length is None) == math.isinf(across):
-            yield (
-                "give radius or radius_across of a body, for a contact in a point, or length, for "
-                "bodies that are straight across the sliding direction"
-            )
-
-
-class VogelSettings(Settings):
-    """Vogel's law, viscosity = a exp(b/(T - c))."""
-
-    a: Viscosity = Field(examples=["0.05 mPa s"])
-    """Viscosity in the limit of high temperature."""
-    b: TemperatureDifference
-    """Slope of ln(viscosity) over 1/(T - c)."""
-    c: Temperature
-    """Temperature of the pole, below every temperature logged."""
-
-
-class OilSettings(Settings):
-    """The oil between pin and bushing."""
-
-    name: Text = Field("", examples=["80W-90"])
-    """Name of the oil in figures and reports."""
-    viscosity: Viscosity | None = None
-    """Dynamic viscosity at the temperature of the run. Either viscosity or vogel is required."""
-    vogel: VogelSettings | None = Field(
-        None, examples=[{"a": "0.05 mPa s", "b": "1100 K", "c": "-115 degC"}]
-    )
-    """Viscosity from the logged temperature by Vogel's law, a exp(b/(T - c)), in place of one
-    value."""
-    viscosity_std: Viscosity | None = Field(None, examples=["0.004 Pa s"])
-    """Standard deviation of the viscosity, with a vogel law at the mean temperature of the run, for
-    the pressure and `predict --fit`. Default: the viscosity is exact."""
-    drift_std: Share | None = Field(None, examples=["5 %"])
-    """Standard deviation of the change of the viscosity from the first frame to the last, beside
-    that of the logged temperature, for `predict --fit`. Default: of a vogel law, what reading_std
-    of [temperature] makes; else no change."""
-    pressure_viscosity: PressureViscosity
-    """Pressure-viscosity coefficient of Barus."""
-
-    def faults(self) -> Iterator[str]:
-        if (self.viscosity is None) == (self.vogel is None):
-            yield 'give either viscosity = "0.12 Pa s" or a vogel law { a, b, c }'
 
 
 class RegistrationOptions(Settings):

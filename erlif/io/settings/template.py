@@ -9,8 +9,8 @@ from typing import Any, Final
 
 from erlif.core.tables import read_table
 from erlif.io.settings.keys import Key, Table, example_of, keys_of, meaning_of, tables_in, tables_of
-from erlif.io.settings.tables import Settings
 from erlif.io.settings.toml import toml_value
+from erlif.io.settings.values import Settings
 
 # Columns of a line of comment.
 WIDTH = 98

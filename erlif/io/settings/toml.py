@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from typing import Any
 
-from erlif.io.settings.tables import Settings
+from erlif.io.settings.values import Settings
 
 
 def to_toml(settings: Settings) -> str:

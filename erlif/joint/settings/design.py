@@ -10,7 +10,7 @@ from annotated_types import Ge, Le
 from pydantic import Field
 
 from erlif.io.settings.reading import read_named
-from erlif.io.settings.tables import FileName, Settings, Text, quantity
+from erlif.io.settings.values import FileName, Settings, Text, quantity
 
 # wide bounds, beyond which a value is a slip and the equations leave the range of numbers
 Force = Annotated[float, *quantity("force", "100 kN", "N", Ge(1e-3), Le(1e10))]

@@ -92,28 +92,6 @@ def test_rolling_entrains_more_oil():
         npt.assert_allclose([found.entrainment, found.stroke], [share, share * 10e-3])
 
 
-@pytest.mark.parametrize(
-    ("body", "counterbody", "more", "words"),
-    [
-        ({}, {}, {}, "must touch in a point or a line"),
-        ({"radius": "9 mm"}, {"radius_along": "-8 mm"}, {}, "must touch in a point or a line"),
-        ({"radius_along": "8 mm"}, {}, {}, "or length"),
-        ({"radius": "9 mm"}, {}, {"length": "1 mm"}, "or length"),
-        ({"radius": "9 mm"}, {"radius": "0 mm"}, {}, "must not be zero"),
-    ],
-)
-def test_bodies_that_do_not_touch_as_stated_are_refused(body, counterbody, more, words):
-    contact = {"body": STEEL | body, "counterbody": GLASS | counterbody, **more}
-    with pytest.raises(ValueError, match=words):
-        run_settings(joint=None, contact=contact, mechanism=TURNING)
-
-
-def test_joint_and_contact_together_are_refused():
-    contact = {"body": STEEL | {"radius": "9 mm"}, "counterbody": GLASS}
-    with pytest.raises(ValueError, match="not both"):
-        run_settings(contact=contact)
-
-
 def test_slider_of_a_crank_slides_at_its_own_speed(run):
     """Its speed is the rate of the position, over a thousandth of a turn."""
     links = {"kind": "slider-crank", "crank": "76 mm", "coupler": "203 mm", "crank_speed": "30 rpm"}
