@@ -12,7 +12,7 @@ from erlif.core.arrays import Array, Image
 from erlif.core.errors import ConfigError
 from erlif.core.variables import FILM
 from erlif.io.settings import RunSettings
-from erlif.pipeline.physics.joint import axial_shape
+from erlif.pipeline.physics.bore import axial_shape
 from erlif.trend import AxialShape, GapShape, PinView, Region, find_region
 
 # Rows and columns of a patch, at least. [px]

@@ -9,7 +9,7 @@ import numpy as np
 import scipy
 
 from erlif.core.arrays import Array
-from erlif.trend.exponent import LEAST_TRIGGERS, fast_triggers
+from erlif.trend.exponent import LEAST_TRIGGERS
 
 _LEAST_SPREAD = 0.05  # of the logarithm of the speed, below which no correlation is determined
 _95 = 1.96  # standard deviations of a 95 % interval
@@ -25,7 +25,7 @@ _DETERMINED = 20.0  # largest standard deviation of a delay that is stated [degr
 
 
 class Factor(NamedTuple):
-    """Film over theory, over the triggers above a tenth of the highest speed.
+    """Film over theory, over the triggers of a run.
 
     Attributes
     ----------
@@ -73,7 +73,7 @@ class Correlation(NamedTuple):
 
 
 def film_factor(
-    ratio: Array, random_std: Array, std: Array, *, speed: Array, stroke: Array | None = None
+    ratio: Array, random_std: Array, std: Array, *, stroke: Array | None = None
 ) -> Factor:
     """Median of the film over a theory, with its errors.
 
@@ -81,9 +81,7 @@ def film_factor(
     ----------
     ratio, random_std, std : array, (trigger,)
         Film over theory, the random part of its standard deviation, and all of it; NaN where there
-        is none. [1]
-    speed : array, (trigger,)
-        Its sign does not matter.
+        is none, or the speed is below a tenth of the highest. [1]
     stroke : array, (trigger,), optional
         +1 outward, -1 back.
 
@@ -95,11 +93,11 @@ def film_factor(
     Examples
     --------
     >>> ones = np.ones(9)
-    >>> found = film_factor(5 * ones, 0.3 * ones, 0.5 * ones, speed=ones)
+    >>> found = film_factor(5 * ones, 0.3 * ones, 0.5 * ones)
     >>> found.value, round(found.std_random, 3), round(found.std_shared, 3)
     (5.0, 0.125, 0.4)
     """
-    use = fast_triggers(speed) & np.isfinite(ratio) & np.isfinite(std)
+    use = np.isfinite(ratio) & np.isfinite(std)
     if not use.any():
         return Factor(*(math.nan,) * 7)
     random = _MEDIAN * float(np.sqrt(np.mean(random_std[use] ** 2) / use.sum()))

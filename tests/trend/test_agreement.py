@@ -18,22 +18,19 @@ def noisy(film, noise, rng):
 
 
 def test_factor_is_the_median_of_fast_triggers_by_stroke():
-    """Of the slow triggers, which are left out, the ratio is 100."""
+    """Slow triggers have no ratio."""
     fast, stroke = np.abs(SPEED) > 0.25, np.sign(SPEED)
-    ratio = np.where(fast, np.where(stroke > 0, 2.0, 4.0), 100.0)
-    found = film_factor(ratio, 0.03 * ratio, 0.05 * ratio, speed=SPEED, stroke=stroke)
+    ratio = np.where(fast, np.where(stroke > 0, 2.0, 4.0), np.nan)
+    found = film_factor(ratio, 0.03 * ratio, 0.05 * ratio, stroke=stroke)
     assert (found.low, found.high, found.outward, found.back) == (2, 4, 2, 4)
     shared = np.median(0.04 * ratio[fast])
     npt.assert_allclose([found.std_shared, found.std], [shared, np.hypot(found.std_random, shared)])
-    assert np.isnan(film_factor(ratio * np.nan, ratio, ratio, speed=SPEED)).all()
+    assert np.isnan(film_factor(ratio * np.nan, ratio, ratio)).all()
 
 
 def test_random_error_of_a_factor_is_its_scatter():
     rng, ones = np.random.default_rng(1), np.ones(50)
-    found = [
-        film_factor(noisy(5.0 * ones, 0.02, rng), 0.1 * ones, 0.1 * ones, speed=SPEED)
-        for _ in range(200)
-    ]
+    found = [film_factor(noisy(5.0 * ones, 0.02, rng), 0.1 * ones, 0.1 * ones) for _ in range(200)]
     assert_covers([(one.value - 5.0) / one.std for one in found])
 
 

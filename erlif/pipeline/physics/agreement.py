@@ -71,7 +71,7 @@ def _compare_with_theories(film: xr.Dataset, settings: RunSettings, speed: str) 
             film[one].values / expected
             for one in ("film_min", "film_min_std", "film_min_std_random")
         )
-        factor = film_factor(ratio, random, std, speed=film[speed].values, stroke=stroke)
+        factor = film_factor(ratio, random, std, stroke=stroke)
         attrs = {
             "factor": factor.value,
             "factor_std_random": factor.std_random,

@@ -16,7 +16,8 @@ from erlif.core.progress import Progress, ShowProgress, choose_progress, silent
 from erlif.io.files import open_film, takes
 from erlif.io.settings import RunSettings
 from erlif.models.reynolds import Journal
-from erlif.pipeline.physics.joint import departure, describe_viscosity, joint_and_oil
+from erlif.pipeline.physics.bore import departure
+from erlif.pipeline.physics.joint import describe_viscosity, joint_and_oil
 from erlif.pipeline.physics.position import clearance_std
 from erlif.pipeline.physics.predict import film_beside, is_film, read_film
 from erlif.pipeline.physics.prediction import build_journal, build_motion, swinging_joint

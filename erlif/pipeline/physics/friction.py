@@ -12,8 +12,9 @@ from erlif.calibration import RunCurve
 from erlif.core.notes import Note, remark
 from erlif.models.shear import shear_heating
 from erlif.pipeline.engines.results import TriggerResult
+from erlif.pipeline.physics.bore import departure
 from erlif.pipeline.physics.fit import given_errors, reading_error
-from erlif.pipeline.physics.joint import departure, describe_viscosity
+from erlif.pipeline.physics.joint import describe_viscosity
 from erlif.pipeline.physics.prediction import build_journal
 from erlif.pipeline.plane import ObjectPlane
 from erlif.prediction import find_drag, find_friction

@@ -11,7 +11,7 @@ import xarray as xr
 from erlif.calibration import calibration_of
 from erlif.core.errors import ErlifError
 from erlif.core.notes import Note, remark
-from erlif.pipeline.physics.joint import departure
+from erlif.pipeline.physics.bore import departure
 from erlif.pipeline.physics.prediction import build_journal, build_motion, swings
 from erlif.pipeline.plane import ObjectPlane
 from erlif.prediction import FrameMotion, MeasuredMotion, fit_motion, measured_positions

@@ -14,13 +14,11 @@ from erlif.io.ingest import Run
 from erlif.io.settings import CrankRockerSettings, PredictionOptions, RunSettings
 from erlif.models.mechanism import CrankRocker
 from erlif.models.reynolds import Journal
+from erlif.pipeline.physics.bore import axial_shape, departure, foundation_of
 from erlif.pipeline.physics.joint import (
-    axial_shape,
     build_linkage,
-    departure,
     describe_contact,
     describe_joint,
-    foundation_of,
     joint_and_oil,
 )
 from erlif.pipeline.plane import ObjectPlane

@@ -1,3 +1,5 @@
+from .budget import print_budget as print_budget
+from .calibration import describe_calibration as describe_calibration
 from .check_page import write_check_page as write_check_page
 from .comparison import write_comparison_page as write_comparison_page
 from .comparison import write_pair_table as write_pair_table
@@ -7,8 +9,6 @@ from .plan import summarise_plan as summarise_plan
 from .plan import write_plan as write_plan
 from .prediction import summarise_prediction as summarise_prediction
 from .runs import write_runs_report as write_runs_report
-from .summary import describe_calibration as describe_calibration
-from .summary import print_budget as print_budget
 from .summary import summarise as summarise
 from .summary import summarise_briefly as summarise_briefly
 from .summary import summarise_in_a_line as summarise_in_a_line

@@ -1,28 +1,13 @@
 """The lines for the terminal: numbers of the film in plain words."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
-import xarray as xr
 from scenes import film as scene
-from scenes.fixture import walled
 
-from erlif.calibration.departure import Departure
-from erlif.show import plots
 from erlif.show.report import (
-    describe_calibration,
-    print_budget,
     summarise,
     summarise_briefly,
     summarise_in_a_line,
-)
-from erlif.show.report.summary import (
-    describe_correlations,
-    describe_delay,
-    describe_factor,
-    describe_following,
-    describe_other_factors,
 )
 
 
@@ -108,35 +93,6 @@ def test_film_without_valid_pixels_is_described(film):
     assert " um, power not determined, 6 triggers" in line
 
 
-@pytest.fixture
-def calibration():
-    return plots.example_calibration()
-
-
-def test_calibration_is_described_with_its_errors_and_the_range_of_a_spline(calibration):
-    """A constant spline of 1 % of the logarithm lifts the ratio by 1.01 %."""
-    text = describe_calibration(calibration)
-    assert line_of(text, "q, attenuation camera 2 [1/um]") == "0.24500 ± 0.00100"
-    assert line_of(text, "calibrated range") == "0.30 to 16.00 um"
-    thin, middle = line_of(text, "error shared by all pixels").split(", ")
-    assert (thin.split(" at ")[1], middle.split(" at ")[1]) == ("1.9 um", "8.2 um")
-    expected = 100 * float(calibration.thickness_std(8.15)) / 8.15
-    assert float(middle.split()[0]) == pytest.approx(expected, abs=0.006)
-
-    knots = np.array([0.0] * 4 + [20.0] * 4)
-    departure = Departure(knots, np.full(4, 0.01), 1e-8 * np.eye(4))
-    text = describe_calibration(replace(calibration, departure=departure))
-    assert line_of(text, "departure from the model").startswith("+1.01 to +1.01 % of the ratio")
-    assert "departure from the model" not in describe_calibration(calibration)
-
-
-def test_wall_that_reflects_is_described_with_the_calibration(calibration):
-    text = describe_calibration(walled(calibration))
-    assert line_of(text, "a, attenuation laser [1/um]") == "0.20000 ± 0.00316"
-    assert line_of(text, "R, reflectance of the wall") == "0.30000 ± 0.01000"
-    assert "reflectance" not in describe_calibration(calibration)
-
-
 def test_a_mean_over_a_part_of_the_region_is_described_as_such(film):
     shares = np.zeros(film.sizes["trigger"])
     shares[int(np.argmin(film.film_mean.values))] = 0.28
@@ -144,37 +100,6 @@ def test_a_mean_over_a_part_of_the_region_is_described_as_such(film):
     film["share_beyond_range"] = ("trigger", shares)
     text = line_of(summarise(film), "mean film thickness")
     assert text.count("over the 72% of the region within the calibrated range") == 1
-
-
-@pytest.fixture
-def budget():
-    """Two terms of 3 nm and 4 nm, whose sum in quadrature is 5 nm."""
-    std = np.array([[0.003, 0.0301], [0.004, np.nan], [0.005, 0.0301]])
-    return xr.Dataset(
-        {
-            "std": (("term", "quantity"), std, {"units": "um"}),
-            "kind": ("term", ["random", "shared", "sum"]),
-            "value": ("quantity", [5.0, 6.25], {"units": "um"}),
-        },
-        {"term": ["photons", "calibration", "total"], "quantity": ["mean", "pixel"]},
-        {"run": "wedge", "trigger": 2, "frames": 3},
-    )
-
-
-def test_terms_stand_below_their_kind_within_80_columns(budget):
-    lines = print_budget(budget).splitlines()
-    assert lines[0] == "Standard deviations in nm: wedge, trigger 2, 3 frame pairs"
-    assert [" ".join(line.split()) for line in lines[2:]] == [
-        "term mean pixel",
-        "film thickness [um] 5.00 6.25",
-        "random",
-        "photons 3.0 30",
-        "shared",
-        "calibration 4.0 -",
-        "total 5.0 30",
-    ]
-    wide = budget.isel(quantity=[0, 1, 0, 1, 0])
-    assert max(map(len, print_budget(wide).splitlines())) <= 80
 
 
 def with_agreement(film):
@@ -243,40 +168,3 @@ def test_an_unknown_power_has_its_reason(film, used, reason):
     unknown = film.speed_exponent.copy(data=np.nan).assign_attrs(triggers_used=used)
     text = summarise_briefly(film.assign(speed_exponent=unknown))
     assert line_of(text, "speed") == f"not determined: {reason}"
-
-
-ATTRS = {"factor": 2.0, "factor_std_random": 0.01, "factor_std_shared": 0.02, "low": 1.9}
-ATTRS |= {"high": 2.1, "outward": 2.05, "back": 1.95}
-
-
-def with_ratio(name, **attrs):
-    return xr.Dataset({name: ("trigger", [2.0, 2.0], ATTRS | attrs)})
-
-
-def test_one_direction_and_an_unknown_viscosity_are_left_out():
-    film = with_ratio("film_over_hamrock_dowson", back=np.nan).assign(film_hamrock_dowson=1.0)
-    assert describe_factor(film) == (
-        "2.000 ± 0.010 ± 0.020 × Hamrock-Dowson, line contact (2.65); 1.9 to 2.1"
-    )
-    unknown = with_ratio("film_over_hamrock_dowson", factor=np.nan)
-    assert describe_factor(unknown) == describe_factor(xr.Dataset()) == ""
-
-
-def test_each_theory_has_a_line_with_its_viscosity():
-    viscosity = {"viscosity": 0.25, "viscosity_std": 0.02, "viscosity_given": 0.12}
-    film = with_ratio("film_over_theory", **viscosity).merge(with_ratio("film_over_predicted"))
-    assert describe_other_factors(film).splitlines() == [
-        "regime map: 2.000 ± 0.022, 1.9 to 2.1; takes 0.25 ± 0.02 of 0.12 Pa s",
-        "transient film: 2.000 ± 0.022, 1.9 to 2.1",
-    ]
-
-
-def test_correlations_and_delay_that_are_not_known_are_left_out():
-    unknown = ("correlated_film", "correlated_with"), np.full((3, 1), np.nan)
-    names = [f"speed_correlation{part}" for part in ("_rank", "", "_low", "_high")]
-    film = xr.Dataset(dict.fromkeys(names, unknown)).assign(
-        correlated_film=["film_min", "film_mean", "film_gap_mean"], correlated_with=["speed"]
-    )
-    assert describe_following(film) == describe_correlations(film) == describe_delay(film) == ""
-    late = film.assign(speed_delay=12.4, speed_delay_std=2.0)
-    assert describe_delay(late) == describe_correlations(late) == "12 ± 2° late"

@@ -1,0 +1,123 @@
+"""Film against theory and speed in lines: films, factors, viscosities, correlations, friction."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+import xarray as xr
+
+from erlif.io.files import applicable_theory, fastest_trigger, formula_label
+from erlif.show.report.layout import decimals
+
+# Rank, logarithms, and the ends of their interval.
+_CORRELATION = [f"speed_correlation{part}" for part in ("_rank", "", "_low", "_high")]
+
+_OTHERS = {"film_over_theory": "regime map", "film_over_predicted": "transient film"}
+
+
+def describe_theory(film: xr.Dataset) -> str:
+    """Predicted film at the highest speed, and the reason for the regime."""
+    theory = applicable_theory(film)
+    if theory is None or "film_hamrock_dowson" not in film:
+        return ""
+    # hydrodynamic theory is closest to its assumptions where the speed is highest
+    top = int(np.argmax(film.sliding_speed.values))
+    speed, load = float(film.sliding_speed[top]), float(film["joint_load"][top])
+    formula = float(film.film_hamrock_dowson[top])
+    return (
+        f"{float(theory[top]):.3g} um, {theory.attrs['regime']} ({speed:.3f} m/s, "
+        f"{load:.0f} N); {formula_label(film)}: {formula:.3g} um\n"
+        f"{theory.attrs['reason']}"
+    )
+
+
+def describe_friction(film: xr.Dataset) -> str:
+    """Friction torque and coefficient of the film of the whole joint, and of the logged torque."""
+    if "friction_torque" not in film:
+        return ""
+    top = film.isel(trigger=fastest_trigger(film))
+    torque, std = float(top.friction_torque), float(top.friction_torque_std)
+    digits = decimals(std, 2)
+    text = f"{torque:.{digits}f} ± {std:.{digits}f} N m, coefficient {top.friction_coefficient:.3g}"
+    rest = top.get("torque_not_film")
+    return text if rest is None else f"{text}; logged {float(torque + rest):.{digits}f} N m"
+
+
+def describe_factor(film: xr.Dataset) -> str:
+    """Film over Hamrock-Dowson: median, errors, range, strokes, and the viscosity it would take.
+
+    Empty where the film has no such ratio.
+    """
+    attrs = film["film_over_hamrock_dowson"].attrs if "film_over_hamrock_dowson" in film else {}
+    if not np.isfinite(attrs.get("factor", np.nan)):
+        return ""
+    value, random, shared = (attrs[f"factor{part}"] for part in ("", "_std_random", "_std_shared"))
+    digits = decimals(np.hypot(random, shared), 2)
+    low, high = (f"{attrs[key]:.3g}" for key in ("low", "high"))
+    outward, back = (f"{attrs[key]:.3g}" for key in ("outward", "back"))
+    strokes = "" if "nan" in (outward, back) else f", out {outward}, back {back}"
+    return (
+        f"{value:.{digits}f} ± {random:.{digits}f} ± {shared:.{digits}f} × "
+        f"{formula_label(film)}; {low} to {high}{strokes}{_describe_viscosity(attrs)}"
+    )
+
+
+def _describe_viscosity(attrs: Mapping[str, float]) -> str:
+    """Viscosity that makes a factor 1, beside that of [oil]; empty where it is not known."""
+    viscosity, std = attrs.get("viscosity", np.nan), attrs.get("viscosity_std", np.nan)
+    if not np.isfinite([viscosity, std]).all():
+        return ""
+    digits = decimals(std, 1)
+    takes = f"{viscosity:.{digits}f} ± {std:.{digits}f}"
+    return f"; takes {takes} of {attrs['viscosity_given']:.2g} Pa s"
+
+
+def describe_other_factors(film: xr.Dataset) -> str:
+    """Film over the regime map and over the transient film, each with its viscosity."""
+    texts = []
+    for name, title in _OTHERS.items():
+        attrs = film[name].attrs if name in film else {}
+        if np.isfinite(attrs.get("factor", np.nan)):
+            std = np.hypot(attrs["factor_std_random"], attrs["factor_std_shared"])
+            digits = decimals(std, 2)
+            number = f"{attrs['factor']:.{digits}f} ± {std:.{digits}f}"
+            span = f"{attrs['low']:.3g} to {attrs['high']:.3g}"
+            texts.append(f"{title}: {number}, {span}{_describe_viscosity(attrs)}")
+    return "\n".join(texts)
+
+
+def describe_following(film: xr.Dataset) -> str:
+    """Correlation of the films with |speed|; empty where none is known."""
+    if "speed_correlation" not in film:
+        return ""
+    rank, log, low, high = (float(film[name][0, 0]) for name in _CORRELATION)
+    if not np.isfinite(log):
+        return ""
+    text = f"correlation {log:+.2f} ({low:+.2f} to {high:+.2f}), rank {rank:+.2f}"
+    mean = float(film.speed_correlation[1, 0])
+    return text + (f"; of the mean {mean:+.2f}" if np.isfinite(mean) else "")
+
+
+def describe_delay(film: xr.Dataset) -> str:
+    """Delay of the minimum behind the speed, in degrees of the drive; empty where not known."""
+    delay = float(film.get("speed_delay", np.nan))
+    if not np.isfinite(delay):
+        return ""
+    side = "late" if delay > 0 else "early"
+    return f"{abs(delay):.0f} ± {float(film.speed_delay_std):.0f}° {side}"
+
+
+def describe_correlations(film: xr.Dataset) -> str:
+    """Correlations of the films with speed and with speed over load, a line each."""
+    if "speed_correlation" not in film:
+        return ""
+    lines = []
+    for j, against in enumerate(film.correlated_with.values):
+        texts = []
+        for k, name in enumerate(film.correlated_film.values):
+            rank, log, low, high = (float(film[one][k, j]) for one in _CORRELATION)
+            if np.isfinite(log):
+                texts.append(f"{name} {log:+.2f} ({low:+.2f} to {high:+.2f}), rank {rank:+.2f}")
+        lines += [f"{against}: " + "; ".join(texts)] if texts else []
+    return "\n".join([*lines, *filter(None, [describe_delay(film)])])

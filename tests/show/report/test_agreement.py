@@ -1,0 +1,50 @@
+"""Lines on film, theory and speed: what is not known is left out."""
+
+import numpy as np
+import xarray as xr
+
+from erlif.show.report.agreement import (
+    describe_correlations,
+    describe_delay,
+    describe_factor,
+    describe_following,
+    describe_other_factors,
+)
+
+ATTRS = {"factor": 2.0, "factor_std_random": 0.01, "factor_std_shared": 0.02, "low": 1.9}
+
+
+ATTRS |= {"high": 2.1, "outward": 2.05, "back": 1.95}
+
+
+def with_ratio(name, **attrs):
+    return xr.Dataset({name: ("trigger", [2.0, 2.0], ATTRS | attrs)})
+
+
+def test_one_direction_and_an_unknown_viscosity_are_left_out():
+    film = with_ratio("film_over_hamrock_dowson", back=np.nan).assign(film_hamrock_dowson=1.0)
+    assert describe_factor(film) == (
+        "2.000 ± 0.010 ± 0.020 × Hamrock-Dowson, line contact (2.65); 1.9 to 2.1"
+    )
+    unknown = with_ratio("film_over_hamrock_dowson", factor=np.nan)
+    assert describe_factor(unknown) == describe_factor(xr.Dataset()) == ""
+
+
+def test_each_theory_has_a_line_with_its_viscosity():
+    viscosity = {"viscosity": 0.25, "viscosity_std": 0.02, "viscosity_given": 0.12}
+    film = with_ratio("film_over_theory", **viscosity).merge(with_ratio("film_over_predicted"))
+    assert describe_other_factors(film).splitlines() == [
+        "regime map: 2.000 ± 0.022, 1.9 to 2.1; takes 0.25 ± 0.02 of 0.12 Pa s",
+        "transient film: 2.000 ± 0.022, 1.9 to 2.1",
+    ]
+
+
+def test_correlations_and_delay_that_are_not_known_are_left_out():
+    unknown = ("correlated_film", "correlated_with"), np.full((3, 1), np.nan)
+    names = [f"speed_correlation{part}" for part in ("_rank", "", "_low", "_high")]
+    film = xr.Dataset(dict.fromkeys(names, unknown)).assign(
+        correlated_film=["film_min", "film_mean", "film_gap_mean"], correlated_with=["speed"]
+    )
+    assert describe_following(film) == describe_correlations(film) == describe_delay(film) == ""
+    late = film.assign(speed_delay=12.4, speed_delay_std=2.0)
+    assert describe_delay(late) == describe_correlations(late) == "12 ± 2° late"
