@@ -4,6 +4,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from oracles.newton import take_step
+
 
 class LineFilm(NamedTuple):
     """Films over R: smallest, at the line of centres, and of the flow (where dp/dx is zero)."""
@@ -57,29 +59,17 @@ def solve_line(U, W, G, *, cells=240):
             by_pressure[i, i] -= mobility[:-1] * thinning[1:-1]
             slope, by_approach = np.diff(by_pressure, axis=0), np.diff(by_film)
 
-            change, lift = np.where(active, 0.0, -pressure), 0.0
-            inside = np.flatnonzero(active)
-            matrix = np.zeros((inside.size + 1, inside.size + 1))
-            matrix[:-1, :-1], matrix[:-1, -1] = slope[np.ix_(inside, inside)], by_approach[inside]
-            matrix[-1, :-1] = width[inside]
-            right = np.append(
-                -(excess + slope @ change)[inside], load - (pressure + change) @ width
+            pressure, approach, active, size = take_step(
+                *(pressure, approach, active),
+                excess=excess,
+                slope=slope,
+                by_approach=by_approach,
+                area=width,
+                load=load,
+                film=film,
+                sinking=sinking,
             )
-            size = np.abs(matrix).max(axis=1)
-            *change[inside], lift = np.linalg.solve(matrix / size[:, None], right / size)
-
-            # no step of more than half of the largest pressure, or half of the film
-            falling = -(lift + sinking @ change) / film
-            step = min(
-                1, 0.5 * pressure.max() / np.abs(change).max(), 0.5 / max(falling.max(), 0.5)
-            )
-            pressure, approach = pressure + step * change, approach + step * lift
-            outlook = excess + slope @ change + by_approach * lift
-            changed = np.where(active, pressure > 0, outlook < 0) if step > 0.2 else active
-            pressure = np.maximum(pressure, 0)
-            done = np.abs(change).max() < 1e-8 * pressure.max() and (changed == active).all()
-            active = changed
-            if done:
+            if size < 1e-8:
                 break
         else:
             raise RuntimeError(f"no solution at a load of {load:.3g}")

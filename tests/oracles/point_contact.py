@@ -6,6 +6,8 @@ import numpy as np
 import scipy.sparse
 from scipy.sparse.linalg import spsolve
 
+from oracles.newton import take_step
+
 
 class PointFilm(NamedTuple):
     """Smallest film and that at the point of least distance when dry, over Rx."""
@@ -168,26 +170,17 @@ def solve_point(U, W, G, *, across=1.0, cells=(48, 18), far=12.0):
             excess, by_approach = outflow(flux), outflow(by_film)
             slope = outflow(by_pressure, (pressure.size,))
 
-            change = np.where(active, 0.0, -pressure)
-            inside = np.flatnonzero(active)
-            matrix = np.zeros((inside.size + 1, inside.size + 1))
-            matrix[:-1, :-1], matrix[:-1, -1] = slope[np.ix_(inside, inside)], by_approach[inside]
-            matrix[-1, :-1] = area[inside]
-            right = np.append(-(excess + slope @ change)[inside], load - (pressure + change) @ area)
-            size = np.abs(matrix).max(axis=1)
-            *change[inside], lift = np.linalg.solve(matrix / size[:, None], right / size)
-
-            falling = -(lift + gaps[0][1] @ change) / films[0]
-            step = min(
-                1, 0.5 * pressure.max() / np.abs(change).max(), 0.5 / max(falling.max(), 0.5)
+            pressure, approach, active, size = take_step(
+                *(pressure, approach, active),
+                excess=excess,
+                slope=slope,
+                by_approach=by_approach,
+                area=area,
+                load=load,
+                film=films[0],
+                sinking=gaps[0][1],
             )
-            pressure, approach = pressure + step * change, approach + step * lift
-            outlook = excess + slope @ change + by_approach * lift
-            changed = np.where(active, pressure > 0, outlook < 0) if step > 0.2 else active
-            pressure = np.maximum(pressure, 0)
-            done = np.abs(change).max() < 1e-6 * pressure.max() and (changed == active).all()
-            active = changed
-            if done:
+            if size < 1e-6:
                 break
         else:
             raise RuntimeError(f"no solution at a load of {load:.3g}")
