@@ -1,12 +1,12 @@
 """Is the friction of the measured film that of the true film? Runs of the virtual rig.
 
     pip install -e .
-    python benchmarks/friction_of_film.py                 # 20 rigs of 96 x 64 pixels, 5 minutes
-    python benchmarks/friction_of_film.py --rigs 4 --size 160x128
+    python benchmarks/friction_of_film.py                 # 20 rigs of 160 x 128 pixels, 8 minutes
+    python benchmarks/friction_of_film.py --rigs 4 --size 96x64
 
 The truth is the sum of eta U / h over the true gap all round and over the whole length, tilt
 included, and the moment of the load from the true place of the pin (tests/scenes/friction.py). That
-of the region is the sum over the true map, marks included; the mean film of the same pixels is
+of the region is the sum over the true map, marks included; the mean of the gap over the region is
 beside it, as its errors are the same. Errors are given in
 stated standard deviations: the mean and the root mean square over the triggers of each rig, and the
 share within 2. What repeats at every trigger of a rig (calibration, marks) is in its mean.
@@ -27,7 +27,7 @@ from erlif.rig.settings import RigSettings
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 from scenes.friction import true_friction
 
-NUMBERS = {"torque": "friction_torque", "region": "film_drag", "mean film": "film_mean"}
+NUMBERS = {"torque": "friction_torque", "region": "film_drag", "mean gap": "film_gap_mean"}
 """What is compared, and its variable."""
 
 
@@ -75,7 +75,7 @@ def main() -> None:
     """Print a row for each rig, then the whole."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("--rigs", type=int, default=20)
-    parser.add_argument("--size", default="96x64")
+    parser.add_argument("--size", default="160x128")
     options = parser.parse_args()
     size = tuple(map(int, options.size.split("x")))
     pulls: dict[str, list[np.ndarray]] = {name: [] for name in NUMBERS}

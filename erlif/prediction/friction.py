@@ -39,7 +39,7 @@ def find_drag(
     couette : array, (trigger,)
         Viscosity times sliding speed. [Pa m]
     area : float
-        Of the region, to which the mean over the measurable pixels is extrapolated. [m2]
+        Of the region. [m2]
     calibration_cov : array
         `RatioCurve.full_covariance`.
     viscosity_std : float
@@ -54,17 +54,15 @@ def find_drag(
     --------
     >>> from erlif.trend import FilmNumber, FilmStatistics, GapMinimum
     >>> one, none = FilmNumber(5.0, 0.1, 0.0, np.zeros(3)), np.zeros(2)
-    >>> gap = GapMinimum(one, one, none, 0.0, none, none, none)
+    >>> gap = GapMinimum(one, one, one.scaled(0), none, 0.0, none, none, none)
     >>> film = FilmStatistics(one, gap, 0.0, FilmNumber(0.2, 0.01, 0.0, np.zeros(3)))
     >>> drag = find_drag([film], np.array([0.01]), area=1e-4, calibration_cov=np.eye(3))
     >>> drag.film_drag.values.round(3), drag.film_drag_std.values.round(3)
     (array([0.2]), array([0.01]))
     """
-    value = np.array([one.inverse.value for one in statistics])
-    known = np.array([one.inverse.std(calibration_cov) for one in statistics])
-    # a part beyond the range is not known: 0 to 2 times the shear of the rest
-    beyond = np.array([one.beyond_range for one in statistics]) / np.sqrt(3)
-    std = np.sqrt(known**2 + (viscosity_std**2 + beyond**2) * value**2)
+    value = np.array([one.region_inverse.value for one in statistics])
+    known = np.array([one.region_inverse.std(calibration_cov) for one in statistics])
+    std = np.hypot(known, viscosity_std * value)
     force = _MICRO * couette * area  # of a film of 1 um
     columns = {"film_drag": force * value, "film_drag_std": force * std}
     return xr.Dataset({name: FILM[name].fill(each) for name, each in columns.items()})

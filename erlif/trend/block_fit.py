@@ -160,11 +160,18 @@ def _iterate(blocks: BlockMeans, curve: FilmCurve, shapes: Array, base: Array) -
     goal = chosen @ (curve.film[place] - base.mean(axis=0))
     amplitudes: Array = np.asarray(np.linalg.solve(square, goal), float)
 
+    # the log ratio is bent within a block that is as wide as the film changes along it
+    width = np.sqrt(np.maximum(blocks.along_squared - blocks.along**2, 0.0))
+    parabola = np.linalg.pinv(np.vander(blocks.along, 3, increasing=True))[1:]
+    rates = width * np.stack([np.ones_like(width), 2 * blocks.along])
+
     trust = use.astype(float)
     response = trust
     surface = 0.0  # variance of the film about a smooth gap beyond that of the noise [um2]
     for step in range(_MOST_STEPS):
-        places = np.clip(base + amplitudes @ shapes, *curve.films[[0, -1]])
+        middle = base + amplitudes @ shapes
+        spread = (parabola @ middle.mean(axis=0)) @ rates
+        places = np.clip(np.vstack([middle - spread, middle + spread]), *curve.films[[0, -1]])
         predicted, slope = (one.mean(axis=0) for one in curve.predict(places))
         film = places.mean(axis=0)
         residual = value - predicted

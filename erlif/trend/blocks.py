@@ -17,6 +17,9 @@ from erlif.core.products import RatioImages, ThicknessMaps
 # Width of the blocks whose pixels are summed. [px]
 BLOCK = 8
 
+# Part of the last position by which a bound may lie beside a pixel that it includes.
+_ROUNDING = 1e-12
+
 
 @dataclass(frozen=True)
 class BlockSums:
@@ -225,5 +228,7 @@ def find_region(x: Array, y: Array, *, roi: tuple[Interval, Interval] | None = N
 
 def _slice_between(position: Array, bounds: Interval) -> slice:
     low, high = bounds
-    first = int(np.searchsorted(position, low))
-    return slice(first, int(np.searchsorted(position, high, side="right")))
+    # a bound at a pixel includes it, whatever the last digit of its position
+    little = _ROUNDING * float(position[-1])
+    first = int(np.searchsorted(position, low - little))
+    return slice(first, int(np.searchsorted(position, high + little, side="right")))

@@ -1,4 +1,4 @@
-"""A smooth gap fitted to the ratio of a region, and its minimum.
+"""A smooth gap fitted to the ratio of a region, its minimum, and what it adds to the map.
 
 The gap is h = a + b s + c z + d s^2 + e z^2, with s along sliding and z across, both from -1 to 1
 over the region. A plane has the tilts b and c alone, a line contact is curved along sliding, a
@@ -17,7 +17,7 @@ import numpy as np
 
 from erlif.core.arrays import Array
 from erlif.trend.block_fit import BlockFit, BlockMeans, average_blocks, fit_blocks, sum_by_strips
-from erlif.trend.blocks import BlockSums, Region
+from erlif.trend.blocks import BLOCK, BlockSums, Region
 from erlif.trend.bore import AxialShape
 from erlif.trend.curve import FilmCurve
 
@@ -77,6 +77,21 @@ class FilmNumber(NamedTuple):
         shared = float(self.gradient @ covariance @ self.gradient)
         return math.sqrt(self.random_std**2 + self.surface_std**2 + shared)
 
+    def scaled(self, by: float) -> FilmNumber:
+        """Return this number times another."""
+        value, random, surface, gradient = self
+        return FilmNumber(by * value, by * random, by * surface, by * gradient)
+
+    def plus(self, other: FilmNumber) -> FilmNumber:
+        """Return the sum with a number from the same pixels, whose errors add up."""
+        value, random, surface, gradient = other
+        return FilmNumber(
+            self.value + value,
+            self.random_std + random,
+            self.surface_std + surface,
+            self.gradient + gradient,
+        )
+
     @classmethod
     def unknown(cls, parameters: int) -> FilmNumber:
         """Make the number of a film that has none."""
@@ -91,6 +106,9 @@ class GapMinimum(NamedTuple):
     minimum : FilmNumber
     mean : FilmNumber
         Over the whole region, also where its film is beyond the measurable range.
+    unseen : FilmNumber
+        Sum of the inverse of the gap over the pixels without a measurable film, over all pixels of
+        the region. [1/um]
     place : Array
         Where the fitted gap has its minimum, (axis,): column and row of the image. [px]
     misfit : float
@@ -105,6 +123,7 @@ class GapMinimum(NamedTuple):
 
     minimum: FilmNumber
     mean: FilmNumber
+    unseen: FilmNumber
     place: Array
     misfit: float
     bend: Array
@@ -161,12 +180,19 @@ def find_gap_minimum(
     >>> print(f"{found.minimum.value:.3f}")
     3.000
     """
-    blocks = average_blocks(sums, sliding_along_x=sliding_along_x)
-    return _fit_gap(blocks, curve, region, contact, bore, sliding_along_x=sliding_along_x)
+    return find_gap_minima(
+        sums,
+        curve,
+        region=region,
+        sliding_along_x=sliding_along_x,
+        contacts=[contact],
+        bore=bore,
+    )[contact]
 
 
 def _fit_gap(
     blocks: BlockMeans,
+    missing: Array,
     curve: FilmCurve,
     region: Region,
     contact: GapShape,
@@ -174,7 +200,10 @@ def _fit_gap(
     *,
     sliding_along_x: bool,
 ) -> GapMinimum:
-    """The minimum of the gap of one contact through the means of blocks."""
+    """The minimum of the gap of one contact through the means of blocks.
+
+    `missing` are the pixels without a measurable film in each block, over all of the region.
+    """
     s, z = blocks.along, blocks.across
     shapes = np.stack([np.ones_like(s), s, z, blocks.along_squared, blocks.across_squared])
     count = _SHAPES[contact]
@@ -182,7 +211,7 @@ def _fit_gap(
     base = 0.0 if bore is None else bore.in_blocks(blocks, axial)
     fit = fit_blocks(blocks, curve, shapes[:count], base=base)
     unknown, number = np.full(2, math.nan), FilmNumber.unknown(len(curve.gradient))
-    nothing = GapMinimum(number, number, unknown, math.nan, *(unknown,) * 3)
+    nothing = GapMinimum(*(number,) * 3, unknown, math.nan, *(unknown,) * 3)
     if fit is None:
         return nothing
 
@@ -224,7 +253,19 @@ def _fit_gap(
     if found.misfit > MISFIT and minimum.surface_std > tolerated:
         return found
     place = _pixel_of(region, (along, across) if sliding_along_x else (across, along))
-    return found._replace(minimum=minimum, mean=mean, place=place)
+    found = found._replace(minimum=minimum, mean=mean, place=place)
+
+    # the gap where no film is measurable
+    middles = (_middles_of_blocks(pixels) for pixels in (region.rows, region.columns))
+    down, right = np.meshgrid(*middles, indexing="ij")
+    s, z = (each[missing > 0] for each in ((right, down) if sliding_along_x else (down, right)))
+    shapes = np.stack([np.ones_like(s), s, z, s**2, z**2])[:count]
+    gap = fit.amplitudes @ shapes + (0.0 if bore is None else bore.within(axial, z))
+    if (gap <= 0).any():
+        return found
+    inverse = missing[missing > 0] / gap
+    unseen = _number_of(shapes @ (-inverse / gap), 0.0, fit, blocks, by_block)
+    return found._replace(unseen=unseen._replace(value=float(inverse.sum())))
 
 
 def _number_of(
@@ -278,8 +319,11 @@ def find_gap_minima(
     nan
     """
     blocks = average_blocks(sums, sliding_along_x=sliding_along_x)
+    high, wide = ([min(BLOCK, size - at) for at in range(0, size, BLOCK)] for size in sums.size)
+    missing = (np.outer(high, wide) - sums.measurable) / math.prod(sums.size)
+    options = {"sliding_along_x": sliding_along_x}
     return {
-        contact: _fit_gap(blocks, curve, region, contact, bore, sliding_along_x=sliding_along_x)
+        contact: _fit_gap(blocks, missing, curve, region, contact, bore, **options)
         for contact in contacts
     }
 
@@ -305,7 +349,7 @@ def choose_contact(triggers: Sequence[Mapping[GapShape, GapMinimum]]) -> GapShap
     --------
     >>> small, none = np.full(2, 1e-4), np.zeros(2)
     >>> film = FilmNumber(1.0, 0.1, 0.1, none)
-    >>> bent = GapMinimum(film, film, none, 0.0, np.array([3.0, 2.0]), small, small)
+    >>> bent = GapMinimum(film, film, film, none, 0.0, np.array([3.0, 2.0]), small, small)
     >>> str(choose_contact([{GapShape.POINT: bent}]))
     'point'
     >>> bent = bent._replace(bend=np.array([3.0, 0.01]))
@@ -408,6 +452,13 @@ def _measure_misfit(blocks: BlockMeans, fit: BlockFit, thickest: float) -> float
     smooth = float(shared @ np.linalg.pinv(shapes @ shapes.T, hermitian=True) @ shared)
     rest = (float(film @ film) - smooth) / (count - len(powers))
     return smooth / count / max(rest, float((blocks.variance[use] / slope**2).mean()))
+
+
+def _middles_of_blocks(pixels: slice) -> Array:
+    """Middles of the blocks of some pixels, whose positions go from -1 to 1."""
+    last = int(pixels.stop - pixels.start) - 1
+    starts = np.arange(0, last + 1, BLOCK)
+    return (starts + np.minimum(starts + BLOCK - 1, last)) / last - 1
 
 
 def _pixel_of(region: Region, position: tuple[float, float]) -> Array:

@@ -39,14 +39,29 @@ class FilmStatistics:
         Share of the region outside the measurable range. The mean is that of the rest; the
         gap is not affected. [1]
     inverse : FilmNumber
-        Mean of the inverse of the film over the measurable pixels, to which its shear is in
-        proportion. [1/um]
+        Mean of the inverse of the film over the measurable pixels. [1/um]
+    measured : float
+        Share of the measurable pixels in the region. [1]
     """
 
     mean: FilmNumber
     gap: GapMinimum
     beyond_range: float
     inverse: FilmNumber
+    measured: float = 1.0
+
+    @property
+    def region_inverse(self) -> FilmNumber:
+        """Mean inverse of the film over the whole region, to which its shear is in proportion.
+
+        Where no film is measurable it is that of the gap; without a gap it is 0 to 2 times that of
+        the rest. [1/um]
+        """
+        seen, unseen = self.inverse.scaled(self.measured), self.gap.unseen
+        if math.isfinite(unseen.value):
+            return seen.plus(unseen)
+        unknown = (1 - self.measured) * self.inverse.value / math.sqrt(3)
+        return self.inverse._replace(random_std=math.hypot(self.inverse.random_std, unknown))
 
     @property
     def departs(self) -> bool:
@@ -159,7 +174,8 @@ def summarise_blocks(sums: BlockSums, curve: FilmCurve, minimum: GapMinimum) -> 
     # of the otherwise valid pixels, those whose film lies outside the measurable range
     beyond = sums.beyond / max(sums.valid + sums.beyond, 1)
     mean, inverse = _average_film(sums, curve)
-    return FilmStatistics(mean, minimum, beyond, inverse)
+    measured = float(sums.measurable.sum()) / math.prod(sums.size)
+    return FilmStatistics(mean, minimum, beyond, inverse, measured)
 
 
 def _average_film(sums: BlockSums, curve: FilmCurve) -> list[FilmNumber]:

@@ -88,6 +88,14 @@ def test_bounds_between_pixels_keep_the_pixels_inside():
     assert (Y[rows][0], Y[rows][-1]) == (pytest.approx(2.04), pytest.approx(7.98))
 
 
+@pytest.mark.parametrize("pitch", [0.12, 0.1, 0.07, 1e3 * 1.2e-4])
+def test_a_bound_at_a_pixel_includes_it_whatever_its_last_digit(pitch):
+    x = pitch * np.arange(200)
+    for last in range(60, 190):
+        columns = find_region(x, x, roi=((0, round(last * pitch, 2)), (0, 10))).columns
+        assert columns == slice(0, last + 1)
+
+
 def test_bounds_beyond_the_image_end_with_it():
     region = find_region(X, Y, roi=((-5, 100), (4, 100)))
     assert region == Region(rows=slice(67, 160), columns=slice(0, 200))

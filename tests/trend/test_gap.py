@@ -57,15 +57,15 @@ def test_minimum_of_a_parabola_with_a_tilt_is_found(minimum, centre):
 
 @pytest.mark.parametrize(("centre", "edge"), [(-5.0, 0), (20.0, -1)])
 def test_minimum_outside_the_region_is_that_of_the_nearest_edge(centre, edge):
-    """A mean of the log ratio over 0.48 mm of a slope of 1.6 um/mm is off by some nm."""
+    """The log ratio is bent within 0.48 mm of a slope of 1.6 um/mm, by up to 10 nm."""
     film = known_gap(2.0, centre=centre)
     expected = 2.0 + (X[edge] - centre) ** 2 / (2 * RADIUS)
-    npt.assert_allclose(fit(exact_ratios(film)).minimum.value, expected, atol=0.01)
+    npt.assert_allclose(fit(exact_ratios(film)).minimum.value, expected, atol=1e-3)
 
     # thickest in the middle
     film = 6.0 - (X - 5.0)[None, :] ** 2 / (2 * RADIUS) + 0 * Y[:, None]
     expected = 6.0 - (X[-1] - 5.0) ** 2 / (2 * RADIUS)
-    npt.assert_allclose(fit(exact_ratios(film)).minimum.value, expected, atol=0.01)
+    npt.assert_allclose(fit(exact_ratios(film)).minimum.value, expected, atol=1e-3)
 
 
 def test_many_blocks_are_merged_without_a_change_of_the_minimum():

@@ -181,7 +181,9 @@ class TriggerResult:
             mean=extended(statistics.mean),
             inverse=extended(statistics.inverse),
             gap=statistics.gap._replace(
-                minimum=extended(statistics.gap.minimum), mean=extended(statistics.gap.mean)
+                minimum=extended(statistics.gap.minimum),
+                mean=extended(statistics.gap.mean),
+                unseen=extended(statistics.gap.unseen),
             ),
         )
         if position is not None:
@@ -215,6 +217,7 @@ class TriggerResult:
             _gap(arrays, "film_gap"),
             float(arrays["film_beyond_range"]),
             _number(arrays, "film_inverse"),
+            float(arrays["film_measured"]),
         )
         minima = {
             contact: _gap(arrays, f"gap_{contact}")
@@ -266,10 +269,10 @@ def _number(arrays: Mapping[str, AnyArray], name: str) -> FilmNumber:
 
 def _gap(arrays: Mapping[str, AnyArray], name: str) -> GapMinimum:
     """Read back what `_flatten` made of a gap."""
-    minimum, mean = (_number(arrays, f"{name}_{part}") for part in ("minimum", "mean"))
-    place, misfit, *bends = (arrays[f"{name}_{part}"] for part in GapMinimum._fields[2:])
+    lowest, mean, unseen = (_number(arrays, f"{name}_{part}") for part in GapMinimum._fields[:3])
+    place, misfit, *bends = (arrays[f"{name}_{part}"] for part in GapMinimum._fields[3:])
     bend, random, surface = bends
-    return GapMinimum(minimum, mean, place, float(misfit), bend, random, surface)
+    return GapMinimum(lowest, mean, unseen, place, float(misfit), bend, random, surface)
 
 
 def frames_in(results: Iterable[TriggerResult]) -> list[FrameResult]:

@@ -60,10 +60,11 @@ def test_shear_of_the_region_is_known_as_its_mean_film_is(lab, film):
     assert np.abs(off + off_mean)[seen].max() < 0.005
     std, std_mean = (film[f"{name}_std"] / film[name] for name in ("film_drag", "film_mean"))
     npt.assert_allclose(std[seen], std_mean[seen], rtol=0.3)
-    # a part that is not measured is not known
+    # where part of the film is beyond the range, the gap gives the shear there
     far = film.share_beyond_range.values > 0.05
-    assert (np.abs(off)[far] < 2 * std.values[far]).all()
-    assert (std.values[far] > 2 * std_mean.values[far]).all()
+    pull = off[far] / std.values[far]  # of one rig, whose triggers share most of the error
+    assert np.sqrt((pull**2).mean()) < 2
+    assert np.abs(off)[far].max() < 0.01
 
 
 @pytest.mark.slow
