@@ -72,14 +72,17 @@ def test_cameras_in_order_are_never_taken_for_exchanged(tmp_path, seed):
 @pytest.mark.parametrize(
     "damage",
     [
-        {"brightness": (0.9, 1.0)},
+        {"brightness": (0.85, 1.0)},
         {"brightness": (1.0, 1.25)},
         {"brightness": (1.0, 0.75), "film_reference": 3.0},  # below the ratio of no film
         {"wall": (0.1, 0.3)},
     ],
 )
 def test_wrong_ratio_is_a_warning_and_the_map_excludes_exchanged_cameras(sound, tmp_path, damage):
-    """Light, filter or gain of one camera, and a wall of another reflectance."""
+    """Light, filter or gain of one camera, and a wall of another reflectance.
+
+    The limits are two errors of the fixture wide, 4 % of this one: 10 % are found or not by chance.
+    """
     simulate(tmp_path, seed=3, rig=RigSettings(**(SMALL | damage)))
     before_wall = "wall" in damage  # the fixture has one too
     calibration = erlif.calibrate(tmp_path / "fixture") if before_wall else sound[1]
