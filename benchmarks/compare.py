@@ -2,10 +2,14 @@
 
     python benchmarks/compare.py SCRATCH --runs 12      # photographed runs, all pairs of them
     python benchmarks/compare.py SCRATCH --drawn 400    # films drawn from the error model
+    python benchmarks/compare.py SCRATCH --rigs 10      # real rigs that state nothing, 7 minutes
 
 One virtual rig of 160 x 128 pixels photographs runs of one film law, and as many of films 5 %
 thicker. Cameras and fixture stay; surfaces, pulses, flats, darks and noise are new in every run.
 All are measured with one calibration. The truth is the difference of the true films of the rigs.
+
+Real rigs have the faults of ``real_rigs.py``, drawn from the default widths of [systematics]. Their
+runs are 0, 2, 5 and 24 % thicker than the first, and what changes from run to run is drawn anew.
 """
 
 from __future__ import annotations
@@ -18,6 +22,7 @@ from pathlib import Path
 from unittest import mock
 
 import numpy as np
+import real_rigs
 import xarray as xr
 
 SEED = 901
@@ -117,6 +122,82 @@ def photographed(scratch: Path, runs: int) -> None:
         print(f"   cells stated to differ: {alarms / tests:.1%}")
 
 
+TIMES = (1.0, 1.02, 1.05, 1.24)
+"""Films of the later runs of a real rig over those of the first."""
+
+
+def change_rig(rig, rng):
+    """The same rig in a later run: scale of the ratio, wall and background move a little.
+
+    Temperature and bleaching are new, so that the scale moves by both temperatures.
+    """
+    one = rng.multivariate_normal([0, 0], 0.003**2 * np.array([[1, 0.9], [0.9, 1]]))
+    before = rig.background, rig.background * rig.background_second
+    first, second = np.abs(np.add(before, one))
+    fixture, joint = rig.wall
+    new, *_ = real_rigs.draw_rig(rng)
+    return replace(
+        rig,
+        brightness=(1.0, rig.brightness[1] + rng.normal(0, np.hypot(0.003, np.sqrt(2) * 0.005))),
+        wall=(fixture, abs(joint + rng.normal(0, 0.002))),
+        background=float(first),
+        background_second=float(second / first),
+        glow_per_kelvin=new.glow_per_kelvin,
+        bleaching=new.bleaching,
+    )
+
+
+def real(scratch: Path, count: int) -> None:
+    """Differences of the runs of real rigs, their coverage and verdicts."""
+    import erlif
+    from erlif.review.comparison import compare
+    from erlif.rig import directory as run
+    from erlif.rig import setup, simulate
+
+    number = 0
+
+    def stream(seed: int, name: str, number_of: int = 0) -> np.random.Generator:
+        return setup.random_stream(seed + (1000 * number if name in NEW else 0), name, number_of)
+
+    rows = []
+    for seed in range(count):
+        rng = np.random.default_rng([78, seed])
+        first, *_ = real_rigs.draw_rig(np.random.default_rng([77, seed]))
+        first, films, truths = replace(first, film_reference=5.0, film_floor=0.6), [], []
+        for number, times in enumerate((1.0, *TIMES)):
+            out = scratch / f"real_{seed}_{number}"
+            rig = change_rig(first, rng) if number else first
+            film = {"film_reference": 5.0 * times, "film_floor": 0.6 * times}
+            if not (out / "film.nc").exists():
+                with mock.patch.object(run, "random_stream", stream):
+                    simulate(out, seed=SEED + seed, rig=replace(rig, **film))
+                calibration = scratch / f"real_{seed}_0" / "fixture"
+                made = erlif.calibrate(calibration)
+                erlif.process(
+                    out / "run", calibration=made, output=out / "film.nc", workers=1
+                ).close()
+            films.append(out / "film.nc")
+            truths.append(read(out)[3])
+        for later, times in enumerate(TIMES, 1):
+            found = compare([films[0], films[later]])
+            for name in ("film_min", "film_mean"):
+                one = found.isel(pair=0).sel(statistic=name)
+                known = np.isfinite(one.difference_at.values)
+                true = float((truths[later][name] - truths[0][name])[known].mean())
+                value, std = float(one.difference), float(one.difference_std)
+                rows.append((times, name, (value - true) / std, std, bool(one.differs), true))
+        print(seed, [f"{pull:+.2f}" for _, _, pull, *_ in rows[-8:]], flush=True)
+    for times in TIMES:
+        for name in ("film_min", "film_mean"):
+            own = [row for row in rows if row[:2] == (times, name)]
+            show(f"real rigs, {times - 1:.0%} thicker, {name}", np.array([row[2] for row in own]))
+            std, differ, true = (np.array([row[k] for row in own]) for k in (3, 4, 5))
+            print(
+                f"   std {np.median(std):.3f} um, true difference {true.mean():.3f} um, stated to "
+                f"differ: {differ.sum()} of {differ.size}"
+            )
+
+
 def cell_truth(film, flags, mapped):
     """Mean of a true map over the valid pixels of each cell of 8 x 8."""
     rows, columns = mapped.difference.shape
@@ -158,7 +239,7 @@ def draw(record, rng, *, true: float, shared: bool):
     """Three runs whose errors follow the model; the second and third are thicker by `true`."""
     from erlif.review.comparison.records import REPEATING
 
-    spread = np.linalg.cholesky(record.calibration.full_covariance)
+    spread = np.linalg.cholesky(record.errors.curve.full_covariance)
     common = spread @ rng.standard_normal(len(spread))
     runs = []
     for k in range(3):
@@ -170,7 +251,8 @@ def draw(record, rng, *, true: float, shared: bool):
             noise = noise + np.sqrt(share) * rng.standard_normal()
             value[name] = film + true * (k > 0) + own * noise + record.gradient[name] @ error
         key = "shared" if shared else str(k)
-        runs.append(replace(record, value=value, calibration_key=key))
+        errors = replace(record.errors, fixture=key, rig=key)
+        runs.append(replace(record, value=value, errors=errors))
     return runs
 
 
@@ -188,11 +270,14 @@ def main() -> None:
     parser.add_argument("scratch", type=Path)
     parser.add_argument("--runs", type=int, default=0)
     parser.add_argument("--drawn", type=int, default=0)
+    parser.add_argument("--rigs", type=int, default=0)
     options = parser.parse_args()
     warnings.simplefilter("ignore")
     options.scratch.mkdir(parents=True, exist_ok=True)
     if options.drawn:
         drawn(options.scratch, options.drawn)
+    if options.rigs:
+        real(options.scratch, options.rigs)
     if options.runs:
         photographed(options.scratch, options.runs)
 

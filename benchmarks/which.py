@@ -9,6 +9,7 @@ A sentence is right if it names what carries the film, or that no model fits.
 """
 
 import argparse
+import re
 import sys
 import tempfile
 import time
@@ -16,11 +17,13 @@ import warnings
 from pathlib import Path
 
 import numpy as np
+import xarray as xr
 
 import erlif
 from erlif.pipeline.physics.fit import state_physics
 from erlif.pipeline.physics.predict import read_film
 from erlif.rig import RigSettings, simulate
+from erlif.rig.film import list_triggers
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 from scenes.carried import FORMULA, KINDS, compare, pulls
@@ -29,31 +32,57 @@ SEEDS = 5
 FILMS, CORRELATIONS = 100, (0.0, 0.5, 0.9)
 
 TOP = 1e6 * float(FORMULA.max())
+TRIGGERS = np.arange(50) / 50
+SPEED = np.abs(list_triggers(RigSettings()).speed)
 LAW = {"film_floor": 1e-3, "tilt": 0.0, "load_swing": 0.0}
-SAW = tuple(5 + (7 * np.arange(50) / 50) % 1)
-PHOTOGRAPHS = {
-    "formula": {**LAW, "film_reference": TOP, "exponent": 0.7},
-    "formula x 5": {**LAW, "film_reference": 5.03 * TOP, "exponent": 0.7},
-    "power": {**LAW, "film_reference": 9.0, "exponent": 0.4},
-    "constant": {**LAW, "film_table": (6.0,) * 50},
-    "stick-slip": {**LAW, "film_table": SAW},
-    "free pin": {"film": "reynolds", "tilt": 0.0},
-    "other oil": {
-        "film": "reynolds",
-        "tilt": 0.0,
-        "viscosity": 0.3,
-        "stated_viscosity": 0.12,
-        "elapsed": 60.0,
-    },
-    "guided pin": {
-        "film": "reynolds",
-        "tilt": 0.0,
-        "sideways": "guided",
-        "load": 2000.0,
-        "elapsed": 6.0,
-    },
+FREE = {"film": "reynolds", "tilt": 0.0}
+HELD = {**FREE, "sideways": "guided", "load": 2000.0, "elapsed": 6.0}
+
+
+def table(film, rng, **changes):
+    """Rig of a film that is given at each trigger, or as a function of the shares of the speed."""
+    if callable(film):
+        film = film(SPEED / SPEED.max(), rng)
+    return {**LAW, "film_table": tuple(np.asarray(film, float)), **changes}
+
+
+RIGHT = {"rocking": "The pin rocks"}
+"""Sentences that no film of `KINDS` has."""
+
+_NUMBER = r"([0-9.]+) ± ([0-9.]+)"
+PATTERN = {
+    "formula": re.compile(f"{_NUMBER} times"),
+    "formula x 5": re.compile(f"{_NUMBER} times"),
+    "power": re.compile(f"power {_NUMBER}"),
+    "power above an offset": re.compile(f"power {_NUMBER}"),
+    "free pin": re.compile(f"{_NUMBER} Pa s"),
+    "other oil": re.compile(f"{_NUMBER} Pa s"),
+    "guided pin": re.compile(f"{_NUMBER} Pa s"),
 }
-"""Changes of the rig."""
+"""The number of a sentence with its standard deviation."""
+
+
+def draw_photographs(rng):
+    """Kinds of films, each with the changes of the rig and the true number of the verdict."""
+    factor, power, oil = rng.uniform(0.7, 1.2), rng.uniform(0.35, 0.55), rng.uniform(0.1, 0.14)
+    wander = np.zeros(50)
+    for k in range(1, 50):
+        wander[k] = 0.8 * wander[k - 1] + 0.6 * rng.normal()
+    return {
+        "formula": ({**LAW, "film_reference": factor * TOP, "exponent": 0.7}, factor),
+        "formula x 5": ({**LAW, "film_reference": 5.03 * TOP, "exponent": 0.7}, 5.03),
+        "power": ({**LAW, "film_reference": 9.0, "exponent": power}, power),
+        "power above an offset": (table(lambda v, _: 3 + 6 * v**power, rng), power),
+        "constant": (table(np.full(50, rng.uniform(3, 8)), rng), None),
+        "correlated constant": (table(rng.uniform(4, 7) + 0.03 * wander, rng), None),
+        "stick-slip": (table(5 + (7 * TRIGGERS + rng.uniform()) % 1, rng), None),
+        "free pin": ({**FREE, "viscosity": oil, "stated_viscosity": 0.12}, oil),
+        "other oil": ({**FREE, "viscosity": 0.3, "stated_viscosity": 0.12, "elapsed": 60.0}, 0.3),
+        "guided pin": ({**HELD, "viscosity": oil, "stated_viscosity": 0.12}, oil),
+        "warming": (table(lambda v, _: 7 * v**0.7 * np.exp(-0.084 * TRIGGERS), rng), None),
+    }
+
+
 ROCKS = 0.06  # half the range of the tilt that is added to the film at rest [um/mm]
 
 
@@ -89,25 +118,50 @@ def run_constant(films):
                 print("  ", one.verdict)
 
 
-def run_photographs(seed=3):
-    for name, changes in PHOTOGRAPHS.items():
-        with tempfile.TemporaryDirectory() as folder:
-            place = Path(folder)
-            rig = RigSettings(width=128, height=96, fixture_frames=6, bubbles=0, **changes)
-            simulate(place, seed=seed, rig=rig)
-            calibration = erlif.calibrate(place / "fixture")
-            output = place / "film.nc"
-            erlif.process(place / "run", calibration=calibration, output=output, workers=1).close()
-            with erlif.open_film(output) as film:
-                print(f"{name}: {film.attrs.get('physics')}", flush=True)
-                if name.startswith("formula"):
-                    top = changes["film_reference"] / float(film.film_hamrock_dowson.max())
-                    print(f"true factor {top:.4f}, at the highest speed of a trigger")
+def photograph(place, seed, changes):
+    """Film and truth of a rig."""
+    rig = RigSettings(width=128, height=96, fixture_frames=6, bubbles=0, **changes)
+    simulate(place, seed=seed, rig=rig)
+    calibration, output = erlif.calibrate(place / "fixture"), place / "film.nc"
+    erlif.process(place / "run", calibration=calibration, output=output, workers=1).close()
+    with erlif.open_film(output) as film, xr.open_dataset(place / "truth.nc") as truth:
+        return film.load(), truth.load()
+
+
+def run_photographs(seeds):
+    right, pulls_of_numbers = {}, []
+    for seed in range(seeds):
+        for name, (changes, number) in draw_photographs(np.random.default_rng(seed)).items():
+            with tempfile.TemporaryDirectory() as folder:
+                film, truth = photograph(Path(folder), seed, changes)
+                said = {name: film.attrs["physics"]}
                 if name == "constant":
-                    source, tilt = read_film(output), film.pin_tilt.load().copy()
-                    tilt[:, 0] += ROCKS * np.sin(2 * np.pi * np.arange(len(tilt)) / len(tilt))
-                    rocking = film.load().assign(pin_tilt=tilt)
-                    print("rocking:", state_physics(rocking, source.settings, source.frames))
+                    source = read_film(Path(folder) / "film.nc")
+                    tilt = film.pin_tilt.copy()
+                    tilt[:, 0] += ROCKS * np.sin(2 * np.pi * TRIGGERS)
+                    rocking = state_physics(
+                        film.assign(pin_tilt=tilt), source.settings, source.frames
+                    )
+                    said["rocking"] = str(rocking)
+            if name.startswith("formula"):
+                number = float((truth.film_min / film.film_hamrock_dowson.values).median())
+            for kind, sentence in said.items():
+                begins = RIGHT.get(kind) or KINDS[kind].right
+                good = sentence.startswith((begins, "No model fits"))
+                decided = not sentence.startswith("No model fits")
+                right.setdefault(kind, []).append((good, decided))
+                off = ""
+                found = PATTERN[kind].search(sentence) if kind in PATTERN and decided else None
+                if found and number is not None:
+                    value, std = map(float, found.groups())
+                    pulls_of_numbers.append((value - number) / std)
+                    off = f"{value:g} ± {std:g}, true {number:.4g}"
+                print(f"{kind} {seed}: {'' if good else 'WRONG '}{off or sentence}", flush=True)
+    for kind, each in right.items():
+        good, decided = np.sum(each, axis=0)
+        print(f"{kind}: {good} of {len(each)} right, {decided} decided")
+    near = [f"{np.mean(np.abs(pulls_of_numbers) < k):.1%}" for k in (1, 2)]
+    print(f"{len(pulls_of_numbers)} numbers, within 1 and 2 std: {near}")
 
 
 if __name__ == "__main__":
@@ -122,6 +176,6 @@ if __name__ == "__main__":
     if chosen.constant:
         run_constant(chosen.films)
     elif chosen.photographs:
-        run_photographs()
+        run_photographs(chosen.seeds)
     else:
         run_kinds(chosen.seeds, chosen.kinds)

@@ -145,6 +145,9 @@ class Term(Source):
         Whether it lies between a fixture and a run: a fixture after the run shows it.
     of_two : bool
         Whether it exists with fixtures before and after the run alone.
+    apart : float | None
+        Standard deviation of its change from one run to another of the same rig and fixture, in the
+        unit of its width: the rest of it they have in common. None: it is new in every run.
     """
 
     file = "run"
@@ -153,6 +156,7 @@ class Term(Source):
     correlation = 0.0
     between = False
     of_two = False
+    apart: float | None = None
 
 
 # All sources of error by their keys.
@@ -192,6 +196,7 @@ class _Ratio(Term, key="ratio"):
     what = "scale of the ratio between fixture and run"
     cure = "Photograph the fixture before and after the run"
     width = 1.0
+    apart = 0.3
     parameters = (CONSTANT,)
     added = (RISE, STEP)
     between = True
@@ -210,6 +215,7 @@ class _Lag(Term, key="lag"):
     what = "lag of the cameras"
     cure = "Measure it with a flat and the lamp switched off, and state it"
     width = 0.5
+    apart = 0.0
     parameters = (CONSTANT,)
 
 
@@ -254,6 +260,7 @@ class _Wall(Term, key="wall"):
     what = "reflectance of the wall"
     cure = "Make fixture and joint of one material and finish, or state what both reflect"
     width = 2.0
+    apart = 0.2
     parameters = (Parameter("wall", lambda at: at.by_wall, lambda at: at.light_by_wall),)
 
 
@@ -263,6 +270,7 @@ class _Linearity(Term, key="linearity"):
     what = "linearity of the cameras"
     cure = "Photograph flats at several levels of light, and state it"
     width = 1.0
+    apart = 0.0
     parameters = (
         Parameter(
             "light 1",
@@ -281,6 +289,7 @@ class _Background(Term, key="background"):
     what = "light that is not film"
     cure = "Photograph the dry joint (8 frames)"
     width = 1.5
+    apart = 0.3
     parameters = (
         Parameter("background 1", lambda at: -at.unit[0] / at.one),
         Parameter("background 2", lambda at: at.unit[1] / at.two),

@@ -1,20 +1,61 @@
 """Errors of the calibrations of several runs, and which of them the runs have in common.
 
 Runs with one fixture have its errors in common: those of the fit, and position and size of the
-fixture. What lies between the fixture and a run is new in each of them.
+fixture. Runs of one rig have the rest in common but for what changes from run to run
+(`erlif.core.terms.Term.apart`): wall, linearity and lag of the cameras, most of the scale of the
+ratio and of the light that is not film. Temperature and bleaching are new in every run.
 """
 
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Sequence
-from dataclasses import replace
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from erlif.calibration import NO_SYSTEMATICS, RunCurve, record_calibration
 from erlif.core.arrays import Array
 from erlif.core.terms import TERMS
+from erlif.io.settings import RunSettings
+
+# Entries of [optics] and of the cameras that change the ratio.
+_OF_CAMERAS = "band", "gain", "bit_depth"
+
+
+@dataclass(frozen=True)
+class RunErrors:
+    """Errors of the calibration of a run.
+
+    Attributes
+    ----------
+    curve : RunCurve
+        With its systematics.
+    fixture : str
+        Equal for runs with one fixture.
+    rig : str
+        Equal for runs of one rig; those of one rig have one fixture.
+    widths : Mapping[str, float]
+        Standard deviation of each term before the run has measured any. [1]
+    """
+
+    curve: RunCurve
+    fixture: str
+    rig: str
+    widths: Mapping[str, float]
+
+    @classmethod
+    def of(cls, settings: RunSettings, curve: RunCurve) -> RunErrors:
+        """Errors of a run with these settings."""
+        fixture = key_of(curve)
+        cameras = [
+            [getattr(one, name) for name in _OF_CAMERAS]
+            for one in (settings.camera1, settings.camera2)
+        ]
+        parts = fixture, cameras, settings.optics, settings.joint, settings.contact
+        rig = hashlib.sha256(repr(parts).encode()).hexdigest()
+        return cls(curve, fixture, rig, settings.systematics.shares)
 
 
 def key_of(calibration: RunCurve) -> str:
@@ -32,15 +73,12 @@ def key_of(calibration: RunCurve) -> str:
     return hashlib.sha256(record.encode()).hexdigest()
 
 
-def joint_covariance(calibrations: Sequence[RunCurve], keys: Sequence[str]) -> Array:
+def joint_covariance(runs: Sequence[RunErrors]) -> Array:
     """Covariance of the errors of the calibrations of several runs.
 
     Parameters
     ----------
-    calibrations : sequence of RunCurve
-        One for each run, with its systematics.
-    keys : sequence of str
-        As `key_of` gives them; runs with one key have one fixture.
+    runs : sequence of RunErrors
 
     Returns
     -------
@@ -49,78 +87,141 @@ def joint_covariance(calibrations: Sequence[RunCurve], keys: Sequence[str]) -> A
 
     Examples
     --------
-    Two runs with one fixture have its three parameters in common, and nothing else:
+    Two runs with one fixture have its three parameters in common. Of a scale of the ratio of 1 %,
+    0.3 % is new in the second run where the rig is the same:
 
     >>> from erlif.calibration import Systematics
     >>> from erlif.show.plots import example_calibration
     >>> systematics = Systematics.of({"ratio": 0.01}, parameters=3)
     >>> run = replace(example_calibration(), systematics=systematics)
-    >>> whole = joint_covariance([run, run], ["a", "a"])
+    >>> one, other = (RunErrors(run, "a", rig, {"ratio": 0.01}) for rig in "rs")
+    >>> whole = joint_covariance([one, other])
     >>> np.allclose(whole[:3, 4:7], run.covariance), float(whole[3, 7])
     (True, 0.0)
+    >>> change = np.array([-1, 1]) @ joint_covariance([one, one])[3::4, 3::4] @ np.array([-1, 1])
+    >>> round(float(np.sqrt(change)), 6)
+    0.003
     """
     blocks = [
         [
-            one.full_covariance
+            one.curve.full_covariance
             if n == m
             else _common(one, other)
-            if keys[n] == keys[m]
-            else np.zeros((len(one.full_covariance), len(other.full_covariance)))
-            for m, other in enumerate(calibrations)
+            if one.fixture == other.fixture
+            else np.zeros((len(one.curve.full_covariance), len(other.curve.full_covariance)))
+            for m, other in enumerate(runs)
         ]
-        for n, one in enumerate(calibrations)
+        for n, one in enumerate(runs)
     ]
     return np.block(blocks)
 
 
-def _common(one: RunCurve, other: RunCurve) -> Array:
-    """Covariance of the errors of two runs (parameter, parameter) by those of their fixture."""
-    places = _of_fixture(one), _of_fixture(other)
+def _common(one: RunErrors, other: RunErrors) -> Array:
+    """Covariance of the errors of two runs (parameter, parameter) by what they have in common."""
+    places = _common_places(one), _common_places(other)
     both = [kind for kind in places[0] if kind in places[1]]
+    if one.rig != other.rig:
+        both = [kind for kind in both if _of_fixture(kind[0])]
     here, there = (np.array([place[kind] for kind in both], int) for place in places)
-    fixture = one.full_covariance[np.ix_(here, here)]
+    whole, its = one.curve.full_covariance, other.curve.full_covariance
+    std, its_std = (np.sqrt(np.diag(each)[at]) for each, at in ((whole, here), (its, there)))
+    share: Array = np.sqrt(np.array([_shared(kind[0], one, other) for kind in both], float))
 
-    # a background that was measured depends on the errors of the fixture as well
-    std = np.sqrt(np.diag(fixture))
-    scale = np.where(std > 0, std, 1.0)
-    inverse = np.linalg.pinv(fixture / np.outer(scale, scale), hermitian=True)
-    share = inverse / np.outer(scale, scale)
-    return np.asarray(one.full_covariance[:, here] @ share @ other.full_covariance[there])
+    # what a run has measured, such as a background, depends on these errors as well
+    scale, its_scale = (np.where(each > 0, each, 1.0) for each in (std, its_std))
+    correlation = whole[np.ix_(here, here)] / np.outer(scale, scale)
+    its_correlation = its[np.ix_(there, there)] / np.outer(its_scale, its_scale)
+    pull = whole[:, here] / scale @ np.linalg.pinv(correlation, hermitian=True)
+    its_pull = its[:, there] / its_scale @ np.linalg.pinv(its_correlation, hermitian=True)
+    return np.asarray(pull @ (share[:, None] * correlation * share) @ its_pull.T)
 
 
-def _of_fixture(calibration: RunCurve) -> dict[str | int, int]:
-    """Places of the errors of the fixture in the full covariance."""
-    fitted, terms = len(calibration.fitted_covariance), calibration.systematics.terms
-    places: dict[str | int, int] = {n: n for n in range(fitted)}
-    for n, term in enumerate(terms):
-        if TERMS[term].file == "fixture":
-            places[calibration.systematics.parameters[n].name] = fitted + n
+def _of_fixture(term: str) -> bool:
+    """Whether a term is one of the fixture; an error of the fit has none."""
+    return not term or TERMS[term].file == "fixture"
+
+
+def _shared(term: str, one: RunErrors, other: RunErrors) -> float:
+    """Share of the variances of a parameter of two runs that they have in common."""
+    if _of_fixture(term):
+        return 1.0
+    changes = float(TERMS[term].apart or 0.0) / 100
+    width = min(run.widths[term] for run in (one, other))
+    return max(1 - 0.5 * (changes / width) ** 2, 0.0) if width > 0 else 0.0
+
+
+def _common_places(run: RunErrors) -> dict[tuple[str, str], int]:
+    """Places in the full covariance of errors that runs can have in common, by term and name.
+
+    Errors of the fit have no term. What a run has measured of a term is its own.
+    """
+    systematics = run.curve.systematics
+    fitted = len(run.curve.fitted_covariance)
+    places = {("", str(n)): n for n in range(fitted)}
+    for key in dict.fromkeys(systematics.terms):
+        term, own = TERMS[key], systematics.places(key)
+        others = np.delete(systematics.covariance[own], own, axis=1)
+        found = (
+            systematics.fit_covariance is not None
+            or own.size > len(term.parameters)
+            or bool(others.any() or systematics.cross[:, own].any())
+        )
+        if _of_fixture(key) or (term.apart is not None and not found):
+            for n in own:
+                places[key, systematics.parameters[n].name] = fitted + int(n)
     return places
 
 
-def calibration_var(
-    one: Array, other: Array, calibrations: tuple[RunCurve, RunCurve], *, same: bool
-) -> Array:
+def difference_var(one: Array, other: Array, runs: tuple[RunErrors, RunErrors]) -> Array:
     """Variance that calibrations add to the difference of two films.
 
-    Errors of one fixture cancel as far as the films are equal; those of two add, and so does what
-    lies between a fixture and each run.
+    Errors in common cancel as far as the films are equal, others add.
 
     Parameters
     ----------
     one, other : array, (..., parameter)
         Change of each film with the parameters of its calibration.
-    calibrations : (RunCurve, RunCurve)
-    same : bool
-        Whether both are of one fixture.
+    runs : (RunErrors, RunErrors)
 
     Returns
     -------
     array, (...)
         [um2]
     """
-    covariance = joint_covariance(calibrations, ["one", "one" if same else "other"])
-    return np.maximum(quadratic(np.concatenate([-one, other], axis=-1), covariance), 0.0)
+    gradient = np.concatenate([-one, other], axis=-1)
+    return np.maximum(quadratic(gradient, joint_covariance(runs)), 0.0)
+
+
+def largest_term(one: Array, other: Array, runs: tuple[RunErrors, RunErrors]) -> tuple[str, float]:
+    """Term of `erlif.core.terms.SOURCES` that adds most to the difference of two films.
+
+    Parameters
+    ----------
+    one, other : array, (parameter,)
+        As for `difference_var`.
+    runs : (RunErrors, RunErrors)
+
+    Returns
+    -------
+    key : str
+    std : float
+        Its part of the standard deviation. [um]
+    """
+    keys = [
+        key
+        for run in runs
+        for key in (
+            *["calibration"] * len(run.curve.fitted_covariance),
+            *run.curve.systematics.terms,
+        )
+    ]
+    gradient, covariance = np.concatenate([-one, other]), joint_covariance(runs)
+    parts = {}
+    for key in dict.fromkeys(keys):
+        kept = np.where(np.array(keys) == key, gradient, 0.0)
+        parts[key] = math.sqrt(max(float(kept @ covariance @ kept), 0.0))
+    largest = max(parts, key=parts.__getitem__)
+    return largest, parts[largest]
 
 
 def quadratic(gradient: Array, covariance: Array) -> Array:

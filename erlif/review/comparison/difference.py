@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 import numpy.typing as npt
@@ -18,7 +17,7 @@ from erlif.core.arrays import Array, Mask
 from erlif.core.described import describe
 from erlif.core.errors import ErlifError
 from erlif.io.files import describe_trigger, settings_of
-from erlif.review.comparison.calibrations import calibration_var, key_of
+from erlif.review.comparison.calibrations import RunErrors, difference_var, largest_term
 from erlif.review.comparison.cells import average_cells, cell_edges
 from erlif.review.comparison.records import REPEATING, RunRecord
 
@@ -39,6 +38,10 @@ class PairDifference:
         Its standard deviation. [um]
     own_std : float
         The part of it without the calibration. [um]
+    changed_std : float
+        The rest: what the two calibrations, and the rig in both runs, have not in common. [um]
+    largest : str
+        The term of `erlif.core.terms.SOURCES` that is most of `changed_std`.
     probability : float
         Of such a difference, or a larger one, by chance.
     at : Array
@@ -50,6 +53,8 @@ class PairDifference:
     value: float
     std: float
     own_std: float
+    changed_std: float
+    largest: str
     probability: float
     at: Array
     at_std: Array
@@ -184,14 +189,11 @@ def average_difference(
     (v1, own1, g1), (v2, own2, g2) = parts
     at = v2 - v1
     use = np.isfinite(at) & np.isfinite(own1) & np.isfinite(own2)
-    common = partial(
-        calibration_var,
-        calibrations=(one.curve, other.curve),
-        same=one.calibration_key == other.calibration_key,
-    )
-    at_std = np.sqrt(own1**2 + own2**2 + common(g1, g2))
+    errors = one.errors, other.errors
+    at_std = np.sqrt(own1**2 + own2**2 + difference_var(g1, g2, errors))
     if not use.any():
-        return PairDifference(math.nan, math.nan, math.nan, math.nan, at, at_std)
+        nothing = math.nan
+        return PairDifference(nothing, nothing, nothing, nothing, "", nothing, at, at_std)
 
     # the mean over angles: what is new at every trigger averages, what repeats does not
     count, repeating = int(use.sum()), REPEATING[statistic]
@@ -200,10 +202,13 @@ def average_difference(
         + repeating * float(own[use].mean()) ** 2
         for own in (own1, own2)
     )
-    shared = float(common(g1[use].mean(axis=0), g2[use].mean(axis=0)))
+    means = g1[use].mean(axis=0), g2[use].mean(axis=0)
+    shared, (largest, _) = float(difference_var(*means, errors)), largest_term(*means, errors)
     value, std = float(at[use].mean()), math.sqrt(own_var + shared)
     probability = math.erfc(abs(value) / std / math.sqrt(2)) if std > 0 else float(value == 0)
-    return PairDifference(value, std, math.sqrt(own_var), probability, at, at_std)
+    return PairDifference(
+        value, std, math.sqrt(own_var), math.sqrt(shared), largest, probability, at, at_std
+    )
 
 
 def _at_angles(record: RunRecord, statistic: str, angle: Array) -> tuple[Array, Array, Array]:
@@ -295,8 +300,11 @@ def difference_map(one: xr.Dataset, other: xr.Dataset, *, triggers: tuple[int, i
         average_cells(film, trigger, calibration, edges)
         for film, trigger, calibration in zip((one, other), triggers, calibrations, strict=True)
     )
-    same = key_of(calibrations[0]) == key_of(calibrations[1])
-    shared = calibration_var(a.gradient, b.gradient, calibrations, same=same)
+    errors = (
+        RunErrors.of(settings_of(one), calibrations[0]),
+        RunErrors.of(settings_of(other), calibrations[1]),
+    )
+    shared = difference_var(a.gradient, b.gradient, errors)
 
     difference = b.film - a.film
     std = np.where(np.isfinite(difference), np.sqrt(a.own_var + b.own_var + shared), np.nan)
@@ -317,7 +325,7 @@ def difference_map(one: xr.Dataset, other: xr.Dataset, *, triggers: tuple[int, i
         second=described[1],
         first_trigger=triggers[0],
         second_trigger=triggers[1],
-        same_calibration=int(same),
+        same_calibration=int(errors[0].fixture == errors[1].fixture),
     )
 
 

@@ -17,7 +17,7 @@ from erlif.core.errors import ErlifError
 from erlif.io.files import applicable_theory, region_of, settings_of
 from erlif.io.settings import RunSettings
 from erlif.pipeline.physics.joint import describe_contact
-from erlif.review.comparison.calibrations import key_of, quadratic
+from erlif.review.comparison.calibrations import RunErrors, quadratic
 from erlif.review.comparison.cells import CELL, average_cells, cell_edges, noise_inflation
 from erlif.trend import LARGEST_BEYOND, viscosity_at
 
@@ -44,9 +44,8 @@ class RunRecord:
     name : str
         Name of the run; `erlif.io.files.label_films` distinguishes runs of one name.
     settings : RunSettings
-    curve : RunCurve
-    calibration_key : str
-        As `erlif.review.comparison.calibrations.key_of`: equal for films of one fixture.
+    errors : RunErrors
+        Of the calibration.
     frames_key : str
         Hash of the frames of camera 1; empty where it is not recorded.
     identity : str
@@ -79,8 +78,7 @@ class RunRecord:
 
     name: str
     settings: RunSettings
-    curve: RunCurve
-    calibration_key: str
+    errors: RunErrors
     frames_key: str
     identity: str
     angle: Array
@@ -161,8 +159,7 @@ def read_run(film: xr.Dataset) -> RunRecord:
     return RunRecord(
         name=settings.name,
         settings=settings,
-        curve=calibration,
-        calibration_key=key_of(calibration),
+        errors=RunErrors.of(settings, calibration),
         frames_key=str(hashes.get(settings.camera1.files, "")),
         identity=str(film.attrs.get("identity", "")),
         angle=np.asarray(angle, float),

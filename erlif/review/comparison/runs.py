@@ -165,7 +165,7 @@ def _choose_triggers(one: xr.Dataset, other: xr.Dataset, angle: float | None) ->
 
 def _distinct(records: list[RunRecord], further: list[Calibration]) -> list[Calibration]:
     """Calibrations of the films and further ones, each once."""
-    by_key = {record.calibration_key: record.curve for record in records}
+    by_key = {record.errors.fixture: record.errors.curve for record in records}
     kept = [replace(one.calibration, systematics=one.systematics) for one in by_key.values()]
     for each in further:
         # a film stores the parameters of its calibration to the last digit
@@ -194,6 +194,12 @@ def _compare_pairs(records: list[RunRecord]) -> xr.Dataset:
         "difference": (dims, collect("value"), um | {"long_name": "second run less first"}),
         "difference_std": (dims, collect("std"), um),
         "difference_std_own": (dims, collect("own_std"), um),
+        "difference_std_changed": (
+            dims,
+            collect("changed_std"),
+            um | {"long_name": "by what changes from run to run, and by the calibrations"},
+        ),
+        "largest_term": (dims, collect("largest"), {"long_name": "of difference_std_changed"}),
         "probability": (dims, probability, one | {"long_name": "of chance"}),
         "probability_corrected": (dims, corrected, one | {"long_name": "after Holm (1979)"}),
         "differs": (dims, (corrected < SIGNIFICANT).astype(np.uint8), one),
@@ -201,7 +207,12 @@ def _compare_pairs(records: list[RunRecord]) -> xr.Dataset:
         "difference_at_std": ((*dims, "angle"), collect("at_std"), um),
         "same_calibration": (
             "pair",
-            [int(records[i].calibration_key == records[j].calibration_key) for i, j in pairs],
+            [int(records[i].errors.fixture == records[j].errors.fixture) for i, j in pairs],
+            one,
+        ),
+        "same_rig": (
+            "pair",
+            [int(records[i].errors.rig == records[j].errors.rig) for i, j in pairs],
             one,
         ),
     }
@@ -344,9 +355,7 @@ def fit_runs(records: list[RunRecord], duties: list[Array], statistic: str) -> l
 
 def _fit_power(records: list[RunRecord], duties: list[Array], statistic: str) -> Exponent:
     """One power for all triggers of some runs."""
-    calibrations = joint_covariance(
-        [record.curve for record in records], [record.calibration_key for record in records]
-    )
+    calibrations = joint_covariance([record.errors for record in records])
     ends = np.cumsum([record.gradient[statistic].shape[1] for record in records])
     shared = ends[-1]
     marks = statistic == "film_min"

@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
+from erlif.core.terms import SOURCES
+
 _NAMES = {"film_min": "minimum film", "film_mean": "mean film"}
 
 # Probability below which tails decide that nobody has measured.
@@ -72,10 +74,15 @@ def _describe_pair(one: xr.Dataset, name: str) -> str:
         return f"{runs} not comparable: no common trigger has one within the measurable range"
     chance = float(of.probability_corrected)
     probability = "p below 1e-12" if chance < NO_CHANCE else f"p = {chance:.2g}"
-    size = f"{value:+.3f} ± {std:.3f} um, {probability}"
+    own, changed = float(of.difference_std_own), float(of.difference_std_changed)
+    size = f"{value:+.3f} ± {own:.3f} ± {changed:.3f} um (random; may have changed), {probability}"
     if of.differs.item():
         return f"{runs} {size}, differs"
-    return f"{runs} {size}, no difference found (one of {_SIDES * std:.3f} um would be, in half)"
+    text = f"{runs} {size}, no difference found (one of {_SIDES * std:.3f} um would be, in half)"
+    if changed < own:
+        return text
+    hides = SOURCES[str(of.largest_term.item())]
+    return f"{text}; most of the error: {hides.what}. {hides.cure}"
 
 
 def _describe_map(comparison: xr.Dataset) -> list[str]:

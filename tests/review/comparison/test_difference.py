@@ -17,7 +17,7 @@ MARKS, NOISE, SHARE = 0.03, 0.004, 0.08
 
 def draw(record, rng, *, true=0.0, one_calibration=True, runs=2):
     """Runs with new errors; all but the first are thicker by `true`."""
-    spread = np.linalg.cholesky(record.curve.full_covariance)
+    spread = np.linalg.cholesky(record.errors.curve.full_covariance)
     common = spread @ rng.standard_normal(len(spread))
     drawn = []
     for k in range(runs):
@@ -37,7 +37,8 @@ def draw(record, rng, *, true=0.0, one_calibration=True, runs=2):
         }
         stated = {"film_min": np.full(size, MARKS), "film_mean": np.full(size, NOISE)}
         key = "one" if one_calibration else str(k)
-        drawn.append(replace(record, value=value, own_std=stated, calibration_key=key))
+        errors = replace(record.errors, fixture=key, rig=key)
+        drawn.append(replace(record, value=value, own_std=stated, errors=errors))
     return drawn
 
 
@@ -74,10 +75,10 @@ def test_runs_that_do_not_differ_are_stated_to_in_five_per_cent_of_comparisons_a
 def test_the_error_of_one_calibration_cancels_and_that_of_two_does_not(record):
     same = average_difference(record, record, "film_mean", angle=record.angle)
     assert same.std == pytest.approx(same.own_std)
-    later = replace(record, calibration_key="another")
+    later = replace(record, errors=replace(record.errors, fixture="another", rig="another"))
     apart = average_difference(record, later, "film_mean", angle=record.angle)
     mean = record.gradient["film_mean"].mean(axis=0)
-    shared = mean @ record.curve.full_covariance @ mean
+    shared = mean @ record.errors.curve.full_covariance @ mean
     assert apart.std**2 - apart.own_std**2 == pytest.approx(2 * shared)
 
 
@@ -86,7 +87,7 @@ def test_a_calibration_cancels_only_as_far_as_the_films_are_equal(record):
     other = replace(record, gradient={**record.gradient, "film_mean": thicker})
     found = average_difference(record, other, "film_mean", angle=record.angle)
     mean = record.gradient["film_mean"].mean(axis=0)
-    shared = mean @ record.curve.full_covariance @ mean
+    shared = mean @ record.errors.curve.full_covariance @ mean
     assert found.std**2 - found.own_std**2 == pytest.approx(shared)
 
 

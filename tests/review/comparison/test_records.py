@@ -13,7 +13,7 @@ from erlif.review.comparison import read_run, refuse_unlike
 
 def test_the_parts_of_the_error_add_up(film):
     record = read_run(film.assign(film_min_std=film.film_min_std * 5))
-    covariance = record.curve.full_covariance
+    covariance = record.errors.curve.full_covariance
     gradient = record.gradient["film_min"]
     shared = np.einsum("ti,ij,tj->t", gradient, covariance, gradient)
     npt.assert_allclose(record.own_std["film_min"] ** 2 + shared, 0.15**2)

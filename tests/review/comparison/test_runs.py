@@ -123,6 +123,8 @@ def test_the_error_of_a_calibration_is_that_of_all_its_runs(record):
     duties, *_ = duty_parameters([record, record])
     quiet = replace(record, own_std={name: np.full(6, 1e-5) for name in record.value})
     one, _, joint = fit_runs([quiet, quiet], duties, "film_mean")
-    apart = fit_runs([quiet, replace(quiet, calibration_key="b")], duties, "film_mean")[-1]
+    apart = fit_runs(
+        [quiet, replace(quiet, errors=replace(quiet.errors, fixture="b"))], duties, "film_mean"
+    )[-1]
     assert apart.std < 0.8 * joint.std
     assert joint.std == pytest.approx(one.std, rel=0.3)
