@@ -138,6 +138,8 @@ def draw_rig(rng: np.random.Generator) -> tuple[RigSettings, float, float]:
     """
     draw = partial(rng.normal, 0.0)
     wall = float(draw(0.02))
+    # 0.5 % over the field, in equal parts a slope along x and a parabola along y of no mean
+    slope, parabola = (float(draw(0.005 / 2**0.5 / part)) for part in (3**-0.5, (4 / 45) ** 0.5))
     rises = float(np.hypot(0.005, 0.01) * draw()) / _BAND_PER_DYE
     bleached = per_pulse(abs(float(draw(0.01))))
     light = rng.multivariate_normal([0, 0], [[1, 0.9], [0.9, 1]])
@@ -152,7 +154,8 @@ def draw_rig(rng: np.random.Generator) -> tuple[RigSettings, float, float]:
         flat_pages=3,
         write_systematics=False,
         # scale of the ratio, lag, and the temperature between fixture and run
-        brightness=(1.0, 1 + float(draw(0.01) + draw(0.005) + draw(0.005))),
+        brightness=(1.0, 1 + float(draw(0.01) + draw(0.005) + draw(0.005)) - parabola / 3),
+        shading=(slope, parabola),
         warming=1.0,
         glow_per_kelvin=(-rises / 2, rises / 2),
         bleaching=(bleached, bleached),

@@ -56,6 +56,7 @@ energy = "1 %"
 bleaching = "0.2 %"
 temperature = "0.2 %"
 wall = "0.5 %"
+field = "0.1 %"
 linearity = "0.1 %"
 lag = "0.1 %"
 """,

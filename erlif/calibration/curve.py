@@ -133,6 +133,11 @@ class RatioCurve(ABC):
         """Covariance of all parameters, (n, n), in the order of `gradient`."""
         return self.systematics.extend(self.fitted_covariance)
 
+    @property
+    def anywhere_covariance(self) -> Array:
+        """`full_covariance` of films whose place in the picture is not known, (n, n)."""
+        return self.systematics.anywhere(self.full_covariance)
+
     def split_error(self, gradient: Array) -> dict[str, float]:
         """Standard deviation of a quantity by the fixture's frames and by each systematic term.
 
@@ -170,8 +175,8 @@ class RatioCurve(ABC):
 
     def log_ratio_std(self, thickness: npt.ArrayLike) -> Array:
         """Standard deviation of the predicted logarithm of the ratio. [1]"""
-        gradient = self.gradient(thickness)
-        variance: Array = np.einsum("i...,ij,j...->...", gradient, self.full_covariance, gradient)
+        gradient, covariance = self.gradient(thickness), self.anywhere_covariance
+        variance: Array = np.einsum("i...,ij,j...->...", gradient, covariance, gradient)
         return np.sqrt(np.maximum(variance, 0.0))
 
     def thickness_std(self, thickness: npt.ArrayLike) -> Array:

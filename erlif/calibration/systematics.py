@@ -47,6 +47,11 @@ class Systematics:
         Covariance of the calibration where a run has lowered it; None: that of the fixture.
     value : Array | None
         What a run adds to the parameters of the calibration and to these; None: nothing.
+    frame : tuple[int, int]
+        Rows and columns of the picture. [px]
+    before : Array | None
+        Covariance of the parameters of the calibration and of these before the run had shown
+        anything of them; None where it has not.
     """
 
     terms: tuple[str, ...]
@@ -58,6 +63,8 @@ class Systematics:
     start: float = 0.0
     fit_covariance: Array | None = None
     value: Array | None = None
+    frame: tuple[int, int] = (2, 2)
+    before: Array | None = None
 
     @classmethod
     def of(
@@ -66,6 +73,7 @@ class Systematics:
         *,
         parameters: int,
         light: tuple[float, float] = (1.0, 1.0),
+        frame: tuple[int, int] = (2, 2),
     ) -> Systematics:
         """Errors of given widths.
 
@@ -76,8 +84,8 @@ class Systematics:
             no parameter, one of 0 has no error until a run measures it. [1; um for a position]
         parameters : int
             Of the calibration, its departure included.
-        light : tuple of float, optional
-            As the attribute.
+        light, frame : optional
+            As the attributes.
 
         Returns
         -------
@@ -97,6 +105,7 @@ class Systematics:
             correlation * std[:, None] * std,
             np.zeros((parameters, len(rows))),
             light,
+            frame=frame,
         )
 
     def __bool__(self) -> bool:
@@ -205,7 +214,9 @@ class Systematics:
         whole[np.ix_(own, own)] += covariance
         return replace(self, covariance=whole)
 
-    def with_errors(self, covariance: Array, value: Array | None = None) -> Systematics:
+    def with_errors(
+        self, covariance: Array, value: Array | None = None, *, before: Array | None = None
+    ) -> Systematics:
         """Return a copy with the errors that remain after those of the run were estimated.
 
         Parameters
@@ -214,19 +225,32 @@ class Systematics:
             Of the parameters of the calibration, then of these.
         value : array, optional
             What the run adds to them.
+        before : array, optional
+            The same covariance before the run.
 
         Returns
         -------
         Systematics
         """
-        fitted = len(self.cross)
+        return replace(
+            self._with_covariance(covariance, len(self.cross)), value=value, before=before
+        )
+
+    def _with_covariance(self, covariance: Array, fitted: int) -> Systematics:
         return replace(
             self,
             covariance=covariance[fitted:, fitted:],
             cross=covariance[:fitted, fitted:],
             fit_covariance=covariance[:fitted, :fitted],
-            value=value,
         )
+
+    @property
+    def without_run(self) -> Systematics:
+        """Systematics as they were before the run had shown anything of them."""
+        if self.before is None:
+            return self
+        earlier = self._with_covariance(self.before, len(self.cross))
+        return replace(earlier, before=None, value=None)
 
     def with_rise(self, width: float) -> Systematics:
         """Return a copy with another width of the rise of the ratio of all films in the run.
@@ -319,7 +343,8 @@ class Systematics:
         passed : array, optional
             Share of the run that has passed, with the axes of the films; default: the attribute.
         place : (array, array), optional
-            x and y of the films in the field. [mm]
+            Columns and rows of the films in the picture; films anywhere in it have the root mean
+            square over it. [px]
 
         Returns
         -------
@@ -329,6 +354,12 @@ class Systematics:
         film = np.asarray(thickness, float)
         lit = np.maximum(film, _THINNEST)
         light, wall = model.light(lit), _with_wall(model)
+        if place is not None:
+            x, y = (
+                2 * np.asarray(at, float) / (size - 1) - 1
+                for at, size in zip(place, self.frame[::-1], strict=True)
+            )
+            place = x, y
         one = illumination * light.signal
         at = Where(
             film=film,
@@ -374,6 +405,7 @@ class Systematics:
             raise ValueError(f"its systematics have a term that this version does not know, {term}")
         size = len(names)
         one, two = record["light"]
+        rows, columns = record.get("frame", (2, 2))
         return cls(
             terms=tuple(term for term, _ in names),
             parameters=tuple(PARAMETERS[name] for name in names),
@@ -382,9 +414,10 @@ class Systematics:
             light=(float(one), float(two)),
             passed=float(record["passed"]),
             start=float(record.get("start", 0.0)),
+            frame=(int(rows), int(columns)),
             **{
                 name: np.asarray(record[name], float)
-                for name in ("fit_covariance", "value")
+                for name in ("fit_covariance", "value", "before")
                 if name in record
             },
         )
@@ -396,6 +429,19 @@ class Systematics:
         if self.fit_covariance is not None:
             covariance = self.fit_covariance
         return np.block([[covariance, self.cross], [self.cross.T, self.covariance]])
+
+    def anywhere(self, covariance: Array) -> Array:
+        """Covariance for films whose place in the picture is not known.
+
+        Over the picture, changes with the place have a mean of 0 and are independent.
+        """
+        if not (placed := np.array([one.placed for one in self.parameters], bool)).any():
+            return covariance
+        own = len(covariance) - placed.size + np.flatnonzero(placed)
+        found, variance = covariance.copy(), np.diag(covariance)[own]
+        found[own, :] = found[:, own] = 0.0
+        found[own, own] = variance
+        return found
 
     def split(self) -> dict[str, tuple[npt.NDArray[np.intp], Array]]:
         """Numbers of the parameters of each term and their covariance, in their order."""

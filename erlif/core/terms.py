@@ -17,6 +17,7 @@ if TYPE_CHECKING:  # the command line knows the keys without numpy
     from erlif.core.arrays import Array
 
 _LEVEL = 0.4  # median light of a run, of full scale
+_OF_FIVE = 5**-0.5  # rms of each of five changes that have an rms of 1 together
 
 
 @dataclass(frozen=True)
@@ -51,7 +52,7 @@ class Where:
     passed : Array | float
         Share of the run that has passed. [1]
     place : tuple[Array, Array] | None
-        x and y in the field; None where it is not known. [mm]
+        x and y in the picture, from -1 to 1; None for films anywhere in it.
     """
 
     film: Array
@@ -92,12 +93,15 @@ class Parameter:
         Derivative of the logarithm of the light of camera 1. What changes the light of all films
         alike, or is a background, is left out.
     acts : Acts
+    placed : bool
+        Whether it depends on the place in the picture: it has a mean square of 1 over it.
     """
 
     name: str
     of_ratio: Callable[[Where], Array | float]
     of_light: Callable[[Where], Array | float] = lambda at: 0.0
     acts: Acts = Acts.ALWAYS
+    placed: bool = False
 
     def __reduce__(self) -> tuple[Any, ...]:
         return _parameter_named, (self.name,)  # formulas without a name are not pickled
@@ -206,6 +210,34 @@ class _Patch(Source, key="patch"):
     what = "film of the patch that sets the ratio"
     cure = (
         "Measure its film better, choose it among the films of the run, or photograph more frames"
+    )
+
+
+def _over_field(name: str, shape: Callable[[Array, Array], Array]) -> Parameter:
+    """A change of the ratio over the picture, of which five make one of the width of the term."""
+
+    def of_ratio(at: Where) -> Array | float:
+        return _OF_FIVE * (1.0 if at.place is None else shape(*at.place))
+
+    return Parameter(name, of_ratio, placed=True)
+
+
+class _Field(Term, key="field"):
+    """Smooth change of the ratio over the picture between fixture and run, by flats and windows:
+    its root mean square.
+    """
+
+    what = "flats and windows over the field"
+    cure = "Take flats of both cameras from one even lamp on the day of the run, clean the windows"
+    width = 0.5
+    apart = 0.1
+    # polynomials of Legendre up to the second degree
+    parameters = (
+        _over_field("field x", lambda x, y: 3**0.5 * x),
+        _over_field("field y", lambda x, y: 3**0.5 * y),
+        _over_field("field xx", lambda x, y: 5**0.5 * (1.5 * x**2 - 0.5)),
+        _over_field("field xy", lambda x, y: 3 * x * y),
+        _over_field("field yy", lambda x, y: 5**0.5 * (1.5 * y**2 - 0.5)),
     )
 
 

@@ -174,11 +174,14 @@ def build_camera(number: int, rig: RigSettings, rng: np.random.Generator) -> Cam
 
 
 def alter_camera(camera: Camera, number: int, rig: RigSettings) -> Camera:
-    """A camera in the run: brighter, compressed, or with another dark level than before it."""
-    n = number - 1
+    """A camera in the run: brighter, shaded, compressed, or with another dark level than before."""
+    n, shade = number - 1, np.ones(1)
+    if number == 2:
+        down, right = (np.linspace(-1, 1, size) for size in camera.sensitivity.shape)
+        shade = 1 + rig.shading[0] * right + rig.shading[1] * down[:, None] ** 2
     return replace(
         camera,
-        sensitivity=camera.sensitivity * rig.brightness[n],
+        sensitivity=camera.sensitivity * rig.brightness[n] * shade,
         dark_level=camera.dark_level + rig.dark_drift[n],
         compression=rig.compression[n],
     )

@@ -236,6 +236,9 @@ class RigSettings:
         Relative change of the light of dye 1 and dye 2. [1/K]
     brightness : tuple[float, float]
         Light of camera 1 and 2 in the run over that at the calibration: filters, exposure, gain.
+    shading : tuple[float, float]
+        Change of the response of camera 2 in the run, as by a window that was cleaned: a slope
+        along x and a parabola along y, each from the middle to the edge of the picture.
     gain_step : tuple[float, float]
         Frame from which on camera 2 is brighter, and by which factor.
     blur_step : tuple[float, float]
@@ -381,6 +384,7 @@ class RigSettings:
     warming: float = _limited(0.0, -100, 100)
     glow_per_kelvin: tuple[float, float] = _limited((-0.002, -0.001), -0.05, 0.05)
     brightness: tuple[float, float] = _limited((1.0, 1.0), 0.01, 100)
+    shading: tuple[float, float] = (0.0, 0.0)
     gain_step: tuple[float, float] = _limited((0.0, 1.0), 0, 1_000_000)
     blur_step: tuple[float, float] = _limited((0.0, 0.0), 0, 1_000_000)
     bump: tuple[float, float, float] = _limited((0.0, 0.0, 0.0), -1_000_000, 1_000_000)
@@ -419,6 +423,7 @@ class RigSettings:
             "ratio": self.brightness != (1, 1) or self.gain_step[1] != 1,
             "background": any((self.background, self.background_beam, self.glare, *dark)),
             "energy": not self.background_pages or self.background_energy != 1,
+            "field": any(self.shading),
             "bleaching": any(self.bleaching),
             "temperature": self.warming != 0,
             "wall": self.wall[0] != self.wall[1],

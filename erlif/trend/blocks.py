@@ -52,8 +52,6 @@ class BlockSums:
         Number of measurable pixels.
     ratio : Array
         Sum of their log ratio less the offset. [1]
-    ratio_squared : Array
-        Sum of its squares. [1]
     var : Array
         Sum of their variance. [1]
     displaced : Array
@@ -77,7 +75,6 @@ class BlockSums:
     column_squared: Array
     measurable: Array
     ratio: Array
-    ratio_squared: Array
     var: Array
     displaced: Array
     valid: int
@@ -145,7 +142,6 @@ def sum_blocks(ratios: RatioImages, region: Region, maps: ThicknessMaps | None =
         column_squared=_sum_selected(columns**2, lit),
         measurable=_sum_selected(np.ones_like(ratio), measurable),
         ratio=_sum_selected(ratio, measurable),
-        ratio_squared=_sum_selected(ratio**2, measurable),
         var=_sum_selected(variance, measurable),
         displaced=_sum_selected(displaced, measurable),
         valid=valid,

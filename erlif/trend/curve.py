@@ -42,8 +42,6 @@ class FilmCurve:
         Its derivative by the log ratio, (bin,). [um]
     curvature : Array
         Its second derivative, (bin,). [um]
-    gradient : Array
-        Change of the film of a log ratio with what was fitted to the fixture, (parameter, bin).
     """
 
     calibration: RatioCurve
@@ -54,7 +52,6 @@ class FilmCurve:
     film: Array = field(repr=False)
     rate: Array = field(repr=False)
     curvature: Array = field(repr=False)
-    gradient: Array = field(repr=False)
 
     @classmethod
     def of(cls, calibration: RatioCurve) -> FilmCurve:
@@ -71,7 +68,7 @@ class FilmCurve:
         low, high = calibration.thickness_range
         films = np.linspace(low - _BELOW, _ABOVE * high, _FILMS)
 
-        # film, slope, curvature and gradient change slowly with the ratio: once per bin is enough
+        # film, slope and curvature change slowly with the ratio: once per bin is enough
         first, last = (float(end) for end in calibration.predict_log([low, high]))
         centre = first + (np.arange(_BINS) + 0.5) * (last - first) / _BINS
         film = calibration.inverse.look_up(centre)
@@ -85,7 +82,6 @@ class FilmCurve:
             film,
             rate,
             np.gradient(rate, centre),
-            -calibration.gradient(film) * rate,
         )
 
     def at(self, passed: float) -> FilmCurve:
@@ -95,10 +91,12 @@ class FilmCurve:
             return self
         if calibration.moves:
             return FilmCurve.of(calibration)
-        weight = calibration.systematics.weight_at(passed)
-        gradient = self.gradient.copy()
-        gradient[len(gradient) - weight.size :] *= weight[:, None]
-        return replace(self, calibration=calibration, gradient=gradient)
+        return replace(self, calibration=calibration)
+
+    @property
+    def parameters(self) -> int:
+        """Number of the parameters of the calibration, with those of its systematics."""
+        return len(self.calibration.full_covariance)
 
     def predict(self, film: Array) -> tuple[Array, Array]:
         """Log ratio and slope of films.

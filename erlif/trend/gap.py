@@ -210,7 +210,7 @@ def _fit_gap(
     axial = region.rows if sliding_along_x else region.columns
     base = 0.0 if bore is None else bore.in_blocks(blocks, axial)
     fit = fit_blocks(blocks, curve, shapes[:count], base=base)
-    unknown, number = np.full(2, math.nan), FilmNumber.unknown(len(curve.gradient))
+    unknown, number = np.full(2, math.nan), FilmNumber.unknown(curve.parameters)
     nothing = GapMinimum(*(number,) * 3, unknown, math.nan, *(unknown,) * 3)
     if fit is None:
         return nothing
@@ -240,7 +240,9 @@ def _fit_gap(
     lowest = np.array([1.0, along, across, along**2, across**2])
     columns, rows = (_mean_square(pixels) for pixels in (region.columns, region.rows))
     squares = (columns, rows) if sliding_along_x else (rows, columns)
-    by_block = -curve.calibration.gradient(fit.film) * (fit.response / fit.total_var)
+    middle = _pixel_of(region, (s, z) if sliding_along_x else (z, s))
+    acts = curve.calibration.gradient(fit.film, place=(middle[0], middle[1]))
+    by_block = -acts * (fit.response / fit.total_var)
     minimum, mean = (
         _number_of(at[:count], height, fit, blocks, by_block)
         for at, height in ((lowest, least), (np.array([1, 0, 0, *squares]), level))
@@ -310,7 +312,7 @@ def find_gap_minima(
 
     >>> from erlif.show.plots import example_calibration
     >>> one = np.zeros((4, 4))
-    >>> dark = BlockSums((32, 32), 0.0, *[one] * 12, valid=0, beyond=0)
+    >>> dark = BlockSums((32, 32), 0.0, *[one] * 11, valid=0, beyond=0)
     >>> whole, curve = Region(slice(0, 32), slice(0, 32)), FilmCurve.of(example_calibration())
     >>> found = find_gap_minima(
     ...     dark, curve, region=whole, sliding_along_x=True, contacts=[GapShape.LINE]
@@ -461,8 +463,8 @@ def _middles_of_blocks(pixels: slice) -> Array:
     return (starts + np.minimum(starts + BLOCK - 1, last)) / last - 1
 
 
-def _pixel_of(region: Region, position: tuple[float, float]) -> Array:
-    """Column and row of a position (x, y) from -1 to 1 over a region. [px]"""
+def _pixel_of(region: Region, position: tuple[Array | float, Array | float]) -> Array:
+    """Columns and rows of positions (x, y) from -1 to 1 over a region. [px]"""
     return np.array(
         [
             pixels.start + 0.5 * (at + 1) * (pixels.stop - 1 - pixels.start)

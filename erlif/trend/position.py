@@ -228,7 +228,7 @@ def find_pin_in_blocks(
 
     >>> from erlif.show.plots import example_calibration as made
     >>> whole, view = Region(slice(0, 64), slice(0, 64)), PinView(33e-3, 34e-3, 0.1, 3.0, 3.0)
-    >>> dark = BlockSums((64, 64), 0.0, *[np.zeros((8, 8))] * 12, valid=0, beyond=0)
+    >>> dark = BlockSums((64, 64), 0.0, *[np.zeros((8, 8))] * 11, valid=0, beyond=0)
     >>> find_pin_in_blocks(dark, FilmCurve.of(made()), region=whole, view=view).value
     array([nan, nan, nan, nan])
     """
@@ -264,7 +264,7 @@ def find_pin_in_blocks(
     shape = 0.0 if view.bore is None else view.bore.in_blocks(blocks, axial)
     fit = fit_blocks(blocks, curve, shapes * scale[:, None], base=view.clearance + shape)
     if fit is None:
-        return _no_position(len(curve.gradient))
+        return _no_position(curve.parameters)
 
     # the position with the form held at zero follows from the free fit in one linear step
     curvature = fit.curvature
@@ -281,7 +281,13 @@ def find_pin_in_blocks(
             np.linalg.inv(curvature)[_PINNED:] @ fit.jacobian,
         ]
     )
-    gradient = -(pull * (fit.response / fit.total_var)) @ curve.calibration.gradient(fit.film).T
+    along, across = (
+        part.start + 0.5 * (at + 1) * (part.stop - 1 - part.start)
+        for part, at in ((sliding, blocks.along), (axial, blocks.across))
+    )
+    place = (along, across) if view.sliding_along_x else (across, along)
+    acts = curve.calibration.gradient(fit.film, place=place)
+    gradient = -(pull * (fit.response / fit.total_var)) @ acts.T
 
     # the scatter of the blocks about the fit beyond their noise is that of the surfaces
     score = pull * (fit.weight * fit.residual)

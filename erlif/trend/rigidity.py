@@ -242,7 +242,7 @@ class ErrorEstimate:
     ) -> Array:
         """Standard deviation of a measured film with the run, or before it. [um]"""
         by_error = calibration.film_gradient(film)
-        covariance = self.prior if before else self.covariance
+        covariance = calibration.systematics.anywhere(self.prior if before else self.covariance)
         variance = np.einsum("i...,ij,j...->...", by_error, covariance, by_error)
         return np.asarray(np.sqrt(variance))
 
@@ -306,7 +306,9 @@ def estimate_errors(
         clearance_std=float(np.hypot(clearance_std, CLEARANCE_STD * view.clearance)),
     )
     record = LightCells(*(np.where(chosen, part, 0.0) for part in record))
-    return _ErrorFit(record, chosen, calibration, passed[steps], gap, view.clearance).solve(film)
+    return _ErrorFit(
+        record, chosen, calibration, passed[steps], gap, view.clearance, centres
+    ).solve(film)
 
 
 @dataclass(frozen=True)
@@ -319,6 +321,7 @@ class _ErrorFit:
     passed: Array
     gap: tuple[Array, Array, Array]
     clearance: float
+    place: tuple[Array, Array]
 
     def solve(self, measured: Array) -> ErrorEstimate | None:
         """The estimate; None where it does not settle within the widths."""
@@ -339,13 +342,25 @@ class _ErrorFit:
             return None
         if (np.abs(state.errors) > _LARGEST * np.sqrt(np.diag(prior))).any():
             return None
+        value, covariance = self._of_curve(state.errors, covariance)
         return ErrorEstimate(
-            state.errors,
+            value,
             covariance,
             prior,
             float(np.sqrt(noise)),
             float(np.median(film[self.chosen])),
         )
+
+    def _of_curve(self, value: Array, covariance: Array) -> tuple[Array, Array]:
+        """Errors that a curve can take out, and their covariance.
+
+        A change with the place in the picture cannot: its second moment is its error.
+        """
+        parameters = self.calibration.systematics.parameters
+        placed = np.zeros(value.size, bool)
+        placed[value.size - len(parameters) :] = [one.placed for one in parameters]
+        left = np.where(placed, value, 0.0)
+        return value - left, covariance + np.outer(left, left)
 
     def _start(self, measured: Array) -> RigidityUnknowns:
         """Positions by the measured films."""
@@ -374,7 +389,9 @@ class _ErrorFit:
         """The equations at these films."""
         calibration, slope = self.calibration, self.calibration.slope(film)
         variance = np.where(self.chosen, self.record.variance + noise, np.inf)
-        errors = calibration.gradient(film, illumination=bright, passed=self.passed[:, None])
+        errors = calibration.gradient(
+            film, illumination=bright, passed=self.passed[:, None], place=self.place
+        )
         return RatioEquations(slope, errors, variance, *self.gap)
 
     def _rest(self, film: Array, acts: Array, errors: Array) -> Array:

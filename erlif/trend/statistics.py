@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from erlif.calibration import RatioCurve
+from erlif.core.arrays import Array
 from erlif.core.products import RatioImages, ThicknessMaps, require
 from erlif.trend.blocks import BLOCK, BlockSums, Region, sum_blocks
 from erlif.trend.curve import FilmCurve
@@ -22,7 +23,8 @@ from erlif.trend.gap import (
 )
 
 _LEAST_PIXELS = 64  # measurable pixels of a mean, at least
-_BEYOND = 0.1  # of the thickest calibrated film, by which a mean may lie beyond the range
+_WHOLE = 0.9  # share of its pixels from which a block shows the slope of the film
+_WIDTH = (BLOCK**2 - 1) / 12  # variance of the places of the pixels of a block [px2]
 
 
 @dataclass(frozen=True)
@@ -138,10 +140,12 @@ def summarise_film(
         sums, curve, region=region, sliding_along_x=sliding_along_x, contacts=contacts
     )
     chosen = contacts[0] if len(contacts) == 1 else choose_contact([minima])
-    return summarise_blocks(sums, curve, minima[chosen])
+    return summarise_blocks(sums, curve, minima[chosen], region=region)
 
 
-def summarise_blocks(sums: BlockSums, curve: FilmCurve, minimum: GapMinimum) -> FilmStatistics:
+def summarise_blocks(
+    sums: BlockSums, curve: FilmCurve, minimum: GapMinimum, *, region: Region
+) -> FilmStatistics:
     """Mean and minimum film thickness from the sums over the blocks of a region.
 
     `summarise_film` does the same from images.
@@ -152,6 +156,8 @@ def summarise_blocks(sums: BlockSums, curve: FilmCurve, minimum: GapMinimum) -> 
     curve : FilmCurve
     minimum : GapMinimum
         From `find_gap_minimum`.
+    region : Region
+        That of the sums.
 
     Returns
     -------
@@ -164,43 +170,52 @@ def summarise_blocks(sums: BlockSums, curve: FilmCurve, minimum: GapMinimum) -> 
 
     >>> from erlif.show.plots import example_calibration
     >>> one = np.zeros((4, 4))
-    >>> dark = BlockSums((32, 32), 0.0, *[one] * 12, valid=0, beyond=0)
+    >>> dark = BlockSums((32, 32), 0.0, *[one] * 11, valid=0, beyond=0)
     >>> whole, curve = Region(slice(0, 32), slice(0, 32)), FilmCurve.of(example_calibration())
     >>> from erlif.trend import find_gap_minimum
     >>> minimum = find_gap_minimum(dark, curve, region=whole, sliding_along_x=True)
-    >>> summarise_blocks(dark, curve, minimum).mean.value
+    >>> summarise_blocks(dark, curve, minimum, region=whole).mean.value
     nan
     """
     # of the otherwise valid pixels, those whose film lies outside the measurable range
     beyond = sums.beyond / max(sums.valid + sums.beyond, 1)
-    mean, inverse = _average_film(sums, curve)
+    mean, inverse = _average_film(sums, curve, region)
     measured = float(sums.measurable.sum()) / math.prod(sums.size)
     return FilmStatistics(mean, minimum, beyond, inverse, measured)
 
 
-def _average_film(sums: BlockSums, curve: FilmCurve) -> list[FilmNumber]:
+def _average_film(sums: BlockSums, curve: FilmCurve, region: Region) -> list[FilmNumber]:
     """Mean over the measurable pixels, of the film and of its inverse.
 
     The inverse h of the log ratio r is expanded about the mean log ratio m of each block,
-    h(m) + h' (r - m) + h'' ((r - m)^2 - variance) / 2. The mean of this is the mean film whatever
-    the size of the noise.
+    h(m) + h'' (r - m)^2 / 2, with the scatter of r by the slope of the film alone: noise and
+    textures that the two cameras do not share scatter too, and would make the film thicker.
     """
+    some = sums.measurable > 0
     size = float(sums.measurable.sum())
-    unknown = FilmNumber.unknown(len(curve.gradient))
+    unknown = FilmNumber.unknown(curve.parameters)
     if size < _LEAST_PIXELS:
         return [unknown, unknown]
-    some = sums.measurable > 0
-    count, ratio, squared, variance, displaced = (
-        each[some]
-        for each in (sums.measurable, sums.ratio, sums.ratio_squared, sums.var, sums.displaced)
+    count, ratio, variance, displaced = (
+        each[some] for each in (sums.measurable, sums.ratio, sums.var, sums.displaced)
     )
 
     # the sums about the middle of a bin, from those about the offset
     place, distance = curve.find_bins(sums.offset + ratio / count)
     middle = ratio / count - distance
     linear = ratio - count * middle
-    square = squared - 2 * middle * ratio + count * middle**2 - variance
+    # the pixels of a block of which half is measurable lie to one side of its middle
+    whole = sums.measurable > _WHOLE * BLOCK**2
+    means = np.where(whole, sums.ratio / np.where(whole, sums.measurable, 1), np.nan)
+    noise = sums.noise_correlation * sums.var / np.where(whole, sums.measurable, 1) ** 2
+    slopes = _slope_squared(means, noise) + _slope_squared(means.T, noise.T).T
+    square = count * slopes[some] * _WIDTH
     film, rate, curvature = (each[place] for each in (curve.film, curve.rate, curve.curvature))
+    row, column = (
+        pixels.start + BLOCK * block + 0.5 * (BLOCK - 1)
+        for pixels, block in zip((region.rows, region.columns), np.nonzero(some), strict=True)
+    )
+    acts = -curve.calibration.gradient(film, place=(column, row)) * rate
     thin, per_film = 1 / film, -1 / film**2
     bent = 2 * rate**2 * thin**3 + curvature * per_film
     averages = []
@@ -209,7 +224,7 @@ def _average_film(sums: BlockSums, curve: FilmCurve) -> list[FilmNumber]:
         (thin, per_film * rate, bent, per_film),
     ):
         mean = float((value * count + first * linear + 0.5 * second * square).sum()) / size
-        gradient = curve.gradient @ np.bincount(place, count * slope, curve.film.size) / size
+        gradient = acts @ (count * slope) / size
         random = math.sqrt(sums.noise_correlation * float((first**2 * variance).sum())) / size
 
         # the error of the displacement is common to neighbours, the gradient of light that it acts
@@ -220,6 +235,26 @@ def _average_film(sums: BlockSums, curve: FilmCurve) -> list[FilmNumber]:
 
     # blocks whose ratio no film has are extrapolated, to thousands of um where most are such
     low, high = curve.calibration.thickness_range
-    if not low - _BEYOND * high <= averages[0].value <= high + _BEYOND * high:
-        return [unknown, unknown]
-    return averages
+    return averages if low <= averages[0].value <= high else [unknown, unknown]
+
+
+def _slope_squared(means: Array, variance: Array) -> Array:
+    """Square of the slope along the rows of blocks, without that of noise, per squared pixel.
+
+    It is 0 where no neighbour of a block is known.
+    """
+    place = np.arange(means.shape[1])
+    before, after = np.maximum(place - 1, 0), np.minimum(place + 1, place[-1])
+    before, after = (
+        np.where(np.isfinite(means[:, other]), other, place) for other in (before, after)
+    )
+    steps = np.maximum(BLOCK * (after - before), 1)
+
+    def taken(values: Array) -> tuple[Array, Array]:
+        one, other = (np.take_along_axis(values, at, axis=1) for at in (before, after))
+        return one, other
+
+    low, high = taken(means)
+    slope = np.where(after > before, (high - low) / steps, 0.0)
+    noise = np.where(after > before, sum(taken(variance)) / steps**2, 0.0)
+    return np.asarray(np.nan_to_num(slope**2 - noise))

@@ -55,23 +55,9 @@ def test_log_ratios_beyond_the_calibrated_range_belong_to_the_outer_bins(curve):
     npt.assert_allclose(np.abs(distance), 0.01 + 0.5 * np.ptp(curve.bins) / 4000)
 
 
-@pytest.mark.parametrize("parameter", range(3))
-def test_gradient_is_the_change_of_the_film_of_a_log_ratio(curve, parameter):
-    log_ratio = true_log_ratio(np.array([2.0, 6.0]))
-    changed = list(known_calibration().parameters)
-    changed[parameter] += 1e-6
-    moved = find_films(known_calibration(*changed), log_ratio)
-    place, _ = curve.find_bins(log_ratio)
-    expected = (moved - find_films(known_calibration(), log_ratio)) / 1e-6
-    npt.assert_allclose(curve.gradient[parameter, place], expected, rtol=2e-3)
-
-
 def test_curve_within_a_run_has_the_errors_that_have_grown_by_then():
-    """Position and minimum take the gradient of the calibration, the mean that of the bins."""
     run = with_systematics(known_calibration(), ratio=0.01, bleaching=0.02)
     found = FilmCurve.of(run.at(1.0)).at(0.25)
-    npt.assert_allclose(found.gradient, FilmCurve.of(run.at(0.25)).gradient)
-
     # the ratio is wrong from the first frame on, both parameters of the bleaching grow from nothing
     grown = np.array([1, 0.25, 0.25]) * run.gradient(5.0)[3:]
     npt.assert_allclose(found.calibration.gradient(5.0)[3:], grown)

@@ -159,7 +159,9 @@ class TriggerTask(PickledByFields):
             contacts=plane.contacts,
             bore=plane.bore,
         )
-        statistics = summarise_blocks(film.sums, curve, minima[plane.contacts[0]])
+        statistics = summarise_blocks(
+            film.sums, curve, minima[plane.contacts[0]], region=plane.region
+        )
         position = None
         if self.with_position and plane.view is not None:
             position = find_pin_in_blocks(film.sums, curve, region=plane.region, view=plane.view)

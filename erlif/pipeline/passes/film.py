@@ -189,7 +189,7 @@ _ZERO = np.float32(0)
 _at = np.uint64  # an index that cannot count from the end, as in `erlif.registration.interpolation`
 
 # Sums of each block.
-_SUMS = 9
+_SUMS = 8
 
 # Units of three numbers that are packed into one; eight of them stay below 2^24, exact.
 _FIRST, _SECOND, _THIRD = np.float32(1), np.float32(2**8), np.float32(2**16)
@@ -258,7 +258,7 @@ class BlockRows(NamedTuple):
         BlockSums
         """
         top, bottom, left, right = self.edges.tolist()
-        lit_ratio, lit_var, rows, columns, ratio, squared, var, displaced, marks = self.blocks
+        lit_ratio, lit_var, rows, columns, ratio, var, displaced, marks = self.blocks
         lit, row, row_squared = _unpack(rows)
         _, column, column_squared = _unpack(columns)
         measurable, valid, beyond = _unpack(marks)
@@ -277,7 +277,6 @@ class BlockRows(NamedTuple):
             column_squared + 2 * along * column + along**2 * lit,
             measurable,
             ratio,
-            squared,
             var,
             displaced,
             int(valid.sum()),
@@ -319,15 +318,14 @@ def _accumulate(  # type: ignore[no-untyped-def]
         ratio = log_ratio[i, j] - offset
         good = around[j] == 0
         sums[4, j] += ratio if good else _ZERO
-        sums[5, j] += ratio * ratio if good else _ZERO
     for j in range(flags.shape[1]):
         good = around[j] == 0
-        sums[6, j] += variance[i, j] if good else _ZERO
-        sums[7, j] += displaced[i, j] if good else _ZERO
+        sums[5, j] += variance[i, j] if good else _ZERO
+        sums[6, j] += displaced[i, j] if good else _ZERO
     for j in range(flags.shape[1]):
         outside = (flags[i, j] == _BELOW) | (flags[i, j] == _ABOVE)
         mark = (_FIRST if around[j] == 0 else _ZERO) + (_SECOND if flags[i, j] == 0 else _ZERO)
-        sums[8, j] += mark + (_THIRD if outside else _ZERO)
+        sums[7, j] += mark + (_THIRD if outside else _ZERO)
 
 
 @numba.njit(nogil=True, cache=True, error_model="numpy", inline="always")

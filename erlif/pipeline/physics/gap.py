@@ -83,7 +83,8 @@ def with_errors(calibration: RunCurve, errors: ErrorEstimate, *, corrected: bool
     """
     covariance = errors.covariance if corrected else errors.second_moment
     value = errors.value if corrected else None
-    return replace(calibration, systematics=calibration.systematics.with_errors(covariance, value))
+    found = calibration.systematics.with_errors(covariance, value, before=errors.prior)
+    return replace(calibration, systematics=found)
 
 
 def describe_gap(

@@ -61,6 +61,7 @@ def add_systematics(
         calibration.systematics.widths | _widths_of_run(calibration, settings),
         parameters=len(calibration.fitted_covariance),
         light=_light_of_median(calibration, chain, sample),
+        frame=chain.correct.pairs.shape,
     )
     if has_dry_joint(settings):
         energy_std = settings.systematics.shares["energy"]

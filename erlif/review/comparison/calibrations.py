@@ -162,7 +162,7 @@ def _common_places(run: RunErrors) -> dict[tuple[str, str], int]:
         term, own = TERMS[key], systematics.places(key)
         others = np.delete(systematics.covariance[own], own, axis=1)
         found = (
-            systematics.fit_covariance is not None
+            (systematics.fit_covariance is not None and systematics.before is not None)
             or own.size > len(term.parameters)
             or bool(others.any() or systematics.cross[:, own].any())
         )
@@ -175,7 +175,9 @@ def _common_places(run: RunErrors) -> dict[tuple[str, str], int]:
 def difference_var(one: Array, other: Array, runs: tuple[RunErrors, RunErrors]) -> Array:
     """Variance that calibrations add to the difference of two films.
 
-    Errors in common cancel as far as the films are equal, others add.
+    Errors in common cancel as far as the films are equal, others add. What the gaps of both runs
+    have shown of their errors is new in each; where it says less than what they have in common, the
+    errors are those before the runs.
 
     Parameters
     ----------
@@ -189,7 +191,19 @@ def difference_var(one: Array, other: Array, runs: tuple[RunErrors, RunErrors]) 
         [um2]
     """
     gradient = np.concatenate([-one, other], axis=-1)
-    return np.maximum(quadratic(gradient, joint_covariance(runs)), 0.0)
+    variances = [quadratic(gradient, joint_covariance(each)) for each in _views(runs)]
+    return np.asarray(np.maximum(np.min(variances, axis=0), 0.0))
+
+
+def _views(runs: tuple[RunErrors, RunErrors]) -> list[tuple[RunErrors, RunErrors]]:
+    """Errors of two runs as they are, and before the runs where nothing was taken out."""
+    if any(run.curve.systematics.value is not None for run in runs):
+        return [runs]
+    one, other = (
+        replace(run, curve=replace(run.curve, systematics=run.curve.systematics.without_run))
+        for run in runs
+    )
+    return [runs, (one, other)]
 
 
 def largest_term(one: Array, other: Array, runs: tuple[RunErrors, RunErrors]) -> tuple[str, float]:
@@ -215,7 +229,9 @@ def largest_term(one: Array, other: Array, runs: tuple[RunErrors, RunErrors]) ->
             *run.curve.systematics.terms,
         )
     ]
-    gradient, covariance = np.concatenate([-one, other]), joint_covariance(runs)
+    gradient = np.concatenate([-one, other])
+    covariances = [joint_covariance(each) for each in _views(runs)]
+    covariance = min(covariances, key=lambda each: float(quadratic(gradient, each)))
     parts = {}
     for key in dict.fromkeys(keys):
         kept = np.where(np.array(keys) == key, gradient, 0.0)
