@@ -152,7 +152,7 @@ def solve_equations(
 
 
 def gap_of_pin(
-    along: Array, across: Array, radius: float, *, clearance_std: float
+    along: Array, across: Array, radius: float, *, clearance_std: float, flattening: float = 0.0
 ) -> tuple[Array, Array, Array]:
     """Motion of a pin in its bore, and what is known of the form of the gap.
 
@@ -164,6 +164,8 @@ def gap_of_pin(
         `PinView.radius`. [mm]
     clearance_std : float
         Standard deviation of the radial clearance by the radii. [um]
+    flattening : float
+        As for `estimate_errors`. [um]
 
     Returns
     -------
@@ -183,12 +185,11 @@ def gap_of_pin(
     u, v = along / np.abs(along).max(), across / np.abs(across).max()
     cosine, sine = np.cos(phi), np.sin(phi)
     motion = np.stack([-cosine, -sine, -v * cosine, -v * sine, u**2])
+    roundness, bend = np.hypot(_ROUNDNESS, flattening), np.hypot(_BEND, flattening)
     powers = ((2, 0), (0, 2), (3, 0), (2, 1), (1, 2), (0, 3), (4, 0))
-    shapes = np.stack(
-        [clearance_std * (1 - cosine), *(_ROUNDNESS * u**a * v**b for a, b in powers)]
-    )
+    shapes = np.stack([clearance_std * (1 - cosine), *(roundness * u**a * v**b for a, b in powers)])
     form = shapes.T @ shapes + _MARKS**2 * np.eye(along.size)
-    return motion, np.array([_FREE] * 4 + [_BEND]), form
+    return motion, np.array([_FREE] * 4 + [bend]), form
 
 
 @dataclass(frozen=True)
@@ -255,6 +256,7 @@ def estimate_errors(
     *,
     passed: Array,
     clearance_std: float,
+    flattening: float = 0.0,
 ) -> ErrorEstimate | None:
     """Estimate the errors of a run from the gap that all its frames show.
 
@@ -270,6 +272,9 @@ def estimate_errors(
         Share of the run that has passed at each frame. [1]
     clearance_std : float
         How well the radii are stated; at least 1 % of the clearance is taken. [um]
+    flattening : float
+        Depth by which the load flattens the surfaces: the form of the gap, and its change from
+        frame to frame, are known to so much. [um]
 
     Returns
     -------
@@ -304,6 +309,7 @@ def estimate_errors(
         across - view.axial_origin,
         view.radius,
         clearance_std=float(np.hypot(clearance_std, CLEARANCE_STD * view.clearance)),
+        flattening=flattening,
     )
     record = LightCells(*(np.where(chosen, part, 0.0) for part in record))
     return _ErrorFit(

@@ -371,9 +371,9 @@ class LightOptions(Settings):
     ratio: Literal["report", "correct"] = "report"
     """Scale of the ratio on the patch of [reference], and its change over the frames: reported, or
     taken out of all frames."""
-    errors: Literal["report", "correct"] = "report"
+    errors: Literal["report", "correct"] | None = None
     """Errors of [systematics] that the gap of the joint shows: reported, or taken out of the curve
-    of the calibration."""
+    of the calibration. Default: taken out where they lie within their widths."""
 
     @property
     def corrects(self) -> bool:

@@ -74,6 +74,6 @@ class LightFindings:
         LightFindings
         """
         errors = self.errors
-        if errors is not None and options.errors != "correct":
+        if errors is not None and not calibration.follows_run:
             errors = errors if errors.exceeds_widths(calibration) else None
         return replace(self, errors=errors, course=None if errors is not None else self.course)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import replace
 
@@ -9,6 +10,8 @@ import numpy as np
 
 from erlif.calibration import RunCurve
 from erlif.core.notes import Note, remark, warn
+from erlif.io.settings import JointSettings
+from erlif.models.contact import contact_modulus
 from erlif.pipeline.engines.results import FrameResult, shares_passed
 from erlif.pipeline.physics.position import clearance_std
 from erlif.pipeline.plane import ObjectPlane
@@ -17,6 +20,17 @@ from erlif.trend import ErrorEstimate, estimate_errors
 
 # Shift over its standard deviation from which a note is a warning.
 _SIGNIFICANT = 3.0
+
+
+def shows_errors(calibration: RunCurve, plane: ObjectPlane) -> bool:
+    """Whether the gap of a run can show errors of its calibration and systematics.
+
+    It cannot without a joint, where the settings exclude all errors, and between two fixtures.
+    """
+    if not calibration.systematics.covariance.any() or calibration.later is not None:
+        return False
+    # the cells of a lobe hold many films
+    return plane.view is not None and plane.settings.joint is not None and plane.bore is None
 
 
 def find_errors(
@@ -37,15 +51,13 @@ def find_errors(
     Returns
     -------
     ErrorEstimate or None
-        None without a joint, where the settings exclude all errors of the run, between two
-        fixtures, and where the run does not determine them.
+        None where `shows_errors` is false, and where the run does not determine them.
     """
-    systematics = calibration.systematics
-    if not systematics.covariance.any() or calibration.later is not None:
+    if not shows_errors(calibration, plane):
         return None
-    joint = plane.settings.joint
-    if plane.view is None or joint is None or plane.bore is not None:
-        return None  # the cells of a lobe hold many films
+    joint, view = plane.settings.joint, plane.view
+    assert joint is not None
+    assert view is not None
     frames = np.array(sorted(lights))
     parts = np.array([lights[frame].cells for frame in frames], float).reshape(frames.size, 4, -1)
     if not np.isfinite(parts).any():
@@ -60,10 +72,28 @@ def find_errors(
         LightCells(*parts.transpose(1, 0, 2)),
         centres,
         calibration,
-        plane.view,
+        view,
         passed=shares_passed(frames, pairs),
         clearance_std=clearance_std(joint),
+        flattening=_flattening(joint),
     )
+
+
+def _flattening(joint: JointSettings) -> float:
+    """Depth by which the load flattens pin and bore, without the logarithm of its width. [um]
+
+    Load per length over pi and the contact modulus; Johnson (1985), section 4.2.
+    """
+    if joint.load is None:
+        return 0.0
+    one, two = joint.pin, joint.bushing
+    modulus = contact_modulus(
+        one.youngs_modulus,
+        poisson_1=one.poissons_ratio,
+        youngs_2=two.youngs_modulus,
+        poisson_2=two.poissons_ratio,
+    )
+    return 1e6 * joint.load / joint.length / (math.pi * float(modulus))
 
 
 def with_errors(calibration: RunCurve, errors: ErrorEstimate, *, corrected: bool) -> RunCurve:
@@ -116,7 +146,7 @@ def describe_gap(
     std, prior = (1e3 * float(errors.film_std(film, middle, before=n)) for n in (False, True))
     films, gap = f"films of {errors.film:.1f} um", "the gap that pin and bore must have"
     off = f"{abs(shift):.0f} ± {std:.0f} nm too {'thick' if shift > 0 else 'thin'}"
-    before, key = f"({prior:.0f} nm before)", 'errors = "correct" in [light]'
+    before, key = f"({prior:.0f} nm before)", 'errors = "report" in [light]'
     if corrected:
         note = remark("systematics", f"{gap} shows {films} {off} {before}; taken out of the films")
     elif errors.exceeds_widths(calibration):
@@ -124,15 +154,15 @@ def describe_gap(
             "systematics",
             f"{films} are {off} by {gap}, more than [systematics] allows. Its room is {prior:.0f} "
             "nm; film_mean_std and film_min_std include this shift, the maps do not. Check the "
-            f"radii in [joint] and the largest error, and set {key}",
+            "radii in [joint], and light, filters and wall of fixture and run",
         )
     elif abs(shift) > _SIGNIFICANT * std:
         note = warn(
             "systematics",
-            f"{films} are {off} by {gap} {before}. This is within the error bars. {key} takes it "
-            "out of the films; check the radii in [joint] before",
+            f"{films} are {off} by {gap} {before}. This is within the error bars. Without "
+            f"{key} it is taken out of the films",
         )
     else:
-        text = f"{gap} shows {films} {off} {before}; {key} takes this out of the films"
+        text = f"{gap} shows {films} {off} {before}; without {key} this is taken out of the films"
         note = remark("systematics", text)
     return [note]

@@ -66,7 +66,7 @@ def choose_frames(pairs: FramePairs) -> frozenset[int]:
 
 
 def measure_lights(
-    chain: FrameChain, patch: Region | None, *, workers: int | None = None
+    chain: FrameChain, patch: Region | None, *, most: int = _MOST_FRAMES
 ) -> dict[int, FrameResult]:
     """Measure the light of the frames that `choose_frames` names.
 
@@ -75,17 +75,17 @@ def measure_lights(
     chain : FrameChain
     patch : Region or None
         Rows and columns of the reference patch.
-    workers : int, optional
-        Threads; default: one per processor.
+    most : int
+        Of these frames, at most.
 
     Returns
     -------
     dict of int to FrameResult
     """
     lights: dict[int, FrameResult] = {}
-    Threads(workers).compute(
+    Threads(None).compute(
         lambda frame: FrameResult.of(frame, chain.measure(frame), patch=patch, with_cells=True),
-        sorted(choose_frames(chain.pairs)),
+        sorted(chain.pairs.spread(min(most, _MOST_FRAMES))),
         lights.__setitem__,
     )
     return lights
@@ -464,7 +464,9 @@ def correct_light(
     if options.ratio == "correct" and findings.scale is not None:
         chain = chain.without(findings.scale.change(len(chain.pairs.pages[0])))
         calibration = with_scale_of_patch(calibration, findings.scale)
-    if options.errors == "correct" and findings.errors is not None:
+    if findings.errors is not None and (
+        options.errors == "correct" or not findings.errors.exceeds_widths(calibration)
+    ):
         calibration = with_errors(calibration, findings.errors, corrected=True)
     return chain, calibration
 
@@ -493,7 +495,8 @@ def describe_light(
     parts.append((patch, describe_scale(findings.scale) or notes_on_patch))
     variables: dict[str, Any] = {}
     notes = describe_course(findings.course, calibration)
-    notes += describe_gap(findings.errors, calibration, corrected=options.errors == "correct")
+    taken_out = options.errors == "correct" or calibration.follows_run
+    notes += describe_gap(findings.errors, calibration, corrected=taken_out)
     for more, also in parts:
         variables |= more
         notes += also

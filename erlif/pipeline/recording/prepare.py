@@ -21,6 +21,7 @@ from erlif.pipeline.audit.naming import naming
 from erlif.pipeline.chain import FrameChain, FrameCorrection
 from erlif.pipeline.engines.results import FrameResult
 from erlif.pipeline.physics.findings import LightFindings
+from erlif.pipeline.physics.gap import shows_errors
 from erlif.pipeline.physics.light import correct_light, find_light, measure_lights
 from erlif.pipeline.physics.systematics import add_systematics, update_systematics
 from erlif.pipeline.physics.temperature import read_warming, without_warming
@@ -42,8 +43,11 @@ from erlif.pipeline.recording.sample import compare_sharpness, sample_frames
 from erlif.pipeline.recording.swap import judge_ratios
 from erlif.ratio import BlurDifference
 from erlif.registration import CameraMap
+from erlif.trend.cells import FEWEST_FRAMES
 
 _logger = logging.getLogger(__name__)
+
+_FRAMES_OF_GAP = 100  # from which the errors that the gap shows are sought before the films
 
 
 def prepare_chain(
@@ -292,8 +296,15 @@ def prepare_run(
     refuse_stuck_cameras(run.pairs)
     options = run.settings.light
     warmer = read_warming(run, curve.calibration)
+    # the errors that the gap shows are sought where nothing else is asked for
+    plane = ObjectPlane(run.settings, run.pairs.shape)
+    sought = options.errors is None and not options.corrects
+    sought = sought and len(run.pairs.usable) >= FEWEST_FRAMES and plane.view is not None
     prepared = prepare_chain(
-        run, progress, stored=known.stored, tables_only=tables_only and not options.corrects
+        run,
+        progress,
+        stored=known.stored,
+        tables_only=tables_only and not (options.corrects or sought),
     )
     chain = without_warming(prepared.chain, warmer, run.settings.temperature)
     faults = (*prepared.bits, *note_noise(chain, prepared.sample))
@@ -312,6 +323,12 @@ def prepare_run(
             findings = ready.find_light(measure_lights(chain, ready.plane.patch), patch)
         chain, curve = correct_light(chain, curve, findings, options)
         ready = replace(ready, chain=chain, curve=curve, light=findings)
+    elif sought and shows_errors(curve, plane):
+        with stage("light", _logger):
+            findings = ready.find_light(measure_lights(chain, None, most=_FRAMES_OF_GAP))
+        chain, curve = correct_light(chain, curve, findings, options)
+        if curve.follows_run:  # a course within the widths is among these errors
+            ready = replace(ready, curve=curve, light=replace(findings, course=None))
 
     # the frames need neither the sample nor the references
     return replace(ready, chain=ready.chain.tabulated()) if tables_only else ready
