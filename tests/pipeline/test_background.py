@@ -14,7 +14,12 @@ RIG = small_rig(background=0.03, background_pages=8, pulse_jitter=0.1)
 
 
 lab = simulated(RIG, seed=31)
-plain = processed("lab", "plain", *[("\nbackground =", "\n# background =")] * 2)
+plain = processed(
+    "lab",
+    "plain",
+    *[("\nbackground =", "\n# background =")] * 2,
+    add='\n[light]\nerrors = "report"\n',
+)
 """The same run, processed as if there were no background."""
 
 corrected = processed("lab")
@@ -62,7 +67,8 @@ def test_pulse_energies_come_from_the_light_where_the_log_has_none(lab, correcte
 
 
 def test_error_of_the_energy_of_dry_frames_is_one_of_the_systematics(lab, corrected):
-    run = lab.copy_run("energy", ('\nenergy = "0 %"', '\nenergy = "5 %"'))
+    stated = ('\nenergy = "0 %"', '\nenergy = "5 %"')
+    run = lab.copy_run("energy", stated, add='\n[light]\nerrors = "report"\n')
     calibration = erlif.open_calibration(lab.fixture / "calibration.nc")
     systematics = prepare(run, calibration).curve.systematics
     rows = [n for n, term in enumerate(systematics.terms) if term == "background"]

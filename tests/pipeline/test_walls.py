@@ -30,6 +30,6 @@ def test_films_before_the_stated_wall_are_those_of_the_truth(lab):
     assert "wall" in film.error_term
 
     # with the curve of the fixture, films of the joint read half as thick again
-    plain = erlif.process(lab.run, workers=1)
+    plain = lab.process_copy("plain", add='\n[light]\nerrors = "report"\n')
     inside, error = lab.errors(plain, above=2.5, below=5)
     assert np.median(error[inside]) > 1.0

@@ -162,7 +162,7 @@ def test_displacements_change_with_the_clearance_as_those_of_the_fit_to_ratios()
     calibration = replace(known_calibration(), thickness_range=(0.2, 16.0))
     wider = replace(VIEW, bushing_radius=VIEW.bushing_radius + 5e-6)
     for one, stated in zip(place, widening, strict=True):
-        ratios = noisy_ratios(circle_gap(*one), 1e-9, np.random.default_rng(0))
+        ratios = noisy_ratios(circle_gap(*one), 1e-4, np.random.default_rng(0))
         before, after = (
             find_pin_position(ratios, calibration, region=WHOLE, view=view).value[:2]
             for view in (VIEW, wider)

@@ -176,7 +176,7 @@ def difference_var(one: Array, other: Array, runs: tuple[RunErrors, RunErrors]) 
     """Variance that calibrations add to the difference of two films.
 
     Errors in common cancel as far as the films are equal, others add. What the gaps of both runs
-    have shown of their errors is new in each; where it says less than what they have in common, the
+    have shown of their errors is new in each; where that is less than what they have in common, the
     errors are those before the runs.
 
     Parameters

@@ -1,13 +1,13 @@
 """Errors of the films by source: they add up to the stated ones, and the largest is named."""
 
 import re
-from types import SimpleNamespace
 
 import numpy as np
 import numpy.testing as npt
 import pytest
 import xarray as xr
 from scenes.film import run_settings
+from scenes.preparing import UNREAD
 from scenes.results import make_statistics
 
 from erlif.calibration import RunCurve
@@ -19,7 +19,7 @@ from erlif.show.plots import example_calibration
 def with_systematics(text):
     """The calibration of the example with the systematics of settings; no frame is sampled."""
     plain = RunCurve.of(example_calibration())
-    return add_systematics(plain, run_settings(text), SimpleNamespace(), ())
+    return add_systematics(plain, run_settings(text), UNREAD, ())
 
 
 def test_sources_of_error_add_up_and_the_largest_is_named():

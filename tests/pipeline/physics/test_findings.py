@@ -6,6 +6,7 @@ from scenes.fixture import with_systematics
 
 from erlif.io.settings import LightOptions
 from erlif.pipeline.physics.findings import LightFindings
+from erlif.pipeline.physics.gap import with_errors
 from erlif.pipeline.physics.reference import PatchScale
 from erlif.show.plots import example_calibration
 from erlif.trend import CourseChange, ErrorEstimate, Trend
@@ -32,7 +33,8 @@ def test_a_shift_counts_from_two_widths_on_and_contains_the_course(change, count
 
 def test_a_shift_that_is_taken_out_counts_whatever_its_size():
     findings = LightFindings(errors=estimate(0.001), course=COURSE)
-    found = findings.for_error_bars(CALIBRATION, LightOptions(errors="correct"))
+    taken_out = with_errors(CALIBRATION, findings.errors, corrected=True)
+    found = findings.for_error_bars(taken_out, LightOptions())
     assert found.errors is findings.errors
     assert found.course is None
 

@@ -21,7 +21,7 @@ RIG = small_rig(spacing=0.96, film_reference=3.0, background=SHARE)
 PATCH = '[reference]\nregion = { x = [4, 8], y = [4, 8] }\nthickness = "3 um"\n'
 
 lab = simulated(RIG, seed=41)
-reported = processed("lab")
+reported = processed("lab", "reported", add='\n[light]\nerrors = "report"\n')
 corrected = processed("lab", "corrected", add=f'\n[light]\nbackground = "correct"\n{PATCH}')
 
 
@@ -96,9 +96,9 @@ def test_error_of_the_subtracted_background_is_in_that_of_the_patch(reported, co
             assert std[k] > 0.9 * np.median(corrected.thickness_std_shared.values[k][alike])
 
 
-@pytest.mark.parametrize("name", ["run", "corrected"])
+@pytest.mark.parametrize("name", ["reported", "corrected"])
 def test_budget_has_the_background_and_adds_up(lab, reported, corrected, name):
-    film = {"run": reported, "corrected": corrected}[name]
+    film = {"reported": reported, "corrected": corrected}[name]
     budget = erlif.budget(lab.directory / name, trigger=10)
     for quantity, variable in (("mean film", "film_mean"), ("minimum film", "film_min")):
         column = budget["std"].sel(quantity=quantity)

@@ -94,7 +94,7 @@ def test_a_wrong_film_of_the_patch_is_reported(dyes):
 
 # scale of the ratio
 
-SCALED = '\n[light]\nratio = "correct"\n'
+SCALED = '\n[light]\nratio = "correct"\n[systematics]\nfield = "0 %"\n'
 
 UNLIKE = replace(
     RIG,
@@ -111,7 +111,7 @@ UNLIKE = replace(
 
 unlike = simulated(UNLIKE, seed=52)
 scaled = processed("unlike", "scaled", add=SCALED)
-unscaled = processed("unlike")
+unscaled = processed("unlike", "unscaled", add='\n[light]\nerrors = "report"\n')
 
 
 @pytest.mark.parametrize("part", ["first", "last"])

@@ -1,13 +1,13 @@
 """Errors that the frames of a run do not show: widths of the settings, and what a run measures."""
 
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import numpy.testing as npt
 import pytest
 from scenes.film import run_settings
 from scenes.fixture import with_systematics
+from scenes.preparing import UNREAD
 from scenes.results import make_statistics
 
 from erlif.calibration import RunCurve
@@ -37,9 +37,14 @@ CURVE = RunCurve.of(PLAIN)
 REPORT, CORRECT = LightOptions(), LightOptions(background="correct", bleaching="correct")
 
 
+EVEN = '[systematics]\nfield = "0 %"\n'
+"""No change over the field: its five parameters stand beside those of which a test asks."""
+
+
 def calibration_of(text="", plain=CURVE):
-    """With the systematics of settings; no frame is sampled."""
-    return add_systematics(plain, run_settings(text), SimpleNamespace(), ())
+    """With the systematics of settings and an even field; no frame is sampled."""
+    whole = text.replace("[systematics]\n", EVEN) if "[systematics]" in text else f"{text}\n{EVEN}"
+    return add_systematics(plain, run_settings(whole), UNREAD, ())
 
 
 def widths(calibration):
@@ -232,7 +237,7 @@ def test_films_of_the_patch_have_the_error_of_its_scale_whatever_else_a_run_show
 
 def test_ratios_beyond_those_of_all_films_put_their_scale_in_doubt():
     """By 5 % beside a width of 1 %."""
-    found = add_systematics(CURVE, run_settings(), SimpleNamespace(), (), misfit=0.05)
+    found = add_systematics(CURVE, run_settings(f"\n{EVEN}"), UNREAD, (), misfit=0.05)
     npt.assert_allclose(widths(found)["ratio"], np.hypot(0.01, 0.05))
 
 

@@ -53,7 +53,7 @@ def lab(tmp_path_factory):
     return lab
 
 
-plain = processed("lab")
+plain = processed("lab", "plain", add='\n[light]\nerrors = "report"\n')
 corrected = processed("lab", "corrected", add=STATED)
 
 
