@@ -7,8 +7,8 @@ judged over its last ten frames.
 
 ``python benchmarks/real_rigs.py --coverage 200`` draws rigs from the default widths and prints the
 shares of errors within one and two standard deviations, and the scatter of the errors. With
-``--correct`` what the gap of the joint shows of the errors is taken out of the films. The run
-divides its work among processes.
+``--report`` what the gap of the joint shows of the errors stays in the films. The run divides its
+work among processes.
 """
 
 from __future__ import annotations
@@ -85,6 +85,8 @@ STATED: dict[str, dict[str, str]] = {
 }
 """What a laboratory states of a fault, by file: a heading of its table and further lines."""
 
+REPORT = '[light]\nerrors = "report"\n'
+
 DURING = ("bleaching", "warming", "gain_step", "dark_step", "bump")
 """Settings that act at the end of the run."""
 
@@ -96,7 +98,7 @@ def state(file: Path, lines: str) -> None:
     file.write_text(whole, encoding="utf-8")
 
 
-def judge_fault(job: tuple[str, int]) -> str:
+def judge_fault(job: tuple[str, int], *, report: bool = False) -> str:
     """One row of the table."""
     name, seed = job
     changes = FAULTS[name]
@@ -105,6 +107,8 @@ def judge_fault(job: tuple[str, int]) -> str:
         simulate(out, seed=seed, rig=RigSettings(write_systematics=False, **changes))
         for file, lines in STATED.get(name, {}).items():
             state(out / file, lines)
+        if report:
+            state(out / "run" / "run.toml", REPORT)
         try:
             film = erlif.process(out / "run")
         except ErlifError as error:
@@ -167,7 +171,7 @@ def draw_rig(rng: np.random.Generator) -> tuple[RigSettings, float, float]:
     return rig, float(draw(1.0)), 1 + float(draw(0.005))
 
 
-def pull_rig(seed: int, *, correct: bool = False) -> dict[str, tuple[float, float]]:
+def pull_rig(seed: int, *, report: bool = False) -> dict[str, tuple[float, float]]:
     """Errors of one drawn rig and their standard deviations."""
     rig, origin, size = draw_rig(np.random.default_rng([77, seed]))
     with tempfile.TemporaryDirectory() as scratch:
@@ -181,9 +185,8 @@ def pull_rig(seed: int, *, correct: bool = False) -> dict[str, tuple[float, floa
         with profile.open("w", encoding="utf-8", newline="") as file:
             table = [[x, f"{size * float(h):.5f}", std] for x, h, std in rows]
             csv.writer(file).writerows([head, *table])
-        if correct:
-            with (out / "run" / "run.toml").open("a", encoding="utf-8") as file:
-                file.write('\n[light]\nerrors = "correct"\n')
+        if report:
+            state(out / "run" / "run.toml", REPORT)
         film = erlif.process(out / "run")
         with xr.open_dataset(out / "truth.nc", engine="h5netcdf") as truth:
             truth.load()
@@ -214,7 +217,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--coverage", type=int, help="rigs drawn from the default widths")
     parser.add_argument("--first", type=int, default=0, help="first of these rigs")
-    parser.add_argument("--correct", action="store_true", help="take out what the gap shows")
+    parser.add_argument("--report", action="store_true", help="leave in what the gap shows")
     parser.add_argument("--seeds", type=int, nargs="+", default=[1, 2, 3])
     parser.add_argument("--only", help="faults whose name contains this text")
     parser.add_argument("--workers", type=int, default=2)
@@ -222,11 +225,12 @@ def main() -> None:
     with ProcessPoolExecutor(options.workers) as pool:
         if options.coverage is None:
             names = [name for name in FAULTS if (options.only or "") in name]
-            for row in pool.map(judge_fault, [(name, n) for name in names for n in options.seeds]):
+            jobs = [(name, n) for name in names for n in options.seeds]
+            for row in pool.map(partial(judge_fault, report=options.report), jobs):
                 print(row, flush=True)
             return
         rigs = range(options.first, options.first + options.coverage)
-        drawn = list(pool.map(partial(pull_rig, correct=options.correct), rigs))
+        drawn = list(pool.map(partial(pull_rig, report=options.report), rigs))
     for name in drawn[0]:
         error, std = np.array([each[name] for each in drawn]).T
         pulls = np.abs(error / std)
