@@ -14,6 +14,7 @@ from erlif.core.variables import FILM
 from erlif.io.settings import RunSettings
 from erlif.pipeline.physics.bore import axial_shape
 from erlif.trend import AxialShape, GapShape, PinView, Region, find_region
+from erlif.trend.blocks import pixels_between
 
 # Rows and columns of a patch, at least. [px]
 _SMALLEST = 8
@@ -132,8 +133,8 @@ class ObjectPlane:
         if region is None:
             return None
         columns, rows = (
-            slice(max(int(np.ceil(low / self.pitch)), 0), min(int(high / self.pitch) + 1, size))
-            for (low, high), size in ((region.x, self.shape[1]), (region.y, self.shape[0]))
+            pixels_between(np.arange(size, dtype=float) * self.pitch, bounds)
+            for bounds, size in ((region.x, self.shape[1]), (region.y, self.shape[0]))
         )
         if min(columns.stop - columns.start, rows.stop - rows.start) < _SMALLEST:
             raise ConfigError(

@@ -210,8 +210,8 @@ def find_region(x: Array, y: Array, *, roi: tuple[Interval, Interval] | None = N
         return Region(slice(0, y.size), slice(0, x.size))
 
     across, down = roi
-    columns = _slice_between(x, across)
-    rows = _slice_between(y, down)
+    columns = pixels_between(x, across)
+    rows = pixels_between(y, down)
     if columns.stop - columns.start < _SMALLEST or rows.stop - rows.start < _SMALLEST:
         raise ConfigError(
             f"Expected a region of interest of at least {_SMALLEST} x {_SMALLEST} pixels within "
@@ -222,7 +222,8 @@ def find_region(x: Array, y: Array, *, roi: tuple[Interval, Interval] | None = N
     return Region(rows, columns)
 
 
-def _slice_between(position: Array, bounds: Interval) -> slice:
+def pixels_between(position: Array, bounds: Interval) -> slice:
+    """Pixels of rising positions that lie within bounds, included."""
     low, high = bounds
     # a bound at a pixel includes it, whatever the last digit of its position
     little = _ROUNDING * float(position[-1])

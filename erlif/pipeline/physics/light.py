@@ -370,7 +370,9 @@ def find_light(
     background = find_background(lights, calibration, energies, pairs=triggers.size)
     scale = None
     if reference is not None:
-        scale = fit_patch_scale(lights, calibration, reference, pairs=triggers.size)
+        scale = fit_patch_scale(
+            lights, calibration, reference, pairs=triggers.size, patch=plane.patch
+        )
     darks = find_dark_levels(lights, correct.unlit, correct.references.gain.values)
     errors = None
     beyond = bool(darks)  # a background beyond its width

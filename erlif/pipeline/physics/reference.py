@@ -14,6 +14,7 @@ from erlif.core.notes import Note, remark, warn
 from erlif.core.variables import FILM
 from erlif.io.settings import ReferenceSettings
 from erlif.pipeline.engines.results import FrameResult, TriggerResult, share_passed, shares_passed
+from erlif.trend import Region
 
 # Standard deviations from which on a deviation is reported.
 _DEVIANT = 3.0
@@ -37,12 +38,15 @@ class PatchScale:
         Film of the patch. [um]
     film_std : float
         Its standard deviation. [um]
+    place : tuple[float, float] | None
+        Column and row of its middle; None for a patch anywhere in the picture. [px]
     """
 
     course: Array
     covariance: Array
     film: float
     film_std: float
+    place: tuple[float, float] | None = None
 
     def change(self, frames: int) -> Array:
         """Change of the logarithm of the ratio, (frame,). [1]"""
@@ -56,6 +60,7 @@ def fit_patch_scale(
     reference: ReferenceSettings,
     *,
     pairs: int,
+    patch: Region | None = None,
 ) -> PatchScale | None:
     """Line through the ratio of a patch over the frames, less that of its film.
 
@@ -67,6 +72,8 @@ def fit_patch_scale(
     reference : ReferenceSettings
     pairs : int
         Frame pairs of the run.
+    patch : Region, optional
+        Its rows and columns.
 
     Returns
     -------
@@ -90,7 +97,11 @@ def fit_patch_scale(
     course = np.linalg.lstsq(design, off)[0]
     scatter = float(((off - design @ course) ** 2).sum()) / (len(off) - 2)
     covariance = max(1.0, scatter) * np.linalg.inv(design.T @ design)
-    return PatchScale(course, covariance, film, film_std)
+    place = None
+    if patch is not None:
+        column, row = (0.5 * (part.start + part.stop - 1) for part in (patch.columns, patch.rows))
+        place = column, row
+    return PatchScale(course, covariance, film, film_std, place)
 
 
 def describe_scale(scale: PatchScale | None) -> list[Note]:

@@ -172,7 +172,8 @@ def with_scale_of_patch(calibration: RunCurve, scale: PatchScale) -> RunCurve:
     rising = parameters + systematics.place("bleaching", RISE)
 
     # change of the ratio of the patch with all other errors, at the first frame and until the last
-    first, last = (calibration.at(share).gradient(scale.film) for share in (0.0, 1.0))
+    place = None if scale.place is None else tuple(np.array(at) for at in scale.place)
+    first, last = (calibration.at(share).gradient(scale.film, place=place) for share in (0.0, 1.0))
     acts = np.eye(len(first))
     acts[alike] = 0.0
     acts[constant], acts[rising] = -first, first - last

@@ -10,9 +10,9 @@ from scenes.fixture import with_systematics
 from scenes.rig import small_rig
 
 import erlif
-from conftest import processed, simulated
+from conftest import Laboratory, processed, simulated
 from erlif.io.settings import ReferenceSettings
-from erlif.pipeline.physics.reference import fit_patch_scale
+from erlif.pipeline.physics.reference import PatchScale, fit_patch_scale
 from erlif.pipeline.physics.systematics import with_scale_of_patch
 from erlif.rig.dyes import BANDS, DyedOil, tabulate_signal
 from erlif.show.plots import example_calibration
@@ -169,7 +169,7 @@ def test_errors_are_those_of_the_difference_to_the_patch():
     """Drawn errors of curve and run, less those of the film of the patch."""
     widths = {"ratio": 0.01, "bleaching": 0.01, "wall": 0.02, "background": 0.01, "size": 0.005}
     before = with_systematics(example_calibration(), light=(4.0, 4.0), **widths)
-    scale = SimpleNamespace(film=5.0, film_std=0.02, covariance=1e-8 * np.eye(2))
+    scale = PatchScale(np.zeros(2), 1e-8 * np.eye(2), film=5.0, film_std=0.02)
     after = with_scale_of_patch(before, scale)
 
     rng = np.random.default_rng(8)
@@ -184,3 +184,16 @@ def test_errors_are_those_of_the_difference_to_the_patch():
             expected = np.std(drawn + patch)
             found = float(after.at(passed).log_ratio_std(film))
             assert found == pytest.approx(expected, rel=0.03, abs=2e-4)
+
+
+@pytest.mark.slow
+def test_a_window_over_one_camera_is_in_the_errors_of_a_ratio_that_a_patch_sets(tmp_path):
+    """1 % rms over the field: the ratio on the patch is off by more than that on the films."""
+    rig = replace(RIG, cycles=1, spacing=3.0, reference=6.0, bleaching=(0.0, 0.0))
+    lab = Laboratory.simulated(tmp_path, seed=53, rig=replace(rig, shading=(0.0173, 0.0)))
+    stated = ("[systematics]\n", '[systematics]\nfield = "1 %"\n')
+    film = lab.process_copy("shaded", stated, add='\n[light]\nratio = "correct"\n')
+    off = film.film_min - lab.truth.film_min
+    pull = float(np.abs(off / film.film_min_std).median())
+    assert 0.3 < pull < 2
+    assert float(off.median()) > 0.1
