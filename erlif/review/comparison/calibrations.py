@@ -57,6 +57,36 @@ class RunErrors:
         rig = hashlib.sha256(repr(parts).encode()).hexdigest()
         return cls(curve, fixture, rig, settings.systematics.shares)
 
+    @property
+    def before(self) -> RunErrors:
+        """Errors before the run had shown anything of them."""
+        systematics = self.curve.systematics
+        if systematics.before is None:
+            return self
+        return replace(self, curve=replace(self.curve, systematics=systematics.without_run))
+
+    @property
+    def left(self) -> tuple[Array, Array | None]:
+        """Covariance of the errors of the run, and what it leaves of each error that it had before.
+
+        Where errors were taken out, the run leaves of them its covariance over that before. A
+        change with the place is not taken out: all of it is left. None where nothing was.
+        """
+        whole, systematics = self.curve.full_covariance, self.curve.systematics
+        if systematics.value is None or systematics.before is None:
+            return whole, None
+        before = systematics.before
+        std = np.sqrt(np.diag(before))
+        scale = np.where(std > 0, std, 1.0)
+        inverse = np.linalg.pinv(before / np.outer(scale, scale), hermitian=True)
+        left = whole @ (inverse / np.outer(scale, scale))
+        placed = np.array([one.placed for one in systematics.parameters], bool)
+        own = len(whole) - placed.size + np.flatnonzero(placed)
+        left[own] = np.eye(len(whole))[own]
+        whole = whole.copy()
+        whole[np.ix_(own, own)] = before[np.ix_(own, own)]
+        return whole, left
+
 
 def key_of(calibration: RunCurve) -> str:
     """Hash of a calibration, the same for all runs with one fixture.
@@ -104,9 +134,13 @@ def joint_covariance(runs: Sequence[RunErrors]) -> Array:
     """
     blocks = [
         [
-            one.curve.full_covariance
+            one.left[0]
             if n == m
-            else _common(one, other)
+            else (
+                _common(one, other)
+                if one.left[1] is None or other.left[1] is None
+                else one.left[1] @ _common(one.before, other.before) @ other.left[1].T
+            )
             if one.fixture == other.fixture
             else np.zeros((len(one.curve.full_covariance), len(other.curve.full_covariance)))
             for m, other in enumerate(runs)
@@ -197,13 +231,10 @@ def difference_var(one: Array, other: Array, runs: tuple[RunErrors, RunErrors]) 
 
 def _views(runs: tuple[RunErrors, RunErrors]) -> list[tuple[RunErrors, RunErrors]]:
     """Errors of two runs as they are, and before the runs where nothing was taken out."""
+    one, other = runs
     if any(run.curve.systematics.value is not None for run in runs):
         return [runs]
-    one, other = (
-        replace(run, curve=replace(run.curve, systematics=run.curve.systematics.without_run))
-        for run in runs
-    )
-    return [runs, (one, other)]
+    return [runs, (one.before, other.before)]
 
 
 def largest_term(one: Array, other: Array, runs: tuple[RunErrors, RunErrors]) -> tuple[str, float]:

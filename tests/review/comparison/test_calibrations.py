@@ -135,6 +135,31 @@ def test_a_difference_of_runs_of_one_rig_covers_the_true_one():
     assert (np.abs(pull) < 1.96).mean() == pytest.approx(0.95, abs=0.0104)
 
 
+def test_what_two_runs_leave_of_their_common_errors_cancels():
+    """Both take out what they measure of their errors, each with its own noise; 20,000 are drawn."""
+    run, rng, count = run_with(**WIDTHS), np.random.default_rng(11), 20000
+    prior = run.full_covariance
+    size, std = len(prior), np.sqrt(np.diag(prior))
+    seen = rng.normal(size=(6, size)) / std
+    gain = prior @ seen.T @ np.linalg.inv(seen @ prior @ seen.T + 0.09 * np.eye(6))
+    after = prior - gain @ seen @ prior
+    value = np.zeros(size)
+    corrected = run.systematics.with_errors(after, value, before=prior)
+    pair = (errors_of(replace(run, systematics=corrected)),) * 2
+
+    common = joint_covariance([errors_of(run)] * 2)
+    both = np.linalg.cholesky(common + 1e-9 * np.diag(np.tile(std, 2) ** 2))
+    drawn = (rng.normal(size=(count, 2 * size)) @ both.T).reshape(count, 2, size)
+    measured = drawn @ seen.T + 0.3 * rng.normal(size=(count, 2, 6))
+    left = drawn - measured @ gain.T
+    thin, thick = run.film_gradient(3.0), run.film_gradient(4.0)
+    off = left[:, 1] @ thick - left[:, 0] @ thin
+    stated = difference_var(thin, thick, pair)
+    npt.assert_allclose(off.var(), stated, rtol=0.04)
+    alone = thin @ after @ thin + thick @ after @ thick
+    assert stated < 0.8 * alone
+
+
 def test_the_scale_of_the_ratio_does_not_cancel_between_two_runs(film):
     """The films are equal: the errors of the fixture cancel, 0.3 % of the ratio does not."""
     run = run_with(ratio=0.01)
