@@ -136,7 +136,7 @@ def test_a_difference_of_runs_of_one_rig_covers_the_true_one():
 
 
 def test_what_two_runs_leave_of_their_common_errors_cancels():
-    """Both take out what they measure of their errors, each with its own noise; 20,000 are drawn."""
+    """Both take out what they measure of their errors, each with noise of its own."""
     run, rng, count = run_with(**WIDTHS), np.random.default_rng(11), 20000
     prior = run.full_covariance
     size, std = len(prior), np.sqrt(np.diag(prior))
