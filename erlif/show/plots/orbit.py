@@ -116,7 +116,9 @@ def closest_film(film: xr.Dataset, *, ax: Axes = style.NEW) -> list[Artist]:
 
     # an arc of the bore no longer than the films are thick, as in the orbit
     arc = math.degrees(float(np.ptp(closest[known])) / float(distance[known].mean()))
-    ax.set(xlim=_around(angle[known], least=arc), ylim=_around(closest[known]))
+    reach = math.sqrt(turned[1, 1]) * np.array([-1, 1])  # of the last ellipse, with shared errors
+    films = np.append(closest[known], closest[last] + reach)
+    ax.set(xlim=_around(angle[known], least=arc), ylim=_around(films))
     ax.set(xlabel="angle from the load line [°]", ylabel="closest film [µm]")
     key = f"{style.ONE_STD} with shared errors"
     style.draw_line(ax, [], [], MINIMUM, form=_DASHES, width=0.7, label=key)

@@ -487,6 +487,9 @@ def letter(ax: Axes, text: str) -> None:
     ax.set_title(drawn, loc="left", ha="left" if title else "right")
 
 
+_FEWEST_TICKS = 3  # with a number, on a logarithmic axis
+
+
 def plain_log_ticks(ax: Axes) -> None:
     """Write the ticks of logarithmic axes as plain numbers, close enough for a short range."""
     for axis in (ax.xaxis, ax.yaxis):
@@ -495,7 +498,13 @@ def plain_log_ticks(ax: Axes) -> None:
             # the shorter the axis, the more ticks a decade needs
             decades = np.log10(high / low)
             steps = range(1, 9) if decades < 0.7 else (1, 2, 3, 5) if decades < 1.5 else (1, 2, 5)
-            axis.set_major_locator(LogLocator(subs=[*steps], numticks=20))
+            places = LogLocator(subs=[*steps], numticks=20)
+            shown = [low < at < high for at in places.tick_values(low, high)]
+            if sum(shown) < _FEWEST_TICKS:
+                places = LogLocator(
+                    subs=[*np.arange(1, 2, 0.1), *np.arange(2, 10, 0.5)], numticks=20
+                )
+            axis.set_major_locator(places)
             axis.set_minor_locator(LogLocator(subs=[*range(1, 10)], numticks=20))
             axis.set_major_formatter("{x:g}")
             axis.set_minor_formatter(NullFormatter())
