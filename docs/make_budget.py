@@ -36,7 +36,7 @@ def limits() -> str:
     whole = replace(
         calibration, systematics=Systematics.of(widths, parameters=parameters, light=light)
     )
-    split = [whole.split_error(whole.film_gradient(film)) for film in FILMS]
+    split = [whole.split_error(whole.film_gradient(film), anywhere=True) for film in FILMS]
 
     rows = []
     for term in ("calibration", *TERMS):

@@ -124,9 +124,13 @@ class RatioCurve(ABC):
         acts = systematics.gradient(thickness, self.model, slope, change, **at)
         return np.concatenate([fitted, acts])
 
-    def film_gradient(self, thickness: npt.ArrayLike) -> Array:
-        """Derivatives of the film of a measured ratio by all fitted parameters, (n, ...)."""
-        return np.asarray(-self.gradient(thickness) / self.slope(thickness))
+    def film_gradient(self, thickness: npt.ArrayLike, **at: Any) -> Array:
+        """Derivatives of the film of a measured ratio by all parameters, (n, ...).
+
+        The keywords are those of `Systematics.gradient`. Without a place, `anywhere_covariance` is
+        the covariance that belongs to them.
+        """
+        return np.asarray(-self.gradient(thickness, **at) / self.slope(thickness))
 
     @property
     def full_covariance(self) -> Array:
@@ -138,13 +142,15 @@ class RatioCurve(ABC):
         """`full_covariance` of films whose place in the picture is not known, (n, n)."""
         return self.systematics.anywhere(self.full_covariance)
 
-    def split_error(self, gradient: Array) -> dict[str, float]:
+    def split_error(self, gradient: Array, *, anywhere: bool = False) -> dict[str, float]:
         """Standard deviation of a quantity by the fixture's frames and by each systematic term.
 
         Parameters
         ----------
         gradient : array, (parameter,)
             Change of the quantity with all fitted parameters.
+        anywhere : bool
+            Whether it is that of a film whose place in the picture is not known.
 
         Returns
         -------
@@ -152,11 +158,14 @@ class RatioCurve(ABC):
             "calibration", then the terms that have an error. Where errors compensate
             each other, they are scaled to add up to the total. [unit of the quantity]
         """
-        return self.split_errors([gradient])[0]
+        return self.split_errors([gradient], anywhere=anywhere)[0]
 
-    def split_errors(self, gradients: Sequence[Array]) -> list[dict[str, float]]:
+    def split_errors(
+        self, gradients: Sequence[Array], *, anywhere: bool = False
+    ) -> list[dict[str, float]]:
         """Split the standard deviations of several quantities as `split_error` does."""
-        alone, whole, split = self.fitted_covariance, self.full_covariance, self.systematics.split()
+        whole = self.anywhere_covariance if anywhere else self.full_covariance
+        alone, split = self.fitted_covariance, self.systematics.split()
         found = []
         for gradient in gradients:
             own, others = gradient[: len(alone)], gradient[len(alone) :]

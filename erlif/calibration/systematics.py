@@ -52,6 +52,8 @@ class Systematics:
     before : Array | None
         Covariance of the parameters of the calibration and of these before the run had shown
         anything of them; None where it has not.
+    scatter : Array | None
+        The part of the same covariance after the run that is new in every run, by noise.
     """
 
     terms: tuple[str, ...]
@@ -65,6 +67,7 @@ class Systematics:
     value: Array | None = None
     frame: tuple[int, int] = (2, 2)
     before: Array | None = None
+    scatter: Array | None = None
 
     @classmethod
     def of(
@@ -137,6 +140,11 @@ class Systematics:
     def varies(self) -> Mask:
         """Parameters that act differently during the run, (parameter,)."""
         return np.array([one.acts is not Acts.ALWAYS for one in self.parameters], bool)
+
+    @property
+    def placed(self) -> npt.NDArray[np.intp]:
+        """Numbers of the parameters that depend on the place in the picture."""
+        return np.flatnonzero([one.placed for one in self.parameters])
 
     def weight_at(self, passed: npt.ArrayLike) -> Array:
         """Factors of the parameters when shares of the run have passed, (parameter, ...). [1]"""
@@ -215,7 +223,12 @@ class Systematics:
         return replace(self, covariance=whole)
 
     def with_errors(
-        self, covariance: Array, value: Array | None = None, *, before: Array | None = None
+        self,
+        covariance: Array,
+        value: Array | None = None,
+        *,
+        before: Array | None = None,
+        scatter: Array | None = None,
     ) -> Systematics:
         """Return a copy with the errors that remain after those of the run were estimated.
 
@@ -225,18 +238,18 @@ class Systematics:
             Of the parameters of the calibration, then of these.
         value : array, optional
             What the run adds to them.
-        before : array, optional
-            The same covariance before the run.
+        before, scatter : array, optional
+            The same covariance before the run, and the part of it that is new in every run.
 
         Returns
         -------
         Systematics
         """
-        return replace(
-            self._with_covariance(covariance, len(self.cross)), value=value, before=before
-        )
+        found = self._with_covariance(covariance)
+        return replace(found, value=value, before=before, scatter=scatter)
 
-    def _with_covariance(self, covariance: Array, fitted: int) -> Systematics:
+    def _with_covariance(self, covariance: Array) -> Systematics:
+        fitted = len(self.cross)
         return replace(
             self,
             covariance=covariance[fitted:, fitted:],
@@ -249,8 +262,8 @@ class Systematics:
         """Systematics as they were before the run had shown anything of them."""
         if self.before is None:
             return self
-        earlier = self._with_covariance(self.before, len(self.cross))
-        return replace(earlier, before=None, value=None)
+        earlier = self._with_covariance(self.before)
+        return replace(earlier, value=None, before=None, scatter=None)
 
     def with_rise(self, width: float) -> Systematics:
         """Return a copy with another width of the rise of the ratio of all films in the run.
@@ -417,7 +430,7 @@ class Systematics:
             frame=(int(rows), int(columns)),
             **{
                 name: np.asarray(record[name], float)
-                for name in ("fit_covariance", "value", "before")
+                for name in ("fit_covariance", "value", "before", "scatter")
                 if name in record
             },
         )
@@ -435,9 +448,7 @@ class Systematics:
 
         Over the picture, changes with the place have a mean of 0 and are independent.
         """
-        if not (placed := np.array([one.placed for one in self.parameters], bool)).any():
-            return covariance
-        own = len(covariance) - placed.size + np.flatnonzero(placed)
+        own = len(covariance) - len(self.parameters) + self.placed
         found, variance = covariance.copy(), np.diag(covariance)[own]
         found[own, :] = found[:, own] = 0.0
         found[own, own] = variance

@@ -72,7 +72,7 @@ def attainable_errors(
     middle = float(np.sqrt(film.thinnest * film.thickest))
     light = float(model.light(middle).signal)
     pair = (light, light * float(np.exp(model.predict(middle))))
-    systematics = Systematics.of(widths, parameters=0, light=pair)
+    systematics = Systematics.of(widths, parameters=0, light=pair, frame=_SHAPE)
     covariance = systematics.covariance
     if joint is not None:
         covariance = _constrain(design, film, model, systematics, joint)
@@ -81,7 +81,7 @@ def attainable_errors(
     slope = log_ratio_slope(design, films)
     acts = systematics.gradient(films, model, slope, 0 * films, passed=np.array([0.5])) / slope
     std = [
-        np.sqrt(np.einsum("if,ij,jf->f", acts, each, acts))
+        np.sqrt(np.einsum("if,ij,jf->f", acts, systematics.anywhere(each), acts))
         for each in (systematics.covariance, covariance)
     ]
     return systematics, covariance, np.array(std)
@@ -97,7 +97,8 @@ def _constrain(
     """Covariance of the errors under the condition that all frames show one gap."""
     lengths = (joint.width, joint.pin_radius, joint.bushing_radius)
     width, pin, bore = (1e3 * float(length) for length in lengths)  # mm
-    x, y = (width / _SHAPE[1] * centre for centre in cell_centres(_SHAPE))
+    place = cell_centres(_SHAPE)
+    x, y = (width / _SHAPE[1] * centre for centre in place)
     x, y = x - x.mean(), y - y.mean()
     radius = float(np.sqrt(pin * bore))
     clearance = 1e3 * (bore - pin)
@@ -111,7 +112,7 @@ def _constrain(
     films = minimum[:, None] + form
 
     slope, (new, _) = log_ratio_slope(design, films), log_ratio_variance(design, films, average=1)
-    acts = systematics.gradient(films, model, slope, 0 * films, passed=passed[:, None])
+    acts = systematics.gradient(films, model, slope, 0 * films, passed=passed[:, None], place=place)
     variance = np.where(films <= film.thickest, new / _CELL + _EXCESS**2, np.inf)
     nothing = RigidityUnknowns(
         np.zeros(len(acts)), np.zeros(x.size), np.zeros((joint.frames, len(gap[0])))

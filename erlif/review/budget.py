@@ -305,7 +305,7 @@ def _pixel_columns(
             for camera, variance in enumerate(pair)
         }
         terms["registration"] = float(np.median(displaced[near] * rate[near]))
-        terms |= calibration.split_error(calibration.film_gradient(wanted))
+        terms |= calibration.split_error(calibration.film_gradient(wanted), anywhere=True)
         columns.append(_Column(f"pixel of {wanted:g} um", wanted, terms))
     return columns
 

@@ -245,6 +245,8 @@ class _BackgroundFit:
         self.energies, self.passed = energies, passed
         x, y = places
         self.surface = np.stack([np.ones_like(x), x, y, x * x, x * y, y * y], axis=1)
+        rows, columns = calibration.systematics.frame
+        self.place = 0.5 * (x + 1) * (columns - 1), 0.5 * (y + 1) * (rows - 1)
         light = np.where(known, record.light, 0.0)
         self.unit = (
             float(np.median(np.exp(light[known]))),
@@ -388,7 +390,7 @@ class _BackgroundFit:
             return np.empty((0, *smooth.shape))
         bright = np.exp(illumination) * systematics.light[0] / self.unit[0]
         films = smooth, calibration.model, calibration.slope(smooth), calibration.change(smooth)
-        at: dict[str, Any] = {"illumination": bright, "passed": self.passed}
+        at: dict[str, Any] = {"illumination": bright, "passed": self.passed, "place": self.place}
         of_ratio = systematics.gradient(*films, **at)
         of_light = systematics.gradient(*films, of="light", **at)
         return np.asarray(response * of_ratio - of_light)

@@ -293,7 +293,11 @@ def rigid_gap(profile: xr.Dataset, film: xr.Dataset) -> RigidGap | None:
     residual = root * (h - design @ (solve @ (root * h)))
     scale = float(residual @ residual) / max(h.size - 3, 1)
     calibration = calibration_of(film, profile.attrs.get("trigger"))
-    change = solve[2] @ (root * calibration.film_gradient(h)).T
+    along_x = settings_of(film).optics.x_axis == "sliding"
+    along = x / abs(float(film.x[1] - film.x[0]))
+    across = np.full_like(x, 0.5 * film.sizes["y" if along_x else "x"])
+    at = (along, across) if along_x else (across, along)
+    change = solve[2] @ (root * calibration.film_gradient(h, place=at)).T
     variance = float(solve[2] @ solve[2]) * max(scale, 1.0) + float(
         change @ calibration.full_covariance @ change
     )

@@ -89,7 +89,7 @@ class RigidityUnknowns(NamedTuple):
 
 def solve_equations(
     equations: RatioEquations, prior: Array, rest: Array, at: RigidityUnknowns
-) -> tuple[RigidityUnknowns, Array]:
+) -> tuple[RigidityUnknowns, Array, Array]:
     """Solve the equations of all frames together.
 
     Parameters
@@ -107,6 +107,8 @@ def solve_equations(
     change : RigidityUnknowns
     covariance : array, (error, error)
         Of the errors with the run.
+    scatter : array, (error, error)
+        The part of it by noise, which is new in every run. The rest is what the priors leave.
 
     Examples
     --------
@@ -117,7 +119,7 @@ def solve_equations(
     >>> still = np.full((20, 40), 0.1)
     >>> equations = RatioEquations(still, 0 * still[None] + 1, 1e-6 + 0 * still, *gap)
     >>> at = RigidityUnknowns(np.zeros(1), np.zeros(40), np.zeros((20, 5)))
-    >>> _, covariance = solve_equations(equations, np.array([[1e-4]]), 0 * still, at)
+    >>> _, covariance, _ = solve_equations(equations, np.array([[1e-4]]), 0 * still, at)
     >>> round(float(covariance[0, 0] / 1e-4), 1)
     1.0
     """
@@ -147,8 +149,10 @@ def solve_equations(
     inverse = np.linalg.inv(normal)
     change = inverse @ right
     motion = np.array([solved[:, -1] - solved[:, :-1] @ change for solved in kept])
-    covariance = root @ inverse[cells:, cells:] @ root.T
-    return RigidityUnknowns(root @ change[cells:], change[:cells], motion), covariance
+    scatter = inverse @ (normal - known) @ inverse
+    found = RigidityUnknowns(root @ change[cells:], change[:cells], motion)
+    covariance, scatter = (root @ each[cells:, cells:] @ root.T for each in (inverse, scatter))
+    return found, covariance, scatter
 
 
 def gap_of_pin(
@@ -202,6 +206,8 @@ class ErrorEstimate:
         What the parameters lack, (error,), in the order of `RatioCurve.full_covariance`.
     covariance : Array
         Their covariance with the run, (error, error).
+    scatter : Array
+        The part of it that is new in every run.
     prior : Array
         Their covariance without it.
     noise : float
@@ -212,6 +218,7 @@ class ErrorEstimate:
 
     value: Array
     covariance: Array
+    scatter: Array
     prior: Array
     noise: float
     film: float
@@ -339,7 +346,7 @@ class _ErrorFit:
                 return None
             equations = self._linearise(film, bright, noise)
             rest = self._rest(film, equations.errors, state.errors)
-            step, covariance = solve_equations(equations, prior, rest, state)
+            step, covariance, scatter = solve_equations(equations, prior, rest, state)
             state = RigidityUnknowns(*(old + new for old, new in zip(state, step, strict=True)))
             noise = max(noise + self._excess(equations, rest, step), 0.0)
             if (np.abs(step.errors) <= _SETTLED * np.sqrt(np.diag(covariance))).all():
@@ -352,6 +359,7 @@ class _ErrorFit:
         return ErrorEstimate(
             value,
             covariance,
+            scatter,
             prior,
             float(np.sqrt(noise)),
             float(np.median(film[self.chosen])),
@@ -362,10 +370,9 @@ class _ErrorFit:
 
         A change with the place in the picture cannot: its second moment is its error.
         """
-        parameters = self.calibration.systematics.parameters
-        placed = np.zeros(value.size, bool)
-        placed[value.size - len(parameters) :] = [one.placed for one in parameters]
-        left = np.where(placed, value, 0.0)
+        systematics, left = self.calibration.systematics, np.zeros_like(value)
+        placed = value.size - len(systematics.parameters) + systematics.placed
+        left[placed] = value[placed]
         return value - left, covariance + np.outer(left, left)
 
     def _start(self, measured: Array) -> RigidityUnknowns:

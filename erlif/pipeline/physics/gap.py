@@ -113,7 +113,9 @@ def with_errors(calibration: RunCurve, errors: ErrorEstimate, *, corrected: bool
     """
     covariance = errors.covariance if corrected else errors.second_moment
     value = errors.value if corrected else None
-    found = calibration.systematics.with_errors(covariance, value, before=errors.prior)
+    found = calibration.systematics.with_errors(
+        covariance, value, before=errors.prior, scatter=errors.scatter
+    )
     return replace(calibration, systematics=found)
 
 

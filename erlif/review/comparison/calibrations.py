@@ -9,9 +9,9 @@ ratio and of the light that is not film. Temperature and bleaching are new in ev
 from __future__ import annotations
 
 import hashlib
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -57,7 +57,7 @@ class RunErrors:
         rig = hashlib.sha256(repr(parts).encode()).hexdigest()
         return cls(curve, fixture, rig, settings.systematics.shares)
 
-    @property
+    @cached_property
     def before(self) -> RunErrors:
         """Errors before the run had shown anything of them."""
         systematics = self.curve.systematics
@@ -66,26 +66,68 @@ class RunErrors:
         return replace(self, curve=replace(self.curve, systematics=systematics.without_run))
 
     @property
-    def left(self) -> tuple[Array, Array | None]:
-        """Covariance of the errors of the run, and what it leaves of each error that it had before.
+    def taken_out(self) -> bool:
+        """Whether errors that the gap of the run has shown were taken out of its films."""
+        systematics = self.curve.systematics
+        return systematics.value is not None and systematics.before is not None
 
-        Where errors were taken out, the run leaves of them its covariance over that before. A
-        change with the place is not taken out: all of it is left. None where nothing was.
+    @cached_property
+    def covariance(self) -> Array:
+        """Covariance of the errors, (parameter, parameter).
+
+        A change with the place is not taken out. Its square, which is known of one run, is not
+        that of the change between two: it counts as before the run.
         """
-        whole, systematics = self.curve.full_covariance, self.curve.systematics
-        if systematics.value is None or systematics.before is None:
-            return whole, None
-        before = systematics.before
-        std = np.sqrt(np.diag(before))
-        scale = np.where(std > 0, std, 1.0)
-        inverse = np.linalg.pinv(before / np.outer(scale, scale), hermitian=True)
-        left = whole @ (inverse / np.outer(scale, scale))
-        placed = np.array([one.placed for one in systematics.parameters], bool)
-        own = len(whole) - placed.size + np.flatnonzero(placed)
-        left[own] = np.eye(len(whole))[own]
-        whole = whole.copy()
-        whole[np.ix_(own, own)] = before[np.ix_(own, own)]
-        return whole, left
+        whole = self.curve.full_covariance.copy()
+        if self.taken_out:
+            placed = np.ix_(*[self.curve.systematics.placed + self._fitted] * 2)
+            whole[placed] = self.before.curve.full_covariance[placed]
+        return whole
+
+    @cached_property
+    def left(self) -> Array:
+        """What the run leaves of each error that it had before, (parameter, parameter).
+
+        Where errors are taken out by a linear estimate, that is their covariance after it over that
+        before it. All of a change with the place is left, and of every error where none is.
+        """
+        own = np.eye(len(self.covariance))
+        if not self.taken_out:
+            return own
+        scale, before = np.outer(self._scale, self._scale), self.before.curve.full_covariance
+        inverse = np.linalg.pinv(before / scale, hermitian=True) / scale
+        left = self.curve.full_covariance @ inverse
+        placed = self.curve.systematics.placed + self._fitted
+        left[placed] = own[placed]
+        return left
+
+    @cached_property
+    def by_form(self) -> Array:
+        """Root of the covariance by the form of the gap, (parameter, parameter).
+
+        Two runs of one joint have that form in common. It is what is neither left of the errors
+        before the run nor new in it, as noise.
+        """
+        scatter = self.curve.systematics.scatter
+        assert scatter is not None
+        before = self.before.curve.full_covariance
+        rest = self.covariance - self.left @ before @ self.left.T - scatter
+        placed = self.curve.systematics.placed + self._fitted
+        rest[placed], rest[:, placed] = 0.0, 0.0
+        size, axes = np.linalg.eigh(rest / np.outer(self._scale, self._scale))
+        root = axes * np.sqrt(np.maximum(size, 0.0)) @ axes.T
+        return np.asarray(self._scale[:, None] * root)
+
+    @property
+    def _scale(self) -> Array:
+        """Size of the errors before the run, of one that has none 1."""
+        std = np.sqrt(np.diag(self.before.curve.full_covariance))
+        return np.where(std > 0, std, 1.0)
+
+    @property
+    def _fitted(self) -> int:
+        """Number of the parameters that were fitted to the fixture."""
+        return len(self.curve.fitted_covariance)
 
 
 def key_of(calibration: RunCurve) -> str:
@@ -133,21 +175,20 @@ def joint_covariance(runs: Sequence[RunErrors]) -> Array:
     0.003
     """
     blocks = [
-        [
-            one.left[0]
-            if n == m
-            else (
-                _common(one, other)
-                if one.left[1] is None or other.left[1] is None
-                else one.left[1] @ _common(one.before, other.before) @ other.left[1].T
-            )
-            if one.fixture == other.fixture
-            else np.zeros((len(one.curve.full_covariance), len(other.curve.full_covariance)))
-            for m, other in enumerate(runs)
-        ]
+        [one.covariance if n == m else _between(one, other) for m, other in enumerate(runs)]
         for n, one in enumerate(runs)
     ]
     return np.block(blocks)
+
+
+def _between(one: RunErrors, other: RunErrors) -> Array:
+    """Covariance of the errors of two runs, (parameter, parameter)."""
+    if one.fixture != other.fixture:
+        return np.zeros((len(one.covariance), len(other.covariance)))
+    if not (one.taken_out and other.taken_out):
+        return _common(one, other)
+    left = one.left @ _common(one.before, other.before) @ other.left.T
+    return np.asarray(left + one.by_form @ other.by_form.T if one.rig == other.rig else left)
 
 
 def _common(one: RunErrors, other: RunErrors) -> Array:
@@ -209,9 +250,9 @@ def _common_places(run: RunErrors) -> dict[tuple[str, str], int]:
 def difference_var(one: Array, other: Array, runs: tuple[RunErrors, RunErrors]) -> Array:
     """Variance that calibrations add to the difference of two films.
 
-    Errors in common cancel as far as the films are equal, others add. What the gaps of both runs
-    have shown of their errors is new in each; where that is less than what they have in common, the
-    errors are those before the runs.
+    Errors in common cancel as far as the films are equal, others add. A square of what the gap of a
+    run shows, and was not taken out, is new in each run: where the errors before the runs make less
+    of a difference, they count.
 
     Parameters
     ----------
@@ -237,7 +278,7 @@ def _views(runs: tuple[RunErrors, RunErrors]) -> list[tuple[RunErrors, RunErrors
     return [runs, (one.before, other.before)]
 
 
-def largest_term(one: Array, other: Array, runs: tuple[RunErrors, RunErrors]) -> tuple[str, float]:
+def largest_term(one: Array, other: Array, runs: tuple[RunErrors, RunErrors]) -> str:
     """Term of `erlif.core.terms.SOURCES` that adds most to the difference of two films.
 
     Parameters
@@ -248,9 +289,8 @@ def largest_term(one: Array, other: Array, runs: tuple[RunErrors, RunErrors]) ->
 
     Returns
     -------
-    key : str
-    std : float
-        Its part of the standard deviation. [um]
+    str
+        Its key.
     """
     keys = [
         key
@@ -263,12 +303,11 @@ def largest_term(one: Array, other: Array, runs: tuple[RunErrors, RunErrors]) ->
     gradient = np.concatenate([-one, other])
     covariances = [joint_covariance(each) for each in _views(runs)]
     covariance = min(covariances, key=lambda each: float(quadratic(gradient, each)))
-    parts = {}
-    for key in dict.fromkeys(keys):
-        kept = np.where(np.array(keys) == key, gradient, 0.0)
-        parts[key] = math.sqrt(max(float(kept @ covariance @ kept), 0.0))
-    largest = max(parts, key=parts.__getitem__)
-    return largest, parts[largest]
+    parts = {
+        key: float(quadratic(np.where(np.array(keys) == key, gradient, 0.0), covariance))
+        for key in keys
+    }
+    return max(parts, key=parts.__getitem__)
 
 
 def quadratic(gradient: Array, covariance: Array) -> Array:

@@ -16,7 +16,6 @@ import xarray as xr
 from erlif.calibration import RunCurve
 from erlif.core.arrays import Array
 from erlif.core.errors import ErlifError
-from erlif.review.comparison.calibrations import quadratic
 
 # Edge of a cell, in pixels of the coarser camera. Errors of the registration are common to it.
 CELL = 8
@@ -153,8 +152,12 @@ def average_cells(
     bend = (calibration.slope(at + _STEP) - calibration.slope(at - _STEP)) / (2 * _STEP)
     mean = mean + 0.5 * bend / slope * variance
 
-    gradient = np.moveaxis(calibration.film_gradient(at), 0, -1)
-    common = quadratic(gradient, calibration.full_covariance)
+    middles = (0.5 * (edges[axis][1:] + edges[axis][:-1]) for axis in ("y", "x"))
+    down, right = np.meshgrid(*middles, indexing="ij")
+    pitch = abs(float(film.x[1] - film.x[0]))
+    middle = right / pitch, down / pitch
+    gradient = np.moveaxis(calibration.film_gradient(at, place=middle), 0, -1)
+    common = calibration.thickness_std(at) ** 2
     registration = np.maximum(total(shared[inside]) / count - common, 0.0)
     noise_var = noise_inflation(value, noise) * variance / count
     return CellMeans(mean, noise_var + registration, gradient, count)

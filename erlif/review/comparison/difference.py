@@ -203,7 +203,7 @@ def average_difference(
         for own in (own1, own2)
     )
     means = g1[use].mean(axis=0), g2[use].mean(axis=0)
-    shared, (largest, _) = float(difference_var(*means, errors)), largest_term(*means, errors)
+    shared, largest = float(difference_var(*means, errors)), largest_term(*means, errors)
     value, std = float(at[use].mean()), math.sqrt(own_var + shared)
     probability = math.erfc(abs(value) / std / math.sqrt(2)) if std > 0 else float(value == 0)
     return PairDifference(

@@ -134,7 +134,10 @@ def read_run(film: xr.Dataset) -> RunRecord:
         value["film_mean"] = np.where(partial, np.nan, value["film_mean"])
 
     passed = _shares(film)
-    gradient["film_min"] = _film_gradients(value["film_min"], calibration, passed)
+    lowest = None
+    if "film_min_x" in film:
+        lowest = film.film_min_x.values.astype(float), film.film_min_y.values.astype(float)
+    gradient["film_min"] = _film_gradients(value["film_min"], calibration, passed, lowest)
     own["film_min"] = _remainder(std["film_min"], gradient["film_min"], covariance)
     sampled = np.unique(np.linspace(0, triggers - 1, min(triggers, _SAMPLED)).astype(int))
     parts = [_mean_errors(film, int(k), calibration.at(float(passed[k]))) for k in sampled]
@@ -205,14 +208,23 @@ def _shares(film: xr.Dataset) -> Array:
     return film.share_passed.values if known else np.ones(film.sizes["trigger"])
 
 
-def _film_gradients(value: Array, calibration: RunCurve, passed: Array) -> Array:
-    """Change of a film of each trigger with the parameters, (trigger, parameter)."""
+def _film_gradients(
+    value: Array,
+    calibration: RunCurve,
+    passed: Array,
+    place: tuple[Array, Array] | None = None,
+) -> Array:
+    """Change of a film of each trigger with the parameters, (trigger, parameter).
+
+    `place` has column and row of each, [px].
+    """
     if not calibration.varies:
-        return calibration.film_gradient(value).T
+        return calibration.film_gradient(value, place=place).T
+    places = [None] * value.size if place is None else list(zip(*place, strict=True))
     return np.array(
         [
-            calibration.at(float(share)).film_gradient(one)
-            for one, share in zip(value, passed, strict=True)
+            calibration.at(float(share)).film_gradient(one, place=at)
+            for one, share, at in zip(value, passed, places, strict=True)
         ]
     )
 

@@ -20,7 +20,8 @@ def estimate(change):
     prior = CALIBRATION.full_covariance
     value = np.zeros(len(prior))
     value[-1] = change
-    return ErrorEstimate(value=value, covariance=1e-2 * prior, prior=prior, noise=1.0, film=5.0)
+    after = {"covariance": 1e-2 * prior, "scatter": 1e-4 * prior}
+    return ErrorEstimate(value=value, **after, prior=prior, noise=1.0, film=5.0)
 
 
 @pytest.mark.parametrize(("change", "counts"), [(0.015, False), (0.025, True), (-0.025, True)])

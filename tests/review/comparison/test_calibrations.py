@@ -95,9 +95,7 @@ def test_on_one_rig_a_difference_holds_what_changes_from_run_to_run():
 
     pair = errors_of(run), errors_of(run)
     npt.assert_allclose(difference_var(gradient, gradient, pair), expected, rtol=1e-6)
-    key, std = largest_term(gradient, gradient, pair)
-    assert key == "bleaching"
-    npt.assert_allclose(std, np.sqrt(2 * (WIDTHS[key] ** 2 * own[key] ** 2).sum()), rtol=1e-6)
+    assert largest_term(gradient, gradient, pair) == "bleaching"
 
     # on two rigs all of it is new
     other = errors_of(run), errors_of(run, rig="s")
@@ -144,7 +142,9 @@ def test_what_two_runs_leave_of_their_common_errors_cancels():
     gain = prior @ seen.T @ np.linalg.inv(seen @ prior @ seen.T + 0.09 * np.eye(6))
     after = prior - gain @ seen @ prior
     value = np.zeros(size)
-    corrected = run.systematics.with_errors(after, value, before=prior)
+    corrected = run.systematics.with_errors(
+        after, value, before=prior, scatter=0.09 * gain @ gain.T
+    )
     pair = (errors_of(replace(run, systematics=corrected)),) * 2
 
     common = joint_covariance([errors_of(run)] * 2)
