@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from erlif.core.arrays import Array
+from erlif.core.arrays import Array, Mask
 from erlif.trend.block_fit import BlockFit, BlockMeans, average_blocks, fit_blocks, sum_by_strips
 from erlif.trend.blocks import BLOCK, BlockSums, Region
 from erlif.trend.bore import AxialShape
@@ -257,15 +257,15 @@ def _fit_gap(
     place = _pixel_of(region, (along, across) if sliding_along_x else (across, along))
     found = found._replace(minimum=minimum, mean=mean, place=place)
 
-    # the gap where no film is measurable
-    middles = (_middles_of_blocks(pixels) for pixels in (region.rows, region.columns))
-    down, right = np.meshgrid(*middles, indexing="ij")
-    s, z = (each[missing > 0] for each in ((right, down) if sliding_along_x else (down, right)))
+    # where no film is measurable
+    s, z = _places_of_blocks(region, missing > 0, sliding_along_x=sliding_along_x)
     shapes = np.stack([np.ones_like(s), s, z, s**2, z**2])[:count]
     gap = fit.amplitudes @ shapes + (0.0 if bore is None else bore.within(axial, z))
     if (gap <= 0).any():
         return found
     inverse = missing[missing > 0] / gap
+
+    # an inverse changes with the amplitudes by its square
     unseen = _number_of(shapes @ (-inverse / gap), 0.0, fit, blocks, by_block)
     return found._replace(unseen=unseen._replace(value=float(inverse.sum())))
 
@@ -456,11 +456,17 @@ def _measure_misfit(blocks: BlockMeans, fit: BlockFit, thickest: float) -> float
     return smooth / count / max(rest, float((blocks.variance[use] / slope**2).mean()))
 
 
-def _middles_of_blocks(pixels: slice) -> Array:
-    """Middles of the blocks of some pixels, whose positions go from -1 to 1."""
-    last = int(pixels.stop - pixels.start) - 1
-    starts = np.arange(0, last + 1, BLOCK)
-    return (starts + np.minimum(starts + BLOCK - 1, last)) / last - 1
+def _places_of_blocks(
+    region: Region, chosen: Mask, *, sliding_along_x: bool
+) -> tuple[Array, Array]:
+    """Middles of some blocks along sliding and across, from -1 to 1 over the region, (block,)."""
+    middles = []
+    for pixels in (region.rows, region.columns):
+        last = int(pixels.stop - pixels.start) - 1
+        starts = np.arange(0, last + 1, BLOCK)
+        middles.append((starts + np.minimum(starts + BLOCK - 1, last)) / last - 1)
+    down, right = (each[chosen] for each in np.meshgrid(*middles, indexing="ij"))
+    return (right, down) if sliding_along_x else (down, right)
 
 
 def _pixel_of(region: Region, position: tuple[Array | float, Array | float]) -> Array:

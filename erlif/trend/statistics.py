@@ -203,19 +203,15 @@ def _average_film(sums: BlockSums, curve: FilmCurve, region: Region) -> list[Fil
     # the sums about the middle of a bin, from those about the offset
     place, distance = curve.find_bins(sums.offset + ratio / count)
     middle = ratio / count - distance
-    linear = ratio - count * middle
-    # the pixels of a block of which half is measurable lie to one side of its middle
-    whole = sums.measurable > _WHOLE * BLOCK**2
-    means = np.where(whole, sums.ratio / np.where(whole, sums.measurable, 1), np.nan)
-    noise = sums.noise_correlation * sums.var / np.where(whole, sums.measurable, 1) ** 2
-    slopes = _slope_squared(means, noise) + _slope_squared(means.T, noise.T).T
-    square = count * slopes[some] * _WIDTH
+    linear, square = ratio - count * middle, count * _scatter_of_film(sums)[some]
     film, rate, curvature = (each[place] for each in (curve.film, curve.rate, curve.curvature))
     row, column = (
         pixels.start + BLOCK * block + 0.5 * (BLOCK - 1)
         for pixels, block in zip((region.rows, region.columns), np.nonzero(some), strict=True)
     )
     acts = -curve.calibration.gradient(film, place=(column, row)) * rate
+
+    # each quantity with its derivatives: first and second by the log ratio, and by the film
     thin, per_film = 1 / film, -1 / film**2
     bent = 2 * rate**2 * thin**3 + curvature * per_film
     averages = []
@@ -236,6 +232,16 @@ def _average_film(sums: BlockSums, curve: FilmCurve, region: Region) -> list[Fil
     # blocks whose ratio no film has are extrapolated, to thousands of um where most are such
     low, high = curve.calibration.thickness_range
     return averages if low <= averages[0].value <= high else [unknown, unknown]
+
+
+def _scatter_of_film(sums: BlockSums) -> Array:
+    """Variance of the log ratio within each block by the slope of the film, (row, column). [1]"""
+    # the pixels of a block of which half is measurable lie to one side of its middle
+    whole = sums.measurable > _WHOLE * BLOCK**2
+    count = np.where(whole, sums.measurable, 1)
+    means = np.where(whole, sums.ratio / count, np.nan)
+    noise = sums.noise_correlation * sums.var / count**2
+    return _WIDTH * (_slope_squared(means, noise) + _slope_squared(means.T, noise.T).T)
 
 
 def _slope_squared(means: Array, variance: Array) -> Array:

@@ -51,22 +51,24 @@ _MOST_RISING = 3.0
 _MOST_FRAMES = 400
 
 
-def choose_frames(pairs: FramePairs) -> frozenset[int]:
+def choose_frames(pairs: FramePairs, most: int | None = None) -> frozenset[int]:
     """Frames whose light is kept for the estimate of a background.
 
     Parameters
     ----------
     pairs : FramePairs
+    most : int, optional
+        Of these frames, where fewer do.
 
     Returns
     -------
     frozenset of int
     """
-    return frozenset(pairs.spread(_MOST_FRAMES))
+    return frozenset(pairs.spread(_MOST_FRAMES if most is None else most))
 
 
 def measure_lights(
-    chain: FrameChain, patch: Region | None, *, most: int = _MOST_FRAMES
+    chain: FrameChain, patch: Region | None, *, most: int | None = None
 ) -> dict[int, FrameResult]:
     """Measure the light of the frames that `choose_frames` names.
 
@@ -75,8 +77,8 @@ def measure_lights(
     chain : FrameChain
     patch : Region or None
         Rows and columns of the reference patch.
-    most : int
-        Of these frames, at most.
+    most : int, optional
+        As for `choose_frames`.
 
     Returns
     -------
@@ -85,7 +87,7 @@ def measure_lights(
     lights: dict[int, FrameResult] = {}
     Threads(None).compute(
         lambda frame: FrameResult.of(frame, chain.measure(frame), patch=patch, with_cells=True),
-        sorted(chain.pairs.spread(min(most, _MOST_FRAMES))),
+        sorted(choose_frames(chain.pairs, most)),
         lights.__setitem__,
     )
     return lights

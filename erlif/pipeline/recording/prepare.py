@@ -296,15 +296,14 @@ def prepare_run(
     refuse_stuck_cameras(run.pairs)
     options = run.settings.light
     warmer = read_warming(run, curve.calibration)
-    # the errors that the gap shows are sought where nothing else is asked for
     plane = ObjectPlane(run.settings, run.pairs.shape)
-    sought = options.errors is None and not options.corrects
-    sought = sought and len(run.pairs.usable) >= FEWEST_FRAMES and plane.view is not None
+    asks_gap = options.errors is None and not options.corrects
+    asks_gap &= plane.view is not None and len(run.pairs.usable) >= FEWEST_FRAMES
     prepared = prepare_chain(
         run,
         progress,
         stored=known.stored,
-        tables_only=tables_only and not (options.corrects or sought),
+        tables_only=tables_only and not (options.corrects or asks_gap),
     )
     chain = without_warming(prepared.chain, warmer, run.settings.temperature)
     faults = (*prepared.bits, *note_noise(chain, prepared.sample))
@@ -316,19 +315,17 @@ def prepare_run(
     notes = (*prepared.notes, *misfit.notes)
     ready = PreparedRun(run, cycle, chain, curve, LightFindings(), notes, faults)
 
-    # a background that is to be subtracted is found before the films are measured
-    if options.corrects:
+    # what is taken out is found before the films are measured: what was asked for, or the gap shows
+    if options.corrects or (asks_gap and shows_errors(curve, plane)):
         with stage("light", _logger):
             patch = run.settings.reference if options.ratio == "correct" else None
-            findings = ready.find_light(measure_lights(chain, ready.plane.patch), patch)
-        chain, curve = correct_light(chain, curve, findings, options)
-        ready = replace(ready, chain=chain, curve=curve, light=findings)
-    elif sought and shows_errors(curve, plane):
-        with stage("light", _logger):
-            findings = ready.find_light(measure_lights(chain, None, most=_FRAMES_OF_GAP))
+            most = None if options.corrects else _FRAMES_OF_GAP
+            findings = ready.find_light(measure_lights(chain, plane.patch, most=most), patch)
         chain, curve = correct_light(chain, curve, findings, options)
         if curve.follows_run:  # a course within the widths is among these errors
-            ready = replace(ready, curve=curve, light=replace(findings, course=None))
+            findings = replace(findings, course=None)
+        if options.corrects or curve.follows_run:
+            ready = replace(ready, chain=chain, curve=curve, light=findings)
 
     # the frames need neither the sample nor the references
     return replace(ready, chain=ready.chain.tabulated()) if tables_only else ready
