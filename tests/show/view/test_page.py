@@ -208,6 +208,8 @@ def test_keys_choose_the_trigger_play_and_zoom(page):
 
 
 def test_a_drawn_line_gives_the_profile_in_its_direction(page):
+    # a slow answer: the export waits for the profile of the line as it is drawn
+    page.route("**/profile?*", lambda route: (page.wait_for_timeout(300), route.continue_()))
     page.check("input[value=line]")
     drag(page, (4.0, 6.0), (12.0, 12.0))
     page.locator("#side details").first.locator("summary").click()

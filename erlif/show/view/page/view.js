@@ -392,6 +392,7 @@ function download(content, name) {
 const exportData = guarded(async (kind) => {
   const what = byId("what").value;
   if (what in TABLES) {
+    await refreshValues(); // those of the line and region as they are drawn now
     download(writeTable(TABLES[what]()), `${runOf("a")}_${what}.csv`);
     return;
   }
@@ -440,6 +441,7 @@ function nameOf(what, layer, kind) {
 
 const exportPicture = guarded(async () => {
   const what = byId("what").value;
+  if (what === "profile") await refreshValues();
   const source = what in panels ? panels[what].canvas
     : (what === "profile" ? profileChart : cycleChart).canvas();
   const caption = what in panels ? panels[what].caption() : byId("run").textContent;
