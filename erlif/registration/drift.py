@@ -15,7 +15,6 @@ from scipy import fft
 
 from erlif.core.arrays import AnyArray, Array, Image, Mask
 from erlif.core.errors import RegistrationError
-from erlif.core.statistics import robust_rms
 from erlif.registration import local
 from erlif.registration.camera_map import CameraMap
 from erlif.registration.interpolation import laid_over
@@ -24,10 +23,11 @@ from erlif.registration.matching import (
     SCORES,
     SUMS,
     WEIGHT,
+    beyond_chance,
     cell_sums,
+    coefficients_of,
     correlation,
     move_sums,
-    products_of,
     solve_shift,
     system_of,
     without_noise,
@@ -61,9 +61,7 @@ PART: Final = 4
 STEP_RATIO: Final = (0.5, 2.0)
 # A step below this leaves too little of itself to measure that slope. [px]
 LEAST_STEP: Final = 1e-4
-# Cells with light in both cameras below which the chance of a correlation cannot be judged.
-FEWEST_CELLS: Final = 16
-# Standard errors by which the mean or the median product of the textures must exceed 0.
+# Standard errors by which the mean correlation coefficient of the cells must exceed 0.
 CHANCE: Final = 6.0
 # Largest number of frames on which a stored map is checked.
 FRAMES_CHECKED: Final = 8
@@ -71,24 +69,6 @@ FRAMES_CHECKED: Final = 8
 TOLERANCE: Final = 0.1
 # Part of the common field that may need another displacement before a stored map is refused.
 OFF_SHARE: Final = 0.1
-
-
-def beyond_chance(products: Array) -> bool:
-    """Whether the textures of the two cameras have more in common than chance gives.
-
-    The mean product over the cells is the sharper test. The median decides where a few cells
-    outshine the rest: the rim of a bubble widens the scatter about the mean, not about the median.
-    The median of normal values has sqrt(pi/2) times the standard error of their mean.
-    """
-    if products.size < FEWEST_CELLS:
-        return False
-    error = np.sqrt(1 / products.size)
-    median = float(np.median(products))
-    spread = robust_rms(products - median)
-    return bool(
-        products.mean() > CHANCE * products.std() * error
-        or median > CHANCE * np.sqrt(np.pi / 2) * spread * error > 0
-    )
 
 
 def whole_pixels(a: Image, b: Image) -> Array:
@@ -352,7 +332,7 @@ class DriftSearch:
         b = laid_over(spline, *self.fine, (shift[0], shift[1]), threads)
         sums = cell_sums(views.a, views.weight, b, STEP, threads=threads)
         quality = correlation(sums)
-        if not beyond_chance(products_of(sums)):
+        if not beyond_chance(coefficients_of(sums), CHANCE):
             return Drift(np.nan, np.nan, np.nan, np.nan, quality)
 
         # a part of the cells again, after the step; their equations stay those before it
@@ -451,7 +431,7 @@ def rough_drift(
         sums = cell_sums(small.a, small.weight, b, ROUGH_STEP, threads=threads)
         shift = shift + np.array(solve_shift(without_noise(sums)))
 
-    correlation = beyond_chance(products_of(sums))
+    correlation = beyond_chance(coefficients_of(sums), CHANCE)
     return binning * shift if correlation else np.full(2, np.nan)
 
 

@@ -14,9 +14,14 @@ from erlif.core.errors import RegistrationError
 from erlif.registration.blocks import Agreement
 from erlif.registration.camera_map import CameraMap
 from erlif.registration.coarse import coarse_binning, find_start
-from erlif.registration.drift import FEWEST_CELLS, DriftSearch
+from erlif.registration.drift import DriftSearch
 from erlif.registration.interpolation import laid_over
-from erlif.registration.matching import cell_sums, correlation, products_of
+from erlif.registration.matching import (
+    beyond_chance,
+    cell_sums,
+    coefficients_of,
+    correlation,
+)
 from erlif.registration.pairs import Pair, Pairs, PairSeries, open_series, textures
 from erlif.registration.selection import (
     FINE_LADDER,
@@ -44,7 +49,7 @@ CANDIDATES: Final = 4
 # Elements from which on a surface is compared with windows: the distortion may be finer still.
 FINE: Final = 16
 
-# Standard errors by which the mean product of the textures must stand above 0.
+# Standard errors by which the mean correlation coefficient of the cells must stand above 0.
 BEYOND_CHANCE: Final = 8.0
 
 
@@ -312,13 +317,10 @@ def check_correlation(sums: Array) -> float:
     Raises
     ------
     RegistrationError
-        If the mean product of the textures is within eight of its own standard errors over the
-        cells.
+        If the mean coefficient of the cells is within eight of its standard errors.
     """
-    products = products_of(sums)
     quality = correlation(sums)
-    error = products.std() / np.sqrt(products.size) if products.size else np.inf
-    if products.size < FEWEST_CELLS or not products.mean() > BEYOND_CHANCE * error:
+    if not beyond_chance(coefficients_of(sums), BEYOND_CHANCE):
         raise RegistrationError(
             "No common texture found: laid over each other as well as possible, the images of the "
             f"two cameras have a correlation coefficient of {quality:.3f}, no more than chance "

@@ -55,6 +55,9 @@ ROBUST: Final = 4.0
 # Smallest expected rms, for textures that agree exactly. [1]
 LEAST_RMS: Final = 1e-6
 
+# Cells with light in both cameras below which the chance of a correlation cannot be judged.
+FEWEST_CELLS: Final = 16
+
 # Side of the neighbourhood over which the noise of the gradients is estimated. [cells]
 NOISE_CELLS: Final = 5
 # Smallest part of the gradient products that counts as common to both cameras.
@@ -300,9 +303,33 @@ def system_of(sums: Array) -> Array:
     return np.moveaxis(sums[..., SYSTEM], -1, 0)
 
 
-def products_of(sums: Array) -> Array:
-    """Product of the textures in each cell with weight, (cell,). [1]"""
-    return np.asarray(sums[..., AB][sums[..., WEIGHT] > 0])
+def coefficients_of(sums: Array) -> Array:
+    """Correlation coefficient of the textures in each cell with weight, (cell,). [1]"""
+    ab, aa, bb = (sums[..., k][sums[..., WEIGHT] > 0] for k in (AB, AA, BB))
+    return ab / np.sqrt(np.maximum(aa * bb, np.finfo(float).tiny))
+
+
+def beyond_chance(coefficients: Array, limit: float) -> bool:
+    """Whether textures have more in common than chance gives.
+
+    Coefficients count alike in all cells: of the products, a few cells outshine the others, such as
+    the rim of a bubble or the marks of a thin film, and their scatter hides a common texture.
+
+    Parameters
+    ----------
+    coefficients : array, (cell,)
+        As `coefficients_of` gives them. [1]
+    limit : float
+        Standard errors by which their mean must exceed 0.
+
+    Returns
+    -------
+    bool
+        No for fewer than `FEWEST_CELLS` cells.
+    """
+    if coefficients.size < FEWEST_CELLS:
+        return False
+    return bool(coefficients.mean() > limit * coefficients.std() / np.sqrt(coefficients.size))
 
 
 def correlation(sums: Array) -> float:

@@ -3,6 +3,7 @@
 The local mean and the local rms are divided out; what is left is the texture.
 """
 
+from functools import lru_cache
 from typing import Final
 
 import cv2
@@ -20,6 +21,10 @@ REACH: Final = 12.0
 
 # Standard deviation of the average of the local rms over that of the local mean.
 REACH_OF_RMS: Final = 1.5
+
+# Degree of the local mean: one of 0 leaves slope and bend of the light, which both bands have
+# elsewhere, as a texture.
+DEGREE: Final = 2
 
 # Standard deviations at which a Gaussian window ends.
 CUT: Final = 3.0
@@ -248,7 +253,7 @@ def normalise(
     sound = np.where(level > floor, sound, 0)
 
     # variance within the cells and between them, both over the mean
-    mean = _gaussian_average(level, sound, reach / CELL)
+    mean = _local_parabola(level, sound, reach / CELL)
     relative = np.zeros_like(mean)
     np.divide(square + (level - mean) ** 2, mean * mean, out=relative, where=sound > 0)
     rms = np.sqrt(np.maximum(_gaussian_average(relative, sound, REACH_OF_RMS * reach / CELL), 0))
@@ -268,6 +273,24 @@ def normalise(
         threads,
     )
     return out, out_weight
+
+
+def _local_parabola(cells: Image, weight: Image, sigma: float) -> Image:
+    """Value at each cell of a parabola along both axes, fitted with Gaussian weights."""
+    filled = np.where(weight > 0, cells, _gaussian_average(cells, weight, sigma))
+    pivot = filled.max()
+    y, x = (_parabola_weights(side, sigma) for side in cells.shape)
+    return np.asarray(pivot + y @ (filled - pivot) @ x.T, np.float32)
+
+
+@lru_cache(maxsize=16)
+def _parabola_weights(count: int, sigma: float) -> Image:
+    """Row i: the weights with which the values along an axis enter the parabola at i."""
+    away = (np.arange(count) - np.arange(count)[:, None]) / sigma
+    near = np.exp(-0.5 * away**2)
+    terms = away[..., None] ** np.arange(DEGREE + 1)
+    square = np.einsum("ij,ija,ijb->iab", near, terms, terms)
+    return np.asarray(near * (terms @ np.linalg.inv(square)[:, 0, :, None])[..., 0], np.float32)
 
 
 def _gaussian_average(cells: Image, weight: Image, sigma: float) -> Image:

@@ -7,11 +7,26 @@ import numpy.testing as npt
 import pytest
 from scenes.pair import map_with
 from scenes.registration import Scene, drifting_frames, expose, smooth_map, texture_sums
+from scipy.ndimage import gaussian_filter
 
 from erlif.core.errors import RegistrationError
 from erlif.registration import check_map, estimate_drift, orient
-from erlif.registration.drift import FARTHEST, beyond_chance, fold_quarters, shift_std, whole_pixels
-from erlif.registration.matching import BX, BY, GXX, GXY, GYY, SUMS
+from erlif.registration.drift import FARTHEST, DriftSearch, fold_quarters, shift_std, whole_pixels
+from erlif.registration.matching import (
+    AA,
+    AB,
+    BB,
+    BX,
+    BY,
+    GXX,
+    GXY,
+    GYY,
+    SUMS,
+    WEIGHT,
+    beyond_chance,
+    coefficients_of,
+)
+from erlif.registration.pairs import Textures
 
 SHAPE = (160, 192)
 
@@ -155,23 +170,43 @@ def test_opposite_edges_of_the_frame_are_kept_apart():
         npt.assert_array_equal(whole_pixels(a.T, b.T), (0, move))
 
 
-def test_mean_product_of_seven_standard_errors_is_beyond_chance():
+def test_mean_coefficient_of_seven_standard_errors_is_beyond_chance():
     rng = np.random.default_rng(6)
-    products = rng.normal(size=400)
-    products = (products - products.mean()) / products.std()
-    assert beyond_chance(products + 7 / 20)
-    assert not beyond_chance(products + 5 / 20)
-    assert not beyond_chance(products - 7 / 20)
+    scatter = rng.normal(size=400)
+    scatter = 0.1 * (scatter - scatter.mean()) / scatter.std()
+    assert beyond_chance(scatter + 0.7 / 20, 6)
+    assert not beyond_chance(scatter + 0.5 / 20, 6)
+    assert not beyond_chance(scatter - 0.7 / 20, 6)
+    assert not beyond_chance(np.ones(15), 6)
 
 
 def test_common_texture_is_recognised_beside_a_few_outshining_cells():
-    """The rim of a bubble in 2 % of the cells hides the rest from the mean, not from the median."""
+    """The rim of a bubble in 2 % of the cells hides the rest from a mean product of textures."""
     rng = np.random.default_rng(7)
-    products = 1.0 + rng.normal(size=400)
-    products[:8] = -60.0
-    assert products.mean() < 0
-    assert beyond_chance(products)
-    assert not beyond_chance(np.zeros(400))
+    sums = np.zeros((20, 20, SUMS))
+    sums[..., WEIGHT], sums[..., AA], sums[..., BB] = 256, 1, 1
+    sums[..., AB] = 0.3 + 0.3 * rng.uniform(-1, 1, (20, 20))
+    sums[0, :8, [AA, BB]], sums[0, :8, AB] = 100, -60.0
+    assert sums[..., AB].mean() < 0
+    assert beyond_chance(coefficients_of(sums), 6)
+    sums[..., [AA, AB]] = 0.0  # no texture at all
+    assert not beyond_chance(coefficients_of(sums), 6)
+
+
+@pytest.mark.parametrize("contrast", [1.0, 8.0], ids=["even", "strong in a fifth of the field"])
+def test_textures_of_two_scenes_are_never_common(contrast):
+    """Of 200 pairs of scenes, laid over each other where they agree best."""
+    rng = np.random.default_rng(9)
+    weight, level = np.ones((96, 128), np.float32), np.ones((96, 128), np.float32)
+    level[:, :26] = contrast
+    flat = np.zeros((96, 128), np.float32)
+    search = DriftSearch.of(flat, flat)
+    found = []
+    for _ in range(200):
+        a, b = (gaussian_filter(rng.normal(size=(96, 128)), 1.2) for _ in range(2))
+        a, b = (np.asarray(one / one.std() * level, np.float32) for one in (a, b))
+        found.append(search.find(Textures(a, weight, b, weight)).dx)
+    assert np.isnan(found).all()
 
 
 def test_standard_deviation_of_a_translation_is_its_scatter():
