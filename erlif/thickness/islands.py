@@ -3,8 +3,9 @@
 Before a wall that reflects, the ratio has a maximum. Films beyond it have the ratio of thinner
 ones, and both are so thick that their light hardly differs. The surroundings separate them. A
 film is continuous, so between both lies a band at the maximum, where the ratio is beyond the
-measurable range. What such a band separates from the largest measurable part of the image may lie
-on its other side.
+measurable range. What such a band separates from a part that is thin without doubt, or else from
+the largest measurable part, may lie on its other side. Without doubt thin is a film with a lower
+ratio than one without end.
 """
 
 from __future__ import annotations
@@ -29,7 +30,7 @@ _ABOVE = np.uint16(Flag.ABOVE_RANGE)
 
 
 def flag_beyond_maximum(log_ratio: Image, flags: FlagImage, calibration: RatioCurve) -> None:
-    """Flag films that a band at the maximum of the ratio separates from the largest part.
+    """Flag films that a band at the maximum of the ratio separates from thin ones.
 
     Parameters
     ----------
@@ -78,7 +79,8 @@ def flag_beyond_maximum(log_ratio: Image, flags: FlagImage, calibration: RatioCu
     films = np.linspace(_BAND * thickest, _REACH * thickest, _GRID)
     ratios = calibration.predict_log(films)
     top = float(np.nanquantile(mean, _TOP)) if known.any() else -np.inf
-    if top < ratios[0] - _WIDTHS * float(calibration.log_ratio_std(thickest)):
+    width = _WIDTHS * float(calibration.log_ratio_std(thickest))
+    if top < ratios[0] - width:
         return
     highest = top - float(ratios.max() - ratios[0])
 
@@ -87,13 +89,17 @@ def flag_beyond_maximum(log_ratio: Image, flags: FlagImage, calibration: RatioCu
     size = np.bincount(islands.ravel())
     size[0] = 0  # of no island
     touched = np.unique(islands[scipy.ndimage.binary_dilation(above)])
-    other = touched[(size[touched] >= _FEWEST) & (touched != np.argmax(size))]
-
-    if not other.size:
+    touched = touched[size[touched] >= _FEWEST]
+    if not touched.size:
         return
 
     # films beyond the maximum have the ratio of an endless one, or more
-    offset = top - float(ratios.max())
-    middle = scipy.ndimage.median(mean, islands, other)
-    beyond = np.isin(islands, other[np.atleast_1d(middle) > endless + offset])
+    end = endless + top - float(ratios.max())
+    thin = touched[scipy.ndimage.minimum(mean, islands, touched) < end - width]
+    among = thin if thin.size else np.flatnonzero(size)
+    other = touched[touched != among[np.argmax(size[among])]]
+    if not other.size:
+        return
+    middle = np.atleast_1d(scipy.ndimage.median(mean, islands, other))
+    beyond = np.isin(islands, other[middle > end - (width if thin.size else 0.0)])
     flags[beyond.ravel()[cells] & sound] |= _ABOVE

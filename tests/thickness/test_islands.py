@@ -1,5 +1,7 @@
 """Films beyond the maximum of the ratio, on the virtual rig with a wall that reflects."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scenes.rig import small_rig
@@ -39,3 +41,23 @@ def test_a_black_wall_has_no_maximum(film):
     before = flags.copy()
     flag_beyond_maximum(image, flags, calibration)
     np.testing.assert_array_equal(flags, before)
+
+
+def test_a_larger_part_beyond_the_maximum_is_not_taken_for_the_thin_one():
+    """A ball on a disc: 3 um in the middle, 47 um in the median, of the ratio of 8 to 10 um."""
+    calibration = replace(
+        example_calibration(),
+        attenuation_laser=0.2,
+        reflectance=0.3,
+        covariance=1e-6 * np.eye(5),
+        thickness_range=(0.5, 12.0),
+    )
+    y, x = np.indices((256, 320))
+    film = 3.0 + ((x - 150) ** 2 + (y - 120) ** 2) / 350.0
+    flags = np.zeros(film.shape, np.uint16)
+    ratio = calibration.predict_log(film)
+    ratio += 0.01 * np.random.default_rng(3).standard_normal(film.shape)
+    flag_beyond_maximum(ratio.astype(np.float32), flags, calibration)
+    assert (film > 20).mean() > 0.7
+    assert (flags[film > 20] == 0).mean() < 0.01
+    assert (flags[film < 10] != 0).mean() < 0.05
