@@ -57,6 +57,7 @@ FAULTS: dict[str, dict[str, Any]] = {
         "reference": 6.0,
     },
     "gain of camera 2 up by 5 % from frame 25 on": {"gain_step": (25, 1.05)},
+    "dye 2 5 % weaker than in the fixture": {"batch": (1.0, 0.95)},
     "camera 2 keeps 3 % of its last light": {"lag": (0.0, 0.03)},
     "camera 2 loses 5 % at full scale": {"compression": (0.0, 0.05)},
     "dark of camera 2 up by 20 DN": {"dark_drift": (0.0, 20.0)},
@@ -148,6 +149,7 @@ def draw_rig(rng: np.random.Generator) -> tuple[RigSettings, float, float]:
     bleached = per_pulse(abs(float(draw(0.01))))
     light = rng.multivariate_normal([0, 0], [[1, 0.9], [0.9, 1]])
     one, two = np.abs(0.015 * light)
+    both = float(draw(0.005))
     rig = RigSettings(
         width=160,
         height=128,
@@ -167,6 +169,7 @@ def draw_rig(rng: np.random.Generator) -> tuple[RigSettings, float, float]:
         background_second=float(two / one),
         wall=(max(-wall, 0.0), max(wall, 0.0)),
         compression=(float(draw(0.01)), float(draw(0.01))),
+        batch=(1 + both, (1 + both) * (1 + float(draw(0.005)))),
     )
     return rig, float(draw(1.0)), 1 + float(draw(0.005))
 

@@ -21,6 +21,9 @@ from erlif.core.terms import PARAMETERS, RISE, STEP, TERMS, Acts, Parameter, Whe
 
 _THINNEST = 0.01  # um: film below which the light is not extrapolated
 
+USUAL_LEVEL = 0.4, 0.4
+"""Median light of both cameras over their full scale, where no frames show it. [1]"""
+
 
 @dataclass(frozen=True)
 class Systematics:
@@ -39,6 +42,8 @@ class Systematics:
     light : tuple[float, float]
         Light of both bands that a share of 1 stands for, over the light per um of a very thin film
         in band 1. [um]
+    level : tuple[float, float]
+        Median light of both cameras over their full scale. [1]
     passed : float
         Share of the run that has passed. [1]
     start : float
@@ -61,6 +66,7 @@ class Systematics:
     covariance: Array
     cross: Array
     light: tuple[float, float]
+    level: tuple[float, float] = USUAL_LEVEL
     passed: float = 1.0
     start: float = 0.0
     fit_covariance: Array | None = None
@@ -76,6 +82,7 @@ class Systematics:
         *,
         parameters: int,
         light: tuple[float, float] = (1.0, 1.0),
+        level: tuple[float, float] = USUAL_LEVEL,
         frame: tuple[int, int] = (2, 2),
     ) -> Systematics:
         """Errors of given widths.
@@ -87,7 +94,7 @@ class Systematics:
             no parameter, one of 0 has no error until a run measures it. [1; um for a position]
         parameters : int
             Of the calibration, its departure included.
-        light, frame : optional
+        light, level, frame : optional
             As the attributes.
 
         Returns
@@ -108,6 +115,7 @@ class Systematics:
             correlation * std[:, None] * std,
             np.zeros((parameters, len(rows))),
             light,
+            level,
             frame=frame,
         )
 
@@ -367,6 +375,7 @@ class Systematics:
         film = np.asarray(thickness, float)
         lit = np.maximum(film, _THINNEST)
         light, wall = model.light(lit), _with_wall(model)
+        reabsorbed = model.parameters[1] - model.parameters[2]
         if place is not None:
             x, y = (
                 2 * np.asarray(at, float) / (size - 1) - 1
@@ -383,6 +392,9 @@ class Systematics:
             one=one,
             two=one * np.exp(model.predict(film)),
             unit=self.light,
+            level=self.level,
+            by_dye_2=1 + reabsorbed * model.gradient(film)[1],
+            light_by_dye_2=reabsorbed * light.gradient[0],
             by_wall=wall.before_wall(film).by_reflectance,
             light_by_share=lit * light.slope - 1,
             light_by_wall=wall.light(lit).gradient[-1],
@@ -418,6 +430,7 @@ class Systematics:
             raise ValueError(f"its systematics have a term that this version does not know, {term}")
         size = len(names)
         one, two = record["light"]
+        level_one, level_two = record.get("level", USUAL_LEVEL)
         rows, columns = record.get("frame", (2, 2))
         return cls(
             terms=tuple(term for term, _ in names),
@@ -425,6 +438,7 @@ class Systematics:
             covariance=np.asarray(record["covariance"], float).reshape(size, size),
             cross=np.asarray(record["cross"], float).reshape(-1, size),
             light=(float(one), float(two)),
+            level=(float(level_one), float(level_two)),
             passed=float(record["passed"]),
             start=float(record.get("start", 0.0)),
             frame=(int(rows), int(columns)),

@@ -16,7 +16,6 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:  # the command line knows the keys without numpy
     from erlif.core.arrays import Array
 
-_LEVEL = 0.4  # median light of a run, of full scale
 _OF_FIVE = 5**-0.5  # rms of each of five changes that have an rms of 1 together
 
 
@@ -42,8 +41,13 @@ class Where:
         Light of both bands. [um]
     unit : tuple[float, float]
         Light of both bands that a share of 1 stands for. [um]
+    level : tuple[float, float]
+        Median light of both cameras over their full scale. [1]
     by_wall : Array
         Derivative of the logarithm of the ratio by the reflectance of the wall. [1]
+    by_dye_2, light_by_dye_2 : Array
+        Derivatives of the logarithm of the ratio and of the light by that of the concentration of
+        dye 2: it gives the light of band 2, and by what band 1 is attenuated more than band 2. [1]
     light_by_share : Array
         Derivative of the logarithm of the light by that of the film, less 1: of a film that is
         thicker, or absorbs more, by a share. [1]
@@ -63,7 +67,10 @@ class Where:
     one: Array
     two: Array
     unit: tuple[float, float]
+    level: tuple[float, float]
     by_wall: Array
+    by_dye_2: Array
+    light_by_dye_2: Array
     light_by_share: Array
     light_by_wall: Array
     passed: Array | float
@@ -286,6 +293,20 @@ class _Bleaching(Term, key="bleaching"):
     between = True
 
 
+class _Batch(Term, key="batch"):
+    """Concentrations of the dyes in the oil of the run over those in the oil of the fixture, of
+    both dyes together and of dye 2 alone. "0 %": one batch fills both.
+    """
+
+    what = "concentrations of the dyes"
+    cure = "Fill fixture and joint from one batch, and state it"
+    width = 0.5
+    parameters = (
+        Parameter("dye 2", lambda at: at.by_dye_2, lambda at: at.light_by_dye_2),
+        Parameter("dyes", lambda at: at.film * at.slope, lambda at: at.light_by_share),
+    )
+
+
 class _Wall(Term, key="wall"):
     """Difference between the reflectance of the walls of fixture and joint."""
 
@@ -306,10 +327,10 @@ class _Linearity(Term, key="linearity"):
     parameters = (
         Parameter(
             "light 1",
-            lambda at: -_LEVEL * at.one / at.unit[0],
-            lambda at: -_LEVEL * at.illumination * at.light / at.unit[0],
+            lambda at: -at.level[0] * at.one / at.unit[0],
+            lambda at: -at.level[0] * at.illumination * at.light / at.unit[0],
         ),
-        Parameter("light 2", lambda at: _LEVEL * at.two / at.unit[1]),
+        Parameter("light 2", lambda at: at.level[1] * at.two / at.unit[1]),
     )
 
 

@@ -296,7 +296,7 @@ def age(setup: Setup, pulse: int, pulses: int) -> Setup:
     one, two = rig.bleaching
     warmer = rig.warming * pulse / max(pulses - 1, 1)
     oil = DyedOil(
-        left=((1 - one) ** pulse, (1 - two) ** pulse),
+        left=(rig.batch[0] * (1 - one) ** pulse, rig.batch[1] * (1 - two) ** pulse),
         glow=(1 + rig.glow_per_kelvin[0] * warmer, 1 + rig.glow_per_kelvin[1] * warmer),
         reflectance=rig.wall[1],
     )

@@ -36,7 +36,7 @@ _EQUAL = 1e-9  # 1/um: difference of two attenuations that is taken for none
 _SATURATED = 40.0  # optical depth from which on the signal has saturated, for given dyes
 
 
-# Shares of dye 1 and dye 2 that bleaching has left.
+# Dye 1 and dye 2 over what the fixture holds: another batch, and what bleaching has left.
 Left = tuple[float, float]
 
 _FRESH: Left = (1.0, 1.0)
@@ -49,7 +49,7 @@ class DyedOil:
     Attributes
     ----------
     left : tuple[float, float]
-        Shares of dye 1 and dye 2 that bleaching has left. [1]
+        Dye 1 and dye 2 over what the fixture holds. [1]
     glow : tuple[float, float]
         Light of both by the laser that they absorb, over that at the calibration. [1]
     reflectance : float

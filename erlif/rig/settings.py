@@ -228,6 +228,8 @@ class RigSettings:
         Mean pulse energy of these pages over that of the run.
     bleaching : tuple[float, float]
         Share of dye 1 and dye 2 that each pulse of the run destroys.
+    batch : tuple[float, float]
+        Concentrations of dye 1 and dye 2 in the run over those in the fixture.
     wall : tuple[float, float]
         Reflectance of the wall behind the film of the fixture and of the joint.
     warming : float
@@ -380,6 +382,7 @@ class RigSettings:
     reference: float = _limited(0.0, 0, 1000)
 
     # what differs between fixture and run, or changes during it
+    batch: tuple[float, float] = _limited((1.0, 1.0), 1e-3, 1000)
     wall: tuple[float, float] = _limited((0.0, 0.0), 0, 1)
     warming: float = _limited(0.0, -100, 100)
     glow_per_kelvin: tuple[float, float] = _limited((-0.002, -0.001), -0.05, 0.05)
@@ -425,6 +428,7 @@ class RigSettings:
             "energy": not self.background_pages or self.background_energy != 1,
             "field": any(self.shading),
             "bleaching": any(self.bleaching),
+            "batch": self.batch != (1, 1),
             "temperature": self.warming != 0,
             "wall": self.wall[0] != self.wall[1],
             "linearity": any(self.compression),

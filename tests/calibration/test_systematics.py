@@ -56,9 +56,9 @@ def disturbed(term, size):
     K, p, q = CALIBRATION.parameters
     h = FILMS
 
-    def lights(film=h, bleached=0.0):
-        one, two = (band(film, (1 - bleached) * each) for each in (p, q))
-        return one, K * two
+    def lights(film=h, bleached=0.0, reabsorbed=0.0):
+        one = band(film, (1 - bleached) * p + reabsorbed * (p - q))
+        return one, K * band(film, (1 - bleached) * q)
 
     one, two = lights()
     level = 0.4  # of full scale, where the film is the median one
@@ -69,6 +69,8 @@ def disturbed(term, size):
         "lag": (one, two * (1 + size)),
         "temperature": (one, two * (1 + size)),
         "bleaching": lights(bleached=size),
+        # dye 2 emits in band 2 and reabsorbs in band 1
+        "batch": (lights(reabsorbed=size)[0], two * (1 + size)),
         "linearity": (one * (1 + size * level * of_one), two),
         "background": (one + size * lights(MEDIAN)[0], two),
         "position": lights(h + size),
@@ -83,6 +85,7 @@ ROWS = {
     "lag": "constant",
     "temperature": "constant",
     "bleaching": "rising absorption",
+    "batch": "dye 2",
     "linearity": "light 1",
     "background": "background 1",
     "position": "position",
@@ -284,13 +287,13 @@ def light_gradient(calibration, film):
 
 def test_light_agrees_with_films_that_are_wrong_by_a_share():
     """Light and ratio change as one with the size of the fixture and the absorption of the dyes."""
-    extended = extend(size=0.01, bleaching=0.01)
+    extended = extend(size=0.01, bleaching=0.01, batch=0.01)
     systematics, model = extended.systematics, extended.model
     film = np.array([1.0, 3.0, 8.0])
     response = model.light(film).slope / extended.slope(film)
     own = extended.gradient(film)[-len(systematics.parameters) :]
     left = response * own - light_gradient(extended, film)
-    for name in ("rising absorption", "size"):
+    for name in ("rising absorption", "size", "dyes"):
         n = names(extended).index(name)
         npt.assert_allclose(left[n], left[n][0], rtol=1e-9)
 

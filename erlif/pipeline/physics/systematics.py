@@ -7,8 +7,10 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+import xarray as xr
 
 from erlif.calibration import NO_SYSTEMATICS, Calibration, RunCurve, Systematics
+from erlif.calibration.systematics import USUAL_LEVEL
 from erlif.core.arrays import Array
 from erlif.core.terms import CONSTANT, RISE, TERMS
 from erlif.io.settings import LightOptions, RunSettings
@@ -61,6 +63,7 @@ def add_systematics(
         calibration.systematics.widths | _widths_of_run(calibration, settings),
         parameters=len(calibration.fitted_covariance),
         light=_light_of_median(calibration, chain, sample),
+        level=_levels_of_median(chain, sample),
         frame=chain.correct.pairs.shape,
     )
     if has_dry_joint(settings):
@@ -109,6 +112,25 @@ def _light_of_median(
     return one, one * float(calibration.predict(film))
 
 
+def _signals(sample: Sequence[Bands]) -> list[xr.DataArray]:
+    """Light of both cameras in all bands of rows of a sample, (frame, camera, y, x). [DN]"""
+    return [band.signal for each in sample for band in each]
+
+
+def _medians(lights: Sequence[xr.DataArray]) -> Array:
+    """Median light of both cameras. [DN]"""
+    values = np.concatenate([light.values.reshape(2, -1) for light in lights], axis=1)
+    return np.asarray(np.nanmedian(values, axis=1), float)
+
+
+def _levels_of_median(chain: FrameChain, sample: Sequence[Bands]) -> tuple[float, float]:
+    """Median light of both cameras over their full scale. [1]"""
+    if not (signals := _signals(sample)):
+        return USUAL_LEVEL
+    one, two = _medians(signals) / np.exp2(chain.correct.pairs.bit_depths)
+    return float(one), float(two)
+
+
 def _error_of_dry_joint(chain: FrameChain, sample: Sequence[Bands], energy_std: float) -> Array:
     """Covariance of the residual error of the subtracted dry joint, (camera, camera). [1]
 
@@ -116,10 +138,7 @@ def _error_of_dry_joint(chain: FrameChain, sample: Sequence[Bands], energy_std: 
     with the number of pages as well, in each camera for itself.
     """
     correct, pages = chain.correct, chain.references.background_pages.values
-    bands = [
-        band.signal.values / correct.energy(int(band.frame[0])) for each in sample for band in each
-    ]
-    lights = np.nanmedian(np.concatenate([band.reshape(2, -1) for band in bands], axis=1), axis=1)
+    lights = _medians([band / correct.energy(int(band.frame[0])) for band in _signals(sample)])
     dry = np.array(
         [
             np.median(table.noise.dry_light) / light

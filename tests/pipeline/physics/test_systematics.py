@@ -37,8 +37,8 @@ CURVE = RunCurve.of(PLAIN)
 REPORT, CORRECT = LightOptions(), LightOptions(background="correct", bleaching="correct")
 
 
-EVEN = '[systematics]\nfield = "0 %"\n'
-"""No change over the field: its five parameters stand beside those of which a test asks."""
+EVEN = '[systematics]\nfield = "0 %"\nbatch = "0 %"\n'
+"""No change over the field and one batch of dyes, whose parameters stand beside those of a test."""
 
 
 def calibration_of(text="", plain=CURVE):
