@@ -432,9 +432,10 @@ def _describe_bore(measurable: Array, settings: PlanSettings) -> xr.Dataset:
         return xr.Dataset()
     whole = np.linspace(-0.5, 0.5, _PLACES) * joint.length
     crest = joint.bore.shape(whole, joint.length).min()
-    above = _MICRO * (joint.bore.shape(np.linspace(*joint.field, _PLACES), joint.length) - crest)
+    start, end = joint.field
+    above = _MICRO * (joint.bore.shape(np.linspace(start, end, _PLACES), joint.length) - crest)
     films = _MICRO * np.array([[settings.film.thinnest], [settings.film.thickest]]) + above
-    field = _MILLI * (joint.field[1] - joint.field[0])
+    field = _MILLI * (end - start)
     inside = (films >= measurable[0]) & (films <= measurable[1])
     return _as_variables(
         bore_thickest=films.max(axis=1),

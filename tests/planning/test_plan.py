@@ -278,7 +278,7 @@ def test_plan_reads_the_profile_beside_it_and_names_it_from_its_output(tmp_path)
 
 
 @pytest.mark.parametrize(
-    "old, new, words",
+    ("old", "new", "words"),
     [
         ('length = "237 mm"\n', "", "bore needs length, and as field both ends"),
         ('["46 mm", "62 mm"]', '["46 mm"]', "bore needs length, and as field both ends"),

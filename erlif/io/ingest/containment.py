@@ -39,14 +39,8 @@ def named_files(settings: RunSettings | FixtureSettings) -> list[str]:
     if isinstance(settings, FixtureSettings):
         names.append(settings.fixture.profile)
     else:
-        names += [settings.encoder and settings.encoder.file, bore_profile(settings)]
+        names += settings.beside
     return [name for name in names if name is not None]
-
-
-def bore_profile(settings: RunSettings) -> str | None:
-    """Name of the profile of the bore in the settings of a run; None without one."""
-    bore = settings.joint and settings.joint.bore
-    return bore.profile if bore else None
 
 
 def refuse_outside(directory: Path, names: Iterable[str]) -> None:

@@ -9,7 +9,6 @@ from pathlib import Path
 
 from erlif.core.errors import FrameError
 from erlif.core.guarded import file_stamp
-from erlif.io.ingest.containment import bore_profile
 from erlif.io.ingest.images import match_files, natural_key
 from erlif.io.ingest.recording import Fixture, Run
 
@@ -170,9 +169,7 @@ def refuse_changed(recording: Run | Fixture, before: Mapping[Path, str]) -> None
 def _files_beside_frames(recording: Run | Fixture) -> dict[str, list[Path]]:
     """Inputs that are no frames, by their names or patterns in the settings."""
     if isinstance(recording, Run):
-        settings = recording.settings
-        beside = settings.encoder and settings.encoder.file, bore_profile(settings)
-        names = ["run.toml", *(name for name in beside if name)]
+        names = ["run.toml", *recording.settings.beside]
     else:
         names = ["fixture.toml", recording.settings.fixture.profile]
     files = {name: [recording.directory / name] for name in names}

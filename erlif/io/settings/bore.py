@@ -191,7 +191,7 @@ def _read_points(path: Path) -> list[list[float]]:
         points.append([place, _HEADERS[head] * depth])
     if not 2 <= len(points) <= _MOST_POINTS:
         raise ConfigError(
-            f"Expected 2 to {_MOST_POINTS} points of the bore in {path}; got {len(points)}. Measure "
-            "it from end to end, or average neighbours."
+            f"Expected 2 to {_MOST_POINTS} points of the bore in {path}; got {len(points)}. "
+            "Measure it from end to end, or average neighbours."
         )
     return sorted(points)

@@ -28,8 +28,8 @@ def axial_shape(joint: JointSettings) -> Array | None:
     """
     if joint.bore is None:
         return None
-    axial = np.arange(-_HALF_POINTS, _HALF_POINTS + 1) * (joint.length / (2 * _HALF_POINTS))
-    return joint.bore.shape(axial, joint.length)
+    steps = np.arange(-_HALF_POINTS, _HALF_POINTS + 1.0)
+    return joint.bore.shape(steps * (joint.length / (2 * _HALF_POINTS)), joint.length)
 
 
 def foundation_of(joint: JointSettings) -> float | None:

@@ -217,7 +217,7 @@ def _compare_models(
         progress=progress,
     )
     if journal.axial_shape is not None:
-        held = dict.fromkeys(map(HELD.get, ("guided", "spring")), "its bore is not straight")
+        held = {HELD[one]: "the bore is not straight" for one in ("guided", "spring")}
         found = replace(found, not_fitted={**found.not_fitted, **held})
     rocking = _rocking(film)
     if not rocking:

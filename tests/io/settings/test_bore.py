@@ -8,8 +8,8 @@ import numpy.testing as npt
 import pytest
 
 from erlif.core.errors import ConfigError
-from erlif.io.settings import RunSettings, read_run_settings, to_toml
 from erlif.io.files.soundness import read_settings
+from erlif.io.settings import RunSettings, read_run_settings, to_toml
 
 SAMPLE = Path(__file__).parents[3] / "data_samples/straight_bushing/run.toml"
 ENDS = "118.5"  # mm, of the joint of the sample
@@ -25,7 +25,7 @@ def run_with(folder: Path, profile: str, *, beside: str = "") -> RunSettings:
     return read_run_settings(folder)
 
 
-@pytest.mark.parametrize("head, sign", [("depth", 1), ("height", -1)])
+@pytest.mark.parametrize(("head", "sign"), [("depth", 1), ("height", -1)])
 def test_profile_is_read_in_its_order_and_sign(tmp_path, head, sign):
     rows = f"axial_mm,{head}_um\n{ENDS},0\n-{ENDS},4\n0,-8\n"
     bore = run_with(tmp_path, rows).joint.bore
@@ -41,7 +41,7 @@ def test_results_keep_the_points(tmp_path):
 
 
 @pytest.mark.parametrize(
-    "profile, words",
+    ("profile", "words"),
     [
         ("", "header axial_mm,depth_um or axial_mm,height_um in .*bore.csv; got nothing"),
         ("z_mm,depth_um\n0,1\n", "got z_mm,depth_um. Convert the columns to mm and um"),
@@ -69,5 +69,5 @@ def test_profile_beside_lobes_is_refused(tmp_path):
 def test_missing_profile_is_named(tmp_path):
     run_with(tmp_path, f"axial_mm,depth_um\n-{ENDS},0\n{ENDS},0\n")
     (tmp_path / "bore.csv").unlink()
-    with pytest.raises(ConfigError, match="bore.csv; it cannot be read: No such file"):
+    with pytest.raises(ConfigError, match=r"bore\.csv; it cannot be read: No such file"):
         read_run_settings(tmp_path)

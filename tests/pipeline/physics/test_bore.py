@@ -117,7 +117,10 @@ def test_measured_profile_of_the_lobes_gives_the_same_film(lab, film):
         ('lobe_radius = "200 mm"\nlobe_height = "20 um"\n', ""),
     )
     place = np.linspace(-15, 15, 601)
-    rows = [f"{one:.3f},{height:.5f}" for one, height in zip(place, -bore_height(RIG, place))]
+    rows = [
+        f"{one:.3f},{height:.5f}"
+        for one, height in zip(place, -bore_height(RIG, place), strict=True)
+    ]
     (run / "bore.csv").write_text("\n".join(["axial_mm,height_um", *rows]), encoding="utf-8")
     measured = erlif.process(run, workers=1)
     for name in ("film_min", "pin_displacement", "film_predicted_min", "film_predicted_mean"):
