@@ -61,6 +61,8 @@ from erlif.rig.settings import LIMITS
 FILMS = 161
 
 _BEYOND = (0.4, 1.6)  # of the thinnest and the thickest wanted film: ends of the table
+_PLACES = 10001  # along the axis of a bore
+_MICRO, _MILLI = 1e6, 1e3
 _DIGITS = 3  # significant digits of a proposed concentration
 _RIG_STEP = 0.25  # nm: spectra that the virtual rig is given
 
@@ -99,6 +101,7 @@ def plan(source: Path | str | PlanSettings, *, folder: Path | None = None) -> xr
         planned and the best ones, whose variables begin with ``optimum``. Over ``bound``: ranges.
         Over ``tolerance``: the effect of each tolerance, the largest first. Over ``limit`` and
         ``limit_film``: errors that no frame shows, by their widths and with the gap of the joint.
+        With a bore in [joint], ``bore_length`` and ``bore_thickest`` of the films over it.
 
     Raises
     ------
@@ -130,6 +133,7 @@ def plan(source: Path | str | PlanSettings, *, folder: Path | None = None) -> xr
         )
     planned = planned.merge(_describe_tolerances(design, film, settings))
     planned = planned.merge(_describe_limit(design, film, settings))
+    planned = planned.merge(_describe_bore(planned.measurable_range_frames.values, settings))
     planned.attrs = {
         "title": settings.name,
         "uncertainty": settings.film.uncertainty,
@@ -421,6 +425,25 @@ def _describe_limit(design: Design, film: WantedFilm, settings: PlanSettings) ->
     return _as_variables(**variables).assign_coords(limit=terms, limit_film=films)
 
 
+def _describe_bore(measurable: Array, settings: PlanSettings) -> xr.Dataset:
+    """The films along the load line over a bore that is not straight; the pin is parallel."""
+    joint = settings.joint
+    if joint is None or joint.bore is None or joint.length is None:
+        return xr.Dataset()
+    whole = np.linspace(-0.5, 0.5, _PLACES) * joint.length
+    crest = joint.bore.shape(whole, joint.length).min()
+    start, end = joint.field
+    above = _MICRO * (joint.bore.shape(np.linspace(start, end, _PLACES), joint.length) - crest)
+    films = _MICRO * np.array([[settings.film.thinnest], [settings.film.thickest]]) + above
+    field = _MILLI * (end - start)
+    inside = (films >= measurable[0]) & (films <= measurable[1])
+    return _as_variables(
+        bore_thickest=films.max(axis=1),
+        bore_length=field * inside.mean(axis=1),
+        field_length=field,
+    )
+
+
 def _describe_pulse(settings: PlanSettings, design: Design) -> dict[str, float]:
     """Fluence of a pulse and that at which the dyes saturate, where the beam is known. [J/cm2]"""
     diameter = settings.laser.beam_diameter
@@ -539,20 +562,25 @@ def _spectra_of(design: Design) -> DyeSpectra:
 
 
 def moved_settings(text: PlanSettings, source: Path, output: Path) -> PlanSettings:
-    """Return a plan whose files of spectra, named from `source`, are named from `output`.
+    """Return a plan whose files of spectra and bore, named from `source`, are named from `output`.
 
     >>> import tomllib
     >>> settings = PlanSettings.model_validate(tomllib.loads(example_plan()))
     >>> moved_settings(settings, Path("a"), Path("a/results")) == settings
     True
     """
-    dyes = {}
+
+    def moved_to(name: str) -> str:
+        return Path(os.path.relpath(source / name, output)).as_posix()
+
+    changed: dict[str, Any] = {}
     for name in ("dye1", "dye2"):
         dye: DyeSettings = getattr(text, name)
         if dye.absorption is not None and dye.emission is not None:
-            moved = {
-                key: Path(os.path.relpath(source / getattr(dye, key), output)).as_posix()
-                for key in ("absorption", "emission")
-            }
-            dyes[name] = dye.model_copy(update=moved)
-    return text.model_copy(update=dyes)
+            moved = {key: moved_to(getattr(dye, key)) for key in ("absorption", "emission")}
+            changed[name] = dye.model_copy(update=moved)
+    joint = text.joint
+    if joint is not None and joint.bore is not None and joint.bore.profile is not None:
+        bore = joint.bore.model_copy(update={"profile": moved_to(joint.bore.profile)})
+        changed["joint"] = joint.model_copy(update={"bore": bore})
+    return text.model_copy(update=changed)

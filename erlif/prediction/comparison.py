@@ -318,7 +318,9 @@ def compare_models(
     if drive is not None:
         laws = ("power",), ("power", "offset")
         simple += [(n, _law(problem, drive, *law)) for n, law in zip(POWER, laws, strict=True)]
-    forms = [(CONSTANT, _constant(problem)), (SQUEEZE, _squeeze(problem)), *simple]
+    forms = [(CONSTANT, _constant(problem)), *simple]
+    if journal.axial_shape is None:
+        forms.insert(1, (SQUEEZE, _squeeze(problem)))
     for done, (name, closed) in enumerate(forms, len(transient)):
         progress("fit", done, total)
         # laws without a theory are for films that no theory describes to their errors
@@ -478,7 +480,7 @@ def _law(problem: Problem, shape: Array, *more: str, viscous: float = np.nan) ->
     """
     journal = problem.orbits.journal
     distance, direction = _distances(problem)
-    film = np.maximum(journal.clearance - distance, 1e-9)
+    film = np.maximum(journal.least_clearance - distance, 1e-9)
     size = np.abs(np.nan_to_num(shape[problem.frames.measured]))
     top = max(float(size.max()), 1e-300)
     relative = np.log(np.maximum(size / top, 1e-12))
@@ -494,7 +496,7 @@ def _law(problem: Problem, shape: Array, *more: str, viscous: float = np.nan) ->
         by_name = dict(zip(start, sets.T[..., np.newaxis], strict=True))
         films = np.exp(np.minimum(by_name["factor"] + by_name.get("power", 1.0) * relative, 50.0))
         films = films + journal.clearance * by_name.get("offset", 0.0)
-        return _pointed(problem, journal.clearance - films, sets[:, -1])
+        return _pointed(problem, journal.least_clearance - films, sets[:, -1])
 
     def read(value: Array, std: Array) -> dict[str, Estimate]:
         named = zip(start, value, std, strict=True)

@@ -177,12 +177,13 @@ def _tilted(problem: Problem, unknowns: dict[str, Array], tilt: float) -> tuple[
 
     Slices along the axis are squeezed as parallel films of their own thickness: a film of 6 um is
     7.6 mm wide. A tilt is thus a thicker oil, by as much as the film is thin. The cavities of a
-    held pin are those of the tilted film itself.
+    held pin, and the film on a bore with a shape, are those of the tilted film itself.
     """
     orbits, journal = problem.orbits, problem.orbits.journal
     half = tilt * journal.length / 2
-    if isinstance(orbits, HeldOrbits) and not journal.long:
-        bent = replace(journal, axial_shape=np.array([-half, half]))
+    if not journal.long and (isinstance(orbits, HeldOrbits) or journal.axial_shape is not None):
+        shape = np.zeros(2) if journal.axial_shape is None else np.asarray(journal.axial_shape)
+        bent = replace(journal, axial_shape=shape + np.linspace(-half, half, shape.size))
         return replace(problem, orbits=replace(orbits, journal=bent)), _SQUARE
     unknowns.pop("load_line", None)
     (orbit,) = orbits.follow(unknowns)

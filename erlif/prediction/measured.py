@@ -207,7 +207,7 @@ def _seen_angles(film: xr.Dataset) -> Array | None:
     # beyond this angle from the thinnest film, c - e cos(angle) is above the range
     load, side = film.pin_displacement.values.T
     eccentricity = np.hypot(load, side)
-    clearance = (joint.bushing_radius - joint.pin_radius) * _MICRO
+    clearance = film.pin_displacement.attrs["clearance"]
     highest = calibration_of(film).thickness_range[1]
     reach = np.arccos(np.clip((clearance - highest) / eccentricity, -1.0, 1.0))
     attitude = np.arctan2(side, load)

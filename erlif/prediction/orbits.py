@@ -91,7 +91,7 @@ class FreeOrbits:
 
     def _follow_in(self, motion: Motion, unknowns: dict[str, Array]) -> Array:
         """The orbits of one motion."""
-        clearance = self.journal.clearance
+        clearance = self.journal.least_clearance
         film = np.clip(np.exp(unknowns["start_film"]) / clearance, 2 * THINNEST, 1.0)
         eccentric, attitude = (1 - film) * clearance, unknowns["start_attitude"]
         return follow_full_film(
@@ -114,7 +114,7 @@ class FreeOrbits:
             ],
             axis=1,
         )
-        film = 1 - distance / self.journal.clearance
+        film = 1 - distance / self.journal.least_clearance
         return float(FullFilm.of(self.journal).lowest_pressure(film, force).min())
 
 

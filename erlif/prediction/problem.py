@@ -144,7 +144,7 @@ class Problem:
         names += ["cavitation_pressure"] if suction and self.sideways != "free" else []
         names += ["drift"] if known.get("drift", 0.0) > 0 else []
         step, low, high = np.array([_KINDS[name] for name in names]).T
-        high[names.index("start_film")] = np.log(0.9999 * self.orbits.journal.clearance)
+        high[names.index("start_film")] = np.log(0.9999 * self.orbits.journal.least_clearance)
         units = {"load_line": self.orbits.journal.radius, "cavitation_pressure": ATMOSPHERE}
         widths = {name: std / units.get(name, 1.0) or np.inf for name, std in known.items()}
         if isinstance(self.orbits, HeldOrbits) and self.orbits.lead is not None:
@@ -179,7 +179,8 @@ class Problem:
         distance = np.clip(
             np.hypot(*place.T) if self.measured.is_position else place[:, 0], 0, None
         )
-        film = np.clip(1 - distance / journal.clearance, 1e-5, 0.9999)
+        clearance = journal.least_clearance
+        film = np.clip(1 - distance / clearance, 1e-5, 0.9999)
         impulse = self.frames.average(self.impulse()[np.newaxis])[0, good]
 
         # eps / sqrt(1 - eps^2) rises with the impulse over K; the ends let oil out besides
@@ -189,11 +190,11 @@ class Problem:
         slope, first = (
             np.polyfit(impulse, ratio, 1, w=weight) if np.ptp(impulse) > 0 else (0, ratio[0])
         )
-        middle = FullFilm.of(journal).damping(np.array([np.median(film)]))[0, 0] * journal.clearance
+        middle = FullFilm.of(journal).damping(np.array([np.median(film)]))[0, 0] * clearance
         long = journal.squeeze_constant * (1 - (1 - np.median(film)) ** 2) ** -1.5
         fluidity = float(np.clip(slope * journal.squeeze_constant * middle / long, 0.02, 50.0))
         begin = max(float(first), 1e-3)
-        start_film = journal.clearance * (1 - begin / np.hypot(1, begin))
+        start_film = clearance * (1 - begin / np.hypot(1, begin))
 
         # the direction at the start, from the trigger that was seen first
         attitude = 0.5 * float(motion.angle[0])

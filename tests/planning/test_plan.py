@@ -26,6 +26,7 @@ from erlif.planning.plan import (
 )
 from erlif.rig import simulate
 from erlif.show.plots import example_plan_results
+from erlif.show.report import summarise_plan, write_plan
 
 
 def settings_of(*changes):
@@ -236,3 +237,54 @@ def test_what_the_virtual_rig_cannot_show_is_refused():
             rig_of(wrong)
     with pytest.raises(ConfigError, match="got dict"):
         plan({})
+
+
+BORE = """width = "19.2 mm"
+length = "237 mm"
+field = ["46 mm", "62 mm"]
+bore = """
+LOBE = '{ lobes = ["50 mm"], lobe_radius = "200 mm", lobe_height = "20 um" }'
+
+
+def planned_with(bore):
+    return plan(settings_of(('width = "19.2 mm"\n', f"{BORE}{bore}\n")))
+
+
+def test_plan_states_which_part_of_a_lobe_is_measurable():
+    """x^2 / 2R up to the thickest measurable film, to either side of a crest within the field."""
+    planned = planned_with(LOBE)
+    crest, highest = planned.film_range.values, float(planned.measurable_range_frames[1])
+    assert crest[1] < highest < crest[0] + 20
+    reach = np.sqrt(2 * 200 * 1e-3 * (highest - crest))  # mm; the foot of the lobe is at 2.83 mm
+    npt.assert_allclose(planned.bore_length, 2 * reach, atol=0.01)
+    npt.assert_allclose(planned.bore_thickest, crest + 20, atol=1e-3)
+    assert planned.field_length == pytest.approx(16)
+    text = "With 2 um on the crest of the bore, films along the axis of the field reach 22 um: "
+    assert f"{text}{2 * reach[0]:.3g} of its 16 mm are measurable." in summarise_plan(planned)
+
+
+def test_plan_reads_the_profile_beside_it_and_names_it_from_its_output(tmp_path):
+    place = np.linspace(-118.5, 118.5, 4000)
+    height = np.maximum(20 - (place - 50) ** 2 / 0.4, 0)
+    rows = [f"{one:.5f},{up:.5f}" for one, up in zip(place, height, strict=True)]
+    (tmp_path / "bore.csv").write_text("\n".join(["axial_mm,height_um", *rows]))
+    text = example_plan().replace('width = "19.2 mm"\n', BORE + '{ profile = "bore.csv" }\n')
+    (tmp_path / "plan.toml").write_text(text)
+    planned = plan(tmp_path / "plan.toml")
+    npt.assert_allclose(planned.bore_length, planned_with(LOBE).bore_length, atol=0.02)
+    write_plan(planned, tmp_path / "plan", folder=tmp_path)
+    again = plan(tmp_path / "plan" / "optimum.toml")
+    npt.assert_array_equal(again.bore_thickest, planned.bore_thickest)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ('length = "237 mm"\n', "", "bore needs length, and as field both ends"),
+        ('["46 mm", "62 mm"]', '["46 mm"]', "bore needs length, and as field both ends"),
+        ('"20 um"', '"240 um"', "lobe_height of bore must be below the radial clearance"),
+    ],
+)
+def test_bores_without_a_place_in_the_plan_are_refused(old, new, words):
+    with pytest.raises(ValueError, match=words):
+        settings_of(('width = "19.2 mm"\n', (BORE + LOBE + "\n").replace(old, new)))

@@ -38,8 +38,8 @@ def named_files(settings: RunSettings | FixtureSettings) -> list[str]:
     ]
     if isinstance(settings, FixtureSettings):
         names.append(settings.fixture.profile)
-    elif settings.encoder is not None:
-        names.append(settings.encoder.file)
+    else:
+        names += settings.beside
     return [name for name in names if name is not None]
 
 

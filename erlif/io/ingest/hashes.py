@@ -169,9 +169,7 @@ def refuse_changed(recording: Run | Fixture, before: Mapping[Path, str]) -> None
 def _files_beside_frames(recording: Run | Fixture) -> dict[str, list[Path]]:
     """Inputs that are no frames, by their names or patterns in the settings."""
     if isinstance(recording, Run):
-        encoder = recording.settings.encoder
-        log = [] if encoder is None or encoder.file is None else [encoder.file]
-        names = ["run.toml", *log]
+        names = ["run.toml", *recording.settings.beside]
     else:
         names = ["fixture.toml", recording.settings.fixture.profile]
     files = {name: [recording.directory / name] for name in names}

@@ -1,3 +1,4 @@
+from .bore import BoreSettings as BoreSettings
 from .keys import Key as Key
 from .keys import Table as Table
 from .keys import keys_of as keys_of
@@ -10,7 +11,6 @@ from .reading import read_plan_settings as read_plan_settings
 from .reading import read_run_settings as read_run_settings
 from .reading import settings_of as settings_of
 from .schema import json_schema as json_schema
-from .surfaces import BoreSettings as BoreSettings
 from .surfaces import ContactSettings as ContactSettings
 from .surfaces import JointSettings as JointSettings
 from .surfaces import LinerSettings as LinerSettings

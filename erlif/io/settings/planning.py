@@ -8,12 +8,14 @@ from typing import Annotated, Literal
 from annotated_types import Ge, Gt, Le
 from pydantic import Field
 
+from erlif.io.settings.bore import BoreSettings
 from erlif.io.settings.values import (
     Counts,
     Electrons,
     FileName,
     Gain,
     Length,
+    Places,
     Settings,
     Text,
     Wavelength,
@@ -212,12 +214,28 @@ class JointOfPlan(Settings):
     """Extent of the image along sliding."""
     frames: int = Field(50, strict=True, ge=12)
     """Frame pairs of a run."""
+    bore: BoreSettings | None = Field(
+        None,
+        examples=[{"lobes": ["-50 mm", "50 mm"], "lobe_radius": "200 mm", "lobe_height": "20 um"}],
+    )
+    """The bore along its axis where it is not straight, with the keys of run.toml. Default:
+    straight."""
+    length: Length | None = Field(None, examples=["237 mm"])
+    """Loaded length of the joint along its axis. Required with bore."""
+    field: Places = Field((), examples=[["42 mm", "58 mm"]])
+    """Both ends of the image along the axis, from the middle of the joint. Required with bore."""
 
     def faults(self) -> Iterator[str]:
         if not self.pin_radius < self.bushing_radius:
             yield "expected a pin_radius below bushing_radius. Correct one of them"
         elif not self.width < 2 * self.pin_radius:
             yield "expected a width of the image below the diameter of the pin. Correct it"
+        elif self.bore is not None:
+            if self.length is None or len(self.field) != 2 or self.field[0] >= self.field[1]:
+                yield "bore needs length, and as field both ends of the image along the axis"
+            else:
+                clearance = self.bushing_radius - self.pin_radius
+                yield from self.bore.faults_in(float(self.length), clearance)
 
 
 class ReferencesOfPlan(Settings):

@@ -15,6 +15,7 @@ from pydantic_core import ErrorDetails
 
 from erlif.core.bounded import read_bounded
 from erlif.core.errors import ConfigError
+from erlif.io.settings.bore import read_bore
 from erlif.io.settings.keys import Key, keys_of, tables_in
 from erlif.io.settings.planning import PlanSettings
 from erlif.io.settings.tables import FixtureSettings, MechanismSettings, RunSettings
@@ -185,6 +186,7 @@ def read_named(path: Path, kind: type[_Settings], *, holds: str, hint: str) -> _
 def _load(path: Path, kind: type[_Settings]) -> _Settings:
     """The tables of a file as settings; ConfigError with all gaps and faults."""
     raw = _read_toml(path)
+    read_bore(raw, path.parent)
     gaps = list(find_gaps(raw))
     try:
         settings = kind.model_validate(raw)

@@ -4,17 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from itertools import pairwise
 
 from pydantic import (
     Field,
 )
 
+from erlif.io.settings.bore import BoreSettings
 from erlif.io.settings.values import (
     CurvatureRadius,
     Force,
     Length,
-    Places,
     Pressure,
     PressureViscosity,
     Settings,
@@ -35,34 +34,6 @@ class MaterialSettings(Settings):
     """Poisson's ratio."""
     roughness: Length | None = Field(None, examples=["0.2 um"])
     """Rms roughness of the surface. Default: no film parameter Lambda is computed."""
-
-
-class BoreSettings(Settings):
-    """The bore along its axis, where it is not straight: lobes, edges or a measured profile."""
-
-    lobes: Places = ()
-    """Places along the axis of lobes that reach into the bore, from the middle of the joint. Beside
-    them the bore has bushing_radius."""
-    lobe_radius: Length | None = Field(None, examples=["200 mm"])
-    """Radius of the lobes along the axis."""
-    lobe_height: Length | None = Field(None, examples=["20 um"])
-    """Height of the lobes above the bore."""
-    edge_length: Length | None = Field(None, examples=["5 mm"])
-    """Length over which the bore is relieved at either end, as a parabola that begins level: an
-    edge of the radius edge_length^2 / (2 edge_depth)."""
-    edge_depth: Length | None = Field(None, examples=["20 um"])
-    """Depth of the relief at the ends."""
-
-    def faults(self) -> Iterator[str]:
-        if bool(self.lobes) != bool(self.lobe_radius) or bool(self.lobes) != bool(self.lobe_height):
-            yield "give lobes, lobe_radius and lobe_height together, or none of them"
-        if bool(self.edge_length) != bool(self.edge_depth):
-            yield "give edge_length and edge_depth together, or neither"
-
-    @property
-    def lobe_reach(self) -> float:
-        """Distance from the crest of a lobe to its foot. [m]"""
-        return math.sqrt(2 * (self.lobe_radius or 0.0) * (self.lobe_height or 0.0))
 
 
 class LinerSettings(Settings):
@@ -112,28 +83,8 @@ class JointSettings(Settings):
                 f"{self.pin_radius * 1e3:g} mm in {self.bushing_radius * 1e3:g} mm"
             )
         if self.bore is not None:
-            yield from self._faults_of_bore(self.bore)
-
-    def _faults_of_bore(self, bore: BoreSettings) -> Iterator[str]:
-        """Lobes and edges that have no place in the joint."""
-        half, clearance = self.length / 2, self.bushing_radius - self.pin_radius
-        reach, height, edge = bore.lobe_reach, bore.lobe_height or 0.0, bore.edge_length or 0.0
-        feet = [-half, *(at + side for at in sorted(bore.lobes) for side in (-reach, reach)), half]
-        if any(after < before for before, after in pairwise(feet)):
-            yield (
-                f"lobes of bore must neither overlap nor end beyond {half * 1e3:g} mm from the "
-                f"middle of the joint; each reaches {reach * 1e3:.3g} mm to either side, by its "
-                "radius and height. Correct lobes, lobe_height or length"
-            )
-        if height >= clearance:
-            yield (
-                f"lobe_height of bore must be below the radial clearance, {clearance * 1e6:g} um, "
-                f"for the pin to fit; got {height * 1e6:g} um"
-            )
-        if edge > half:
-            yield (
-                f"edge_length of bore must be at most half of the length, {half * 1e3:g} mm; got "
-                f"{edge * 1e3:g} mm"
+            yield from self.bore.faults_in(
+                float(self.length), self.bushing_radius - self.pin_radius
             )
 
 

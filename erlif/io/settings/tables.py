@@ -551,6 +551,13 @@ class RunSettings(Settings):
         return (named,) if isinstance(named, str) else named or ()
 
     @property
+    def beside(self) -> list[str]:
+        """Names of the log and of the profile of the bore, of those that there are."""
+        bore = None if self.joint is None else self.joint.bore
+        names = getattr(self.encoder, "file", None), getattr(bore, "profile", None)
+        return [name for name in names if name is not None]
+
+    @property
     def linkage(self) -> CrankRockerSettings | SliderCrankSettings | None:
         """The mechanism where it is a linkage, whose position follows from the encoder alone."""
         if isinstance(self.mechanism, CrankRockerSettings | SliderCrankSettings):

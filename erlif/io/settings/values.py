@@ -157,6 +157,9 @@ Sideways = Annotated[
 ]
 Place = Annotated[float, *quantity("position", "9.6 mm", "m")]
 Places = Annotated[tuple[Place, ...], Form("list of positions", ["-50 mm", "50 mm"])]
+Points = Annotated[
+    tuple[tuple[float, float], ...], Form("list of points [mm, um]", [[-15, 0], [15, 2.5]])
+]
 CavitationPressure = Annotated[
     float, *quantity("pressure below ambient", "-100 kPa", "Pa", Ge(-101325), Le(0))
 ]

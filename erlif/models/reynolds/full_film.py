@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cache
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -28,6 +28,8 @@ _NODES = 128  # of the tables in log film; the spline between them is good to 1e
 _POINTS = 192  # cells over half the circumference, and twice as many
 _HARMONICS = 128  # sines along the axis, from end to end
 _PLACES = 25  # from one end to the middle, at which the lowest pressure is sought
+_SHAPED = 48  # nodes of the tables of a bore with a shape
+_AXIAL = 16  # cells over half of its length, and twice as many
 
 _RESOLUTION = 5e-4  # error of angle and load between the steps of the orbit, relative to their size
 _LONGEST_STEP = 8  # steps of the motion in one of the orbit
@@ -58,12 +60,13 @@ class FullFilm:
 
     @classmethod
     def of(cls, journal: Journal) -> FullFilm:
-        """The full film of a joint with rigid, smooth, parallel walls.
+        """The full film of a joint with rigid, smooth walls.
 
         Parameters
         ----------
         journal : Journal
-            Its pressure viscosity is left out; shape, foundation and roughness are refused.
+            Its pressure viscosity is left out; foundation and roughness are refused. Where it has a
+            shape along the axis, its clearance below is the least one.
 
         Returns
         -------
@@ -72,7 +75,7 @@ class FullFilm:
         Raises
         ------
         ModelError
-            A shape along the axis, an elastic liner or roughness.
+            An elastic liner or roughness.
 
         Examples
         --------
@@ -84,17 +87,20 @@ class FullFilm:
         >>> print(f"{along / joint.squeeze_constant * (1 - 0.9**2) ** 1.5:.5f}")
         1.00000
         """
-        for name in ("axial_shape", "foundation", "roughness"):
+        for name in ("foundation", "roughness"):
             if getattr(journal, name) is not None:
                 raise ModelError(
-                    "The orbit in a full film is that of rigid, smooth and parallel walls; the "
-                    f"joint has {name}. Use solve_journal."
+                    "The orbit in a full film is that of rigid and smooth walls; the joint has "
+                    f"{name}. Use solve_journal."
                 )
-        clearance, radius = journal.clearance, journal.radius
+        clearance, radius = journal.least_clearance, journal.radius
+        rows = None
+        if journal.axial_shape is not None:
+            rows = _rows(journal, _AXIAL), _rows(journal, 2 * _AXIAL)
         return cls(
             journal.viscosity * journal.length * (radius / clearance) ** 3,
             journal.viscosity * radius**2 / clearance**3,
-            *_tabulate(None if journal.long else journal.length / radius),
+            *_tabulate(None if journal.long else journal.length / radius, rows),
         )
 
     def damping(self, film: Array) -> Array:
@@ -187,7 +193,7 @@ def follow_full_film(
 
     from erlif.models.reynolds import compiled_orbit  # only here, because numba loads slowly
 
-    film, clearance = FullFilm.of(journal), journal.clearance
+    film, clearance = FullFilm.of(journal), journal.least_clearance
     place = np.array(start, dtype=float, ndmin=2) / clearance
     if not (np.hypot(*place.T) < 1 - THINNEST).all():
         raise ModelError(
@@ -249,23 +255,100 @@ def _stride(motion: Motion) -> int:
     return stride
 
 
+class _Rows(NamedTuple):
+    """Rows of cells along the axis: lengths over the radius of the film, and the clearance in their
+    middles and at their faces over the least one.
+    """
+
+    length: tuple[float, ...]
+    centre: tuple[float, ...]
+    face: tuple[float, ...]
+
+
+def _rows(journal: Journal, along_half: int) -> _Rows:
+    """Rows over the whole length of a bore with a shape, as `solve_journal` lays them."""
+    from erlif.models.reynolds.transient import axial_edges  # loads the compiled steps
+
+    edges = axial_edges(journal, along_half)
+    edges = edges if edges[0] < 0 else np.concatenate([-edges[:0:-1], edges])
+    centre = journal.clearance_at(0.5 * (edges[1:] + edges[:-1])) / journal.least_clearance
+    face = journal.clearance_at(edges) / journal.least_clearance
+    rows = np.diff(edges) / journal.radius, centre, face
+    return _Rows(*(tuple(one.tolist()) for one in rows))
+
+
 @cache
-def _tabulate(slenderness: float | None) -> tuple[CubicSpline, CubicSpline]:
+def _tabulate(
+    slenderness: float | None, rows: tuple[_Rows, _Rows] | None
+) -> tuple[CubicSpline, CubicSpline]:
     """Logarithms of dampings and of the lowest pressures over -log(film/clearance).
 
     Two grids and Richardson's extrapolation; in the unit of the dampings, and of pressure.
     """
     from scipy.interpolate import CubicSpline
 
-    thin = np.linspace(0.0, -np.log(THINNEST), _NODES)
-    eccentricity = -np.expm1(-thin)
+    nodes = _NODES if rows is None else _SHAPED
+    thin = np.linspace(0.0, -np.log(THINNEST), nodes)
+    parts = np.split(-np.expm1(-thin), nodes // 16 if rows is None else nodes // 4)
     coarse, fine = (
-        # in parts, whose harmonics take 6 MB in place of 50
-        np.concatenate([_solve_squeeze(part, slenderness, n) for part in np.split(eccentricity, 8)])
-        for n in (_POINTS, 2 * _POINTS)
+        # in parts, whose harmonics take 6 MB in place of 50, and rows of cells 50 in place of 600
+        np.concatenate(
+            [
+                _solve_squeeze(part, slenderness, n)
+                if rows is None
+                else _solve_shaped(part, n, rows[k])
+                for part in parts
+            ]
+        )
+        for k, n in enumerate((_POINTS, 2 * _POINTS))
     )
     logarithms = np.log(fine + (fine - coarse) / 3)
     return CubicSpline(thin, logarithms[:, :2]), CubicSpline(thin, logarithms[:, 2:])
+
+
+def _solve_shaped(eccentricity: Array, points: int, rows: _Rows) -> Array:
+    """As `_solve_squeeze`, on a bore with a shape: one system of all cells.
+
+    The gap over the least clearance is G(z) - eps cos a. Columns of cells round the joint are
+    eliminated from the flooded line on, so that both velocities share all but the last.
+    """
+    eps, width = eccentricity[:, np.newaxis], np.pi / points
+    length, wide, edge = (np.array(one) for one in rows)
+    g = width * (np.arange(points + 1) + np.array([[0.5], [0.0]]))[:, :, np.newaxis, np.newaxis]
+    crest = (1 - eps**2) / (1 + eps * np.cos(g))  # H where the bore is narrowest
+    cosine = (np.cos(g) + eps) / (1 + eps * np.cos(g))
+    angle = crest / np.sqrt(1 - eps**2) * width  # of the cells, and between their centres
+    side = (wide - eps * cosine[1]) ** 3 / angle[1] * length
+    side[-1] *= 2  # from the last centre to the flooded line
+    apart = np.pad(0.5 * (length[1:] + length[:-1]), 1, constant_values=np.nan)
+    apart[[0, -1]] = 0.5 * length[[0, -1]]
+    cosine, angle = cosine[0, :-1], angle[0, :-1]
+    leak = (edge - eps * cosine) ** 3 * angle / apart
+    sine = np.sqrt(1 - eps**2) * np.sin(g[0, :-1]) / (1 + eps * np.cos(g[0, :-1]))
+    source = np.stack([cosine, sine], axis=-1) * angle[..., np.newaxis] * length[:, np.newaxis]
+
+    right, inverse = 12 * source, np.empty((points, eps.size, length.size, length.size))
+    row = np.arange(length.size)
+    matrix = np.zeros_like(inverse)
+    matrix[..., row, row] = leak[..., 1:] + leak[..., :-1] + side[1:]
+    matrix[..., row[1:], row[:-1]] = matrix[..., row[:-1], row[1:]] = -leak[..., 1:-1]
+    for k in range(points - 1, 0, -1):
+        matrix[k, :, row, row] += side[k].T
+        inverse[k] = np.linalg.inv(matrix[k])
+        between = side[k][..., np.newaxis]
+        matrix[k - 1] -= between * inverse[k] * side[k][:, np.newaxis]
+        right[k - 1] += between * (inverse[k] @ right[k])
+
+    # no flow through the thinnest film, or no pressure there
+    pressure = np.empty_like(right)
+    pressure[0, ..., 0] = np.linalg.solve(matrix[0], right[0, ..., :1])[..., 0]
+    matrix[0, :, row, row] += 2 * side[0].T
+    pressure[0, ..., 1] = np.linalg.solve(matrix[0], right[0, ..., 1:])[..., 0]
+    for k in range(1, points):
+        pressure[k] = inverse[k] @ (right[k] + side[k][..., np.newaxis] * pressure[k - 1])
+    force = 2 * (pressure * source).sum(axis=(0, 2)) / length.sum()
+    lowest = np.maximum(-pressure[..., 0].min(axis=(0, 2)), 1e-12)
+    return np.column_stack([force, lowest, np.abs(pressure[..., 1]).max(axis=(0, 2))])
 
 
 def _solve_squeeze(eccentricity: Array, slenderness: float | None, points: int) -> Array:

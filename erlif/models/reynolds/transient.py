@@ -189,7 +189,7 @@ class Bearing:
             )
 
         # half of the length where the other half is its image
-        edges = _edges(journal, along_half)
+        edges = axial_edges(journal, along_half)
         halved = edges[0] == 0.0
         grid = Grid(
             along=around,
@@ -227,7 +227,7 @@ class Bearing:
         return axes
 
 
-def _edges(journal: Journal, along_half: int) -> Array:
+def axial_edges(journal: Journal, along_half: int) -> Array:
     """Edges of cells along the axis; from 0 for half of the length.
 
     The cells are equal where the bore is straight, bent by straight lines or curved all over;

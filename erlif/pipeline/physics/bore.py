@@ -7,7 +7,6 @@ import numpy as np
 from erlif.core.arrays import Array
 from erlif.io.settings import JointSettings, RunSettings
 from erlif.models.contact import winkler_modulus
-from erlif.models.reynolds import lobe_shape, relief_shape
 
 # Points of the shape of a bore to either side of its middle: lines between them depart by 2 nm from
 # a lobe of 200 mm in a joint of 237 mm.
@@ -27,15 +26,10 @@ def axial_shape(joint: JointSettings) -> Array | None:
         At equal distances from end to end, as `erlif.models.reynolds.Journal` takes it [m]; None
         for a straight bore.
     """
-    bore, half = joint.bore, _HALF_POINTS
-    if bore is None:
+    if joint.bore is None:
         return None
-    axial, shape = np.arange(-half, half + 1) * (joint.length / (2 * half)), np.zeros(2 * half + 1)
-    if (radius := bore.lobe_radius) and (height := bore.lobe_height):
-        shape += lobe_shape(axial, centres=bore.lobes, radius=radius, height=height)
-    if (edge := bore.edge_length) and (depth := bore.edge_depth):
-        shape += relief_shape(axial, length=joint.length, edge=edge, depth=depth)
-    return shape
+    steps = np.arange(-_HALF_POINTS, _HALF_POINTS + 1.0)
+    return joint.bore.shape(steps * (joint.length / (2 * _HALF_POINTS)), joint.length)
 
 
 def foundation_of(joint: JointSettings) -> float | None:
@@ -46,10 +40,10 @@ def foundation_of(joint: JointSettings) -> float | None:
     return float(modulus) / liner.thickness
 
 
-def departure(settings: RunSettings) -> str:
-    """Keys by which the joint is not straight, rigid and smooth; empty where it is."""
+def departure(settings: RunSettings, *, straight: bool = True) -> str:
+    """Keys by which the joint is not `straight`, rigid and smooth; empty where it is."""
     joint, rough = settings.joint, settings.prediction.rough
-    bore, liner = (None, None) if joint is None else (joint.bore, joint.liner)
+    bore, liner = (None, None) if joint is None else (straight and joint.bore, joint.liner)
     names = ("bore in [joint]", "liner in [joint]", "rough in [prediction]")
     return " and ".join(
         name for name, stated in zip(names, (bore, liner, rough), strict=True) if stated

@@ -31,7 +31,7 @@ from erlif.prediction import (
     measured_minima,
     measured_positions,
 )
-from erlif.prediction.comparison import STEADY
+from erlif.prediction.comparison import HELD, STEADY
 from erlif.prediction.fit import FEWEST_TRIGGERS, LOAD_LINE_STD, MISFIT
 from erlif.trend import VogelLaw, viscosity_at
 
@@ -86,7 +86,8 @@ def fit_film(path: str | Path, *, progress: ShowProgress = None) -> ModelCompari
         run = film, source.settings, source.frames
         comparison = _compare_models(*run, ("free", "guided"), progress=report)
         # of four unknowns in a film with cavities: slow, and needed by no other film
-        if not comparison.candidates[0].describes:
+        straight = source.settings.joint is None or source.settings.joint.bore is None
+        if straight and not comparison.candidates[0].describes:
             comparison = _compare_models(*run, ("free", "guided", "spring"), progress=report)
 
     if comparison.fit is None:
@@ -186,13 +187,15 @@ def _compare_models(
             'Expected the load for a fit of the film: add load = "50 lbf" to [joint] in run.toml, '
             "or load_N to the log, and process the run again."
         )
-    if departs := departure(settings):
+    if departs := departure(settings, straight=False):
         raise ConfigError(
-            "Expected a straight, rigid and smooth joint for a fit, whose orbits are tabulated; "
+            "Expected a rigid and smooth joint for a fit, whose orbits are tabulated; "
             f"run.toml has {departs}. Use erlif predict without --fit."
         )
     motion = build_motion(settings, frames)
     journal = build_journal(settings, motion.viscosity)
+    if journal.axial_shape is not None:
+        sideways = ["free"]
     steady = {name: film[name].values * 1e-6 for name in STEADY if name in film}
     regime = str(film["film_theory"].attrs.get("regime", "")) if "film_theory" in film else ""
     drives = "rocker_speed" in film and "joint_load" in film
@@ -213,6 +216,9 @@ def _compare_models(
         given=given,
         progress=progress,
     )
+    if journal.axial_shape is not None:
+        held = {HELD[one]: "the bore is not straight" for one in ("guided", "spring")}
+        found = replace(found, not_fitted={**found.not_fitted, **held})
     rocking = _rocking(film)
     if not rocking:
         return found
@@ -278,5 +284,5 @@ def _measured_motion(film: xr.Dataset, journal: Journal) -> MeasuredMotion:
     # the error of a minimum is not split; either part is at most all of it
     std = film["film_min_std"].values * 1e-6
     return measured_minima(
-        film["film_min"].values * 1e-6, std, clearance=journal.clearance, std_shared=std
+        film["film_min"].values * 1e-6, std, clearance=journal.least_clearance, std_shared=std
     )

@@ -130,7 +130,7 @@ def _fit_load_line(
     plane: ObjectPlane, measured: MeasuredMotion, motion: FrameMotion, frames: xr.Dataset
 ) -> tuple[float, float] | None:
     """Deviation of the line from that of the view and its standard deviation [mm]; None without."""
-    if departure(plane.settings):
+    if departure(plane.settings, straight=False):
         return None
     fit = fit_motion(
         measured,

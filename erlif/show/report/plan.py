@@ -56,6 +56,7 @@ def summarise_plan(plan: xr.Dataset) -> str:
     return render_text(
         "plan.txt",
         plan=plan,
+        zip=zip,
         first=first,
         last=last,
         frames=int(plan.attrs["frames"]),

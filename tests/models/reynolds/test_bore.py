@@ -10,6 +10,7 @@ from scipy.integrate import solve_ivp
 from scipy.sparse.linalg import spsolve
 
 from erlif.models.reynolds import Journal, Motion, lobe_shape, relief_shape, solve_journal
+from erlif.models.reynolds.full_film import FullFilm
 
 LENGTH, AROUND, ALONG = 0.024, 120, 96
 Z = (np.arange(-1000, 1001) / 2000) * LENGTH
@@ -73,6 +74,25 @@ def test_a_pin_sinks_on_a_shaped_bore_as_plain_differences_say(name):
     npt.assert_allclose(films(joint), plain, rtol=0.02)
     npt.assert_allclose(fall, expected, rtol=0.05)
     assert abs(straight / expected - 1) > 0.3
+
+
+@pytest.mark.parametrize("name", SHAPES)
+def test_dampings_of_a_full_film_are_those_of_plain_differences(name):
+    joint = replace(STRAIGHT, axial_shape=SHAPES[name])
+    films = np.array([30e-6, 12e-6, 5e-6, 2e-6])
+    found = FullFilm.of(joint).damping(films / joint.least_clearance)[:, 0]
+    npt.assert_allclose(found, [damping(film, joint, SHAPES[name]) for film in films], rtol=1e-3)
+
+
+def test_full_film_of_a_level_shape_is_that_of_the_straight_bore():
+    """Of two solvers: all cells, and harmonics along the axis; 2 and 5 um of 230 by 3e-4."""
+    films, force = np.array([1.0, 0.5, 0.1, 0.03, 0.01]), np.ones((5, 2))
+    level, straight = (
+        FullFilm.of(replace(STRAIGHT, axial_shape=one)) for one in (np.zeros(3), None)
+    )
+    npt.assert_allclose(level.damping(films), straight.damping(films), rtol=3e-4)
+    pressures = (one.lowest_pressure(films, force) for one in (level, straight))
+    npt.assert_allclose(*pressures, rtol=3e-4)
 
 
 @pytest.mark.parametrize("name", SHAPES)

@@ -1,5 +1,7 @@
 """A lobed bushing photographed by the rig, whose film two squeezed lobes carry."""
 
+import hashlib
+
 import numpy as np
 import pytest
 
@@ -8,7 +10,9 @@ from conftest import Laboratory
 from erlif.core.errors import ConfigError
 from erlif.io.files import region_of
 from erlif.pipeline.physics.fit import fit_film
+from erlif.prediction.comparison import HELD
 from erlif.rig import RigSettings
+from erlif.rig.film import bore_height
 from erlif.trend import cut_through_minimum, place_of_minimum
 
 RIG = RigSettings(
@@ -105,8 +109,59 @@ def test_a_straight_gap_describes_no_lobes(lab):
 
 
 @pytest.mark.slow
-def test_a_fit_of_straight_orbits_is_refused_by_the_key(lab, film):
-    assert "physics" not in film.attrs
-    assert film.pin_displacement.attrs["load_line_source"] == "given"
-    with pytest.raises(ConfigError, match=r"run.toml has bore in \[joint\]"):
-        fit_film(lab.film)
+def test_measured_profile_of_the_lobes_gives_the_same_film(lab, film):
+    """Of the circles of the rig, at 50 um: to the 2 nm between arc and chord, of all numbers."""
+    run = lab.copy_run(
+        "profile",
+        ('lobes = ["-4 mm", "4.5 mm"]\n', 'profile = "bore.csv"\n'),
+        ('lobe_radius = "200 mm"\nlobe_height = "20 um"\n', ""),
+    )
+    place = np.linspace(-15, 15, 601)
+    rows = [
+        f"{one:.3f},{height:.5f}"
+        for one, height in zip(place, -bore_height(RIG, place), strict=True)
+    ]
+    (run / "bore.csv").write_text("\n".join(["axial_mm,height_um", *rows]), encoding="utf-8")
+    measured = erlif.process(run, workers=1)
+    for name in ("film_min", "pin_displacement", "film_predicted_min", "film_predicted_mean"):
+        np.testing.assert_allclose(measured[name], film[name], atol=8e-3, err_msg=name)
+    np.testing.assert_allclose(measured.film_min_std, film.film_min_std, rtol=0.02)
+    digest = hashlib.sha256((run / "bore.csv").read_bytes()).hexdigest()
+    whole = hashlib.sha256(bytes.fromhex(digest)).hexdigest()
+    assert whole in str(measured.attrs)
+    own = erlif.pressure_from_film(measured).load_from_pressure
+    np.testing.assert_allclose(own, erlif.pressure_from_film(film).load_from_pressure, rtol=5e-3)
+
+    # of the film alone, without the file
+    (run / "bore.csv").unlink()
+    assert erlif.plots.film_along_axis(measured, trigger=3)
+    whole = erlif.predict(run / "film.nc")
+    np.testing.assert_allclose(whole.film_predicted_min, measured.film_predicted_min, rtol=1e-3)
+
+
+@pytest.mark.slow
+def test_fit_finds_the_viscosity_of_the_rig(lab, film):
+    """Within twice its stated error; that of a free pin alone is fitted."""
+    found = fit_film(lab.film)
+    viscosity = found.fit.estimates["viscosity"]
+    assert abs(viscosity.value - RIG.viscosity) < 2 * viscosity.std < 0.06 * RIG.viscosity
+    assert found.carrier == HELD["free"]
+    assert set(found.not_fitted) == {HELD["guided"], HELD["spring"]}
+    assert film.attrs["physics"] == found.verdict
+
+
+@pytest.mark.slow
+def test_load_line_is_found_in_the_orbit(lab, film):
+    given = film.pin_displacement.attrs["load_line"]
+    line = lab.process_copy("line", (f'load_line = "{given:g} mm"\n', "")).pin_displacement.attrs
+    assert line["load_line_source"] == "fitted"
+    assert abs(line["load_line"] - given) < 2 * line["load_line_std"]
+
+
+@pytest.mark.slow
+def test_a_fit_of_an_elastic_joint_is_refused_by_the_key(lab):
+    liner = '[joint.liner]\nthickness = "1 mm"\nyoungs_modulus = "1.4 GPa"\npoissons_ratio = 0.4\n'
+    film = lab.directory / "liner.nc"
+    erlif.process(lab.copy_run("liner", add=liner), output=film, workers=1)
+    with pytest.raises(ConfigError, match=r"run.toml has liner in \[joint\]"):
+        fit_film(film)

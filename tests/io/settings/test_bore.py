@@ -1,0 +1,73 @@
+"""The measured profile of a bore: its file, and its place in the joint."""
+
+import shutil
+from pathlib import Path
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+
+from erlif.core.errors import ConfigError
+from erlif.io.files.soundness import read_settings
+from erlif.io.settings import RunSettings, read_run_settings, to_toml
+
+SAMPLE = Path(__file__).parents[3] / "data_samples/straight_bushing/run.toml"
+ENDS = "118.5"  # mm, of the joint of the sample
+
+
+def run_with(folder: Path, profile: str, *, beside: str = "") -> RunSettings:
+    """The settings of the sample run with a profile of its bore."""
+    shutil.copy(SAMPLE, folder)
+    text = (folder / "run.toml").read_text(encoding="utf-8")
+    table = f'[joint.bore]\nprofile = "bore.csv"\n{beside}\n[oil]'
+    (folder / "run.toml").write_text(text.replace("[oil]", table), encoding="utf-8")
+    (folder / "bore.csv").write_text(profile, encoding="utf-8")
+    return read_run_settings(folder)
+
+
+@pytest.mark.parametrize(("head", "sign"), [("depth", 1), ("height", -1)])
+def test_profile_is_read_in_its_order_and_sign(tmp_path, head, sign):
+    rows = f"axial_mm,{head}_um\n{ENDS},0\n-{ENDS},4\n0,-8\n"
+    bore = run_with(tmp_path, rows).joint.bore
+    axial = np.array([-0.1185, -0.05925, 0.0, 0.05925, 0.1185])
+    expected = sign * 1e-6 * np.array([4, -2, -8, -4, 0])
+    npt.assert_allclose(bore.shape(axial, 0.237), expected, atol=1e-15)
+
+
+def test_results_keep_the_points(tmp_path):
+    settings = run_with(tmp_path, f"axial_mm;depth_um\n-{ENDS};0\n1,5;-2,5\n{ENDS};0\n")
+    assert settings.joint.bore.points[1] == (1.5, -2.5)
+    assert read_settings(to_toml(settings)) == settings  # without the file
+
+
+@pytest.mark.parametrize(
+    ("profile", "words"),
+    [
+        ("", "header axial_mm,depth_um or axial_mm,height_um in .*bore.csv; got nothing"),
+        ("z_mm,depth_um\n0,1\n", "got z_mm,depth_um. Convert the columns to mm and um"),
+        ("axial_mm,depth_um\n0,1\n", "2 to 4000 points .*; got 1. Measure it from end to end"),
+        ("axial_mm,depth_um\n0,1\n1,none\n", "two numbers in row 3 of .*; got '1,none'. Correct"),
+        ("axial_mm,depth_um\n0,1\n1,nan\n", "two numbers in row 3"),
+        ("axial_mm,depth_um\n0,1\n1\n", "two numbers in row 3"),
+        ("axial_mm,depth_um\n-20,1\n20,1\n", "from end to end, -118.5 to 118.5 mm .* -20 to 20 mm"),
+        (f"axial_mm,depth_um\n-{ENDS},1\n0,1\n0,2\n{ENDS},1\n", "rising places. Sort them"),
+        (f"axial_mm,depth_um\n-{ENDS},0\n{ENDS},-231\n", "clearance, 230 um, .* 231 um into the"),
+    ],
+)
+def test_profiles_of_no_use_are_refused(tmp_path, profile, words):
+    with pytest.raises(ConfigError, match=words):
+        run_with(tmp_path, profile)
+
+
+def test_profile_beside_lobes_is_refused(tmp_path):
+    flat = f"axial_mm,depth_um\n-{ENDS},0\n{ENDS},0\n"
+    edges = 'edge_length = "5 mm"\nedge_depth = "9 um"'
+    with pytest.raises(ConfigError, match="give either a profile, or lobes and edges"):
+        run_with(tmp_path, flat, beside=edges)
+
+
+def test_missing_profile_is_named(tmp_path):
+    run_with(tmp_path, f"axial_mm,depth_um\n-{ENDS},0\n{ENDS},0\n")
+    (tmp_path / "bore.csv").unlink()
+    with pytest.raises(ConfigError, match=r"bore\.csv; it cannot be read: No such file"):
+        read_run_settings(tmp_path)
