@@ -194,6 +194,8 @@ def _compare_models(
     motion = build_motion(settings, frames)
     journal = build_journal(settings, motion.viscosity)
     steady = {name: film[name].values * 1e-6 for name in STEADY if name in film}
+    # without a bound, outside the regime of a formula, its shape alone is compared
+    errors = {name: float(film[name].attrs.get("formula_error", 0.0)) for name in steady}
     regime = str(film["film_theory"].attrs.get("regime", "")) if "film_theory" in film else ""
     drives = "rocker_speed" in film and "joint_load" in film
     given = given_errors(settings, film, frames)
@@ -205,6 +207,7 @@ def _compare_models(
         motion,
         trigger=np.where(frames.used.values, frames.trigger.values, -1),
         steady=steady,
+        formula_errors={name: one for name, one in errors.items() if np.isfinite(one)},
         regime=regime or "isoviscous-rigid",
         drive=(film["rocker_speed"] / film["joint_load"]).values if drives else None,
         viscosity_std=joint_and_oil(settings)[1].viscosity_std,
