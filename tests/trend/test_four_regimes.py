@@ -79,6 +79,30 @@ def test_ball_on_a_disc(regime, minimum, central):
     assert own == (known if regime == "piezoviscous-elastic" else np.inf)
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("U", "W", "G", "regime"),
+    [
+        (5e-11, 2.07e-7, 5630.0, "piezoviscous-elastic"),  # thinner than that of rigid bodies
+        (5e-11, 1.06e-7, 8460.0, "piezoviscous-rigid"),
+        (5e-9, 5e-5, 60.0, "isoviscous-elastic"),
+        (5e-9, 5e-6, 1e-3, "isoviscous-elastic"),
+    ],
+)
+def test_film_near_a_border_is_within_the_error_of_the_formula(U, W, G, regime):
+    modulus, speed = (2.3e11 if G > 100 else 1e8), 0.2
+    solid = Solid(modulus, 0.0)
+    oil = U * modulus * RADIUS / (speed / 2), G / modulus
+    load = W * modulus * RADIUS**2
+    at = {"sliding_speed": ("trigger", [speed]), "joint_load": ("trigger", [load])}
+    ball = LubricatedContact(RADIUS, RADIUS, None, solid, solid, *oil)
+    found = predict_film(xr.Dataset(at), ball)
+    assert found.film_theory.attrs["regime"] == regime
+    true = 1e6 * RADIUS * solve_point(U, W, G, cells=(30, 12)).minimum
+    off = found.film_theory.item() / true - 1
+    assert abs(off) < 2 * found.film_theory.attrs["formula_error"] < 0.6
+
+
 @pytest.mark.filterwarnings("error")
 def test_a_contact_at_rest_has_no_error_of_a_formula():
     ball = LubricatedContact(0.01, 0.01, None, Solid(2e11, 0.3), Solid(2e11, 0.3), 0.1, 2e-8)

@@ -14,7 +14,7 @@ from erlif.core.errors import RangeWarning
 from erlif.models.arguments import Values, formula, warn_of_range
 from erlif.models.contact import hertz_ellipse
 from erlif.models.film.line import BLOK_CONSTANT
-from erlif.models.film.regimes import ContactFilm, govern, largest, note_motion
+from erlif.models.film.regimes import BARUS_LIMIT, ContactFilm, govern, largest, note_motion
 
 # Name of the formula by which figures, pages and tables call it.
 HAMROCK_DOWSON_ELLIPTICAL = "Hamrock-Dowson, elliptical"
@@ -160,8 +160,11 @@ def elliptical_contact_film(
     The piezoviscous-rigid film is the one at which the reduced pressure of Barus is exhausted. The
     factor 0.79 is that of solutions of Reynolds' equation for a = 0.1 to 10, to 0.4 %; without
     cavities it is 2/3, as in the isoviscous film. The source has 1.66 (1 - exp(-0.68 k)), 26 % less
-    for a ball. Where films of two regimes are close the true one exceeds both, by about the root
-    of the sum of their third powers; `error` is that of the regime and this excess.
+    for a ball.
+
+    Where films of two regimes are close the true one exceeds both: it is about the third root of
+    the sum of their third powers. `error` is that of the regime, and this excess. Where the bodies
+    are not rigid and the piezoviscous-rigid film is thicker, half of that is part of it as well.
 
     Examples
     --------
@@ -213,8 +216,10 @@ def elliptical_contact_film(
     with np.errstate(divide="ignore", invalid="ignore"):
         gV, gE = G * W**3 / U**2, W ** (8 / 3) / U**2
         excess = sum((one / film) ** _JOIN for one in choice) ** (1 / _JOIN) - 1
+        # up to 0.5 GPa solutions of hard bodies reach the film of Barus and rigid ones
+        beyond = np.maximum(viscous / film - 1, 0) / 2 * (dry.pressure <= BARUS_LIMIT)
     films = rigid, viscous, soft, hard.minimum
-    error = np.hypot(error, excess)
+    error = np.hypot(np.hypot(error, excess), beyond)
     return ContactFilm(film, central, error, regime, *films, gV=gV, gE=gE, notes=notes)
 
 
