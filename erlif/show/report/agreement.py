@@ -65,8 +65,10 @@ def describe_factor(film: xr.Dataset) -> str:
 
 
 def _describe_error(attrs: Mapping[str, float]) -> str:
-    """Error of a formula itself; empty where it is not known, or the formula does not hold."""
+    """Error of a formula itself, or that it does not hold; empty where it is not known."""
     error = attrs.get("formula_error", np.nan)
+    if np.isinf(error):
+        return ", not its regime"
     return f" ± {100 * error:.0f} %" if np.isfinite(error) else ""
 
 
@@ -80,7 +82,7 @@ def _describe_viscosity(attrs: Mapping[str, float]) -> str:
         return ""
     of = f"of {attrs['viscosity_given']:.2g} Pa s"
     if np.isinf(attrs.get("formula_error", np.nan)):
-        return f"; takes {viscosity:.{decimals(std, 1)}f} {of} outside its regime"
+        return f"; takes {viscosity:.2g} {of}"
     std = np.hypot(std, attrs.get("viscosity_std_formula", 0.0))
     digits = decimals(std, 1)
     return f"; takes {viscosity:.{digits}f} ± {std:.{digits}f} {of}"

@@ -51,8 +51,8 @@ def test_the_error_of_the_formula_stands_beside_it_and_is_part_of_the_viscosity(
     assert other.startswith("regime map ± 20 %: 2.000 ± 0.022, 1.9 to 2.1; takes")
     outside = known | {"formula_error": np.inf, "viscosity_std_formula": np.inf}
     film = with_ratio("film_over_hamrock_dowson", **outside).assign(film_hamrock_dowson=1.0)
-    assert "(2.65); 1.9 to 2.1" in describe_factor(film)
-    assert describe_factor(film).endswith("; takes 0.25 of 0.12 Pa s outside its regime")
+    assert "(2.65), not its regime; 1.9 to 2.1" in describe_factor(film)
+    assert describe_factor(film).endswith("; takes 0.25 of 0.12 Pa s")
 
 
 def test_correlations_and_delay_that_are_not_known_are_left_out():

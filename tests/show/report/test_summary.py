@@ -127,7 +127,9 @@ def test_a_short_summary_has_ten_lines_and_one_for_each_warning(film):
         physics=f"{sentence}. Advice.",
         largest_error="wall: 9 nm. x",
     )
-    for shown in (film, noted, scene.without_valid_pixels(noted), noted.isel(trigger=[0])):
+    outside = noted.copy()
+    outside.film_over_hamrock_dowson.attrs["formula_error"] = np.inf
+    for shown in (film, noted, outside, scene.without_valid_pixels(noted), noted.isel(trigger=[0])):
         lines = summarise_briefly(shown).splitlines()
         warned = str(shown.attrs.get("notes", "")).count("warning: ")
         assert len(lines) <= 10 + warned
