@@ -140,6 +140,7 @@ VARIABLE_ATTRIBUTES = (
             ("back", "median of the return stroke."),
             ("viscosity", "viscosity that makes the factor 1 [Pa s]."),
             ("viscosity_std", "its standard deviation, of the film alone [Pa s]."),
+            ("viscosity_std_formula", "its standard deviation by formula_error alone [Pa s]."),
             ("viscosity_given", "viscosity of [oil] at the same triggers [Pa s]."),
         )
     ),
@@ -173,6 +174,12 @@ VARIABLE_ATTRIBUTES = (
     ),
     Attribute("formula", "Of film_hamrock_dowson: the formula, whose name is its long_name."),
     Attribute("source", "Of film_hamrock_dowson: where the formula was published."),
+    Attribute(
+        "formula_error",
+        "Of film_hamrock_dowson, film_theory and the ratios to them: relative standard deviation "
+        "of the formula itself in the regime of most triggers [1]; infinite outside its regime.",
+    ),
+    Attribute("formula_error_source", "Of film_hamrock_dowson and film_theory: where it is from."),
     Attribute("reason", "Of film_theory and film_predicted_min: why this one was selected."),
     Attribute(
         "notes",

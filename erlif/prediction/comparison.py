@@ -204,6 +204,7 @@ def compare_models(
     *,
     trigger: npt.NDArray[np.integer[Any]] | None = None,
     steady: Mapping[str, Array] | None = None,
+    formula_errors: Mapping[str, float] | None = None,
     regime: str = "isoviscous-rigid",
     drive: Array | None = None,
     viscosity_std: float | None = None,
@@ -232,6 +233,8 @@ def compare_models(
         As for `fit_motion`.
     steady : mapping of str to array, (trigger,), optional
         Films of steady formulas under the names of `STEADY`. [m]
+    formula_errors : mapping of str to float, optional
+        Relative standard deviations of these formulas, which the viscosity takes up. [1]
     regime : str
         Of film_theory, of `POWERS`.
     drive : array, (trigger,), optional
@@ -311,8 +314,12 @@ def compare_models(
         fitted.append(_weigh(HELD[held], problem, fit.minimum, predicted, shown))
 
     # closed forms take no time beside the transient films
+    powers = {n: POWERS[regime if n == "film_theory" else LINE] for n in steady or {}}
     simple = [
-        (STEADY[n], _law(problem, film, viscous=POWERS[regime if n == "film_theory" else LINE]))
+        (
+            STEADY[n],
+            _law(problem, film, viscous=powers[n], known=(formula_errors or {}).get(n, 0.0)),
+        )
         for n, film in (steady or {}).items()
     ]
     if drive is not None:
@@ -473,10 +480,13 @@ def _constant(problem: Problem) -> _ClosedForm:
     return _ClosedForm(_plain_unknowns(start), predict, lambda value, std: {})
 
 
-def _law(problem: Problem, shape: Array, *more: str, viscous: float = np.nan) -> _ClosedForm:
+def _law(
+    problem: Problem, shape: Array, *more: str, viscous: float = np.nan, known: float = 0.0
+) -> _ClosedForm:
     """A film of a shape (trigger,) times any factor, in one direction.
 
-    Of `more`, it is to a "power" and above an "offset"; `viscous` is the power of the viscosity.
+    Of `more`, it is to a "power" and above an "offset"; `viscous` is the power of the viscosity,
+    `known` the relative error of the formula of the shape.
     """
     journal = problem.orbits.journal
     distance, direction = _distances(problem)
@@ -506,7 +516,9 @@ def _law(problem: Problem, shape: Array, *more: str, viscous: float = np.nan) ->
         eta = journal.viscosity * times ** (1 / viscous)
         by_formula = {
             "factor": _about(times, times * error, "1"),
-            "viscosity": _about(eta, eta * error / viscous, "Pa s"),
+            "viscosity": _about(eta, eta * error / viscous, "Pa s").widened(
+                {"formula": eta * known / viscous} if known else {}
+            ),
         }
         if "offset" in found:
             found["offset"] = found["offset"].times(journal.clearance, "m")

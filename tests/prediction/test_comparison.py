@@ -99,6 +99,20 @@ def test_steady_film_is_recognised_and_has_any_viscosity():
     assert f": {factor} times it" in found.verdict
 
 
+def test_the_error_of_a_steady_formula_is_part_of_its_viscosity():
+    """1.8 times the film is no other oil where the formula is known to a third, h over eta u."""
+    film = 1.8 * STEADY["film_theory"]
+    orbit = np.stack([STATED.clearance - film, 0 * film], axis=1)
+    given = {"steady": STEADY, "sideways": ["free"], "viscosity_std": 0.012}
+    exact, known = (
+        compare(measure(orbit, 5), STATED, formula_errors=errors, **given)
+        for errors in (None, {"film_theory": 0.33})
+    )
+    assert (exact.carrier, known.carrier) == (None, "the steady film of the regime map")
+    viscosity = known.candidates[0].estimates["viscosity"]
+    npt.assert_allclose(viscosity.parts["formula"], 0.33 * viscosity.value, rtol=1e-12)
+
+
 def walking(rng):
     return 210e-6 + 50e-9 * np.cumsum(rng.normal(size=FRAMES))
 

@@ -4,6 +4,7 @@ from .elliptical import elliptical_contact_film as elliptical_contact_film
 from .elliptical import hamrock_dowson_film as hamrock_dowson_film
 from .line import BLOK_CONSTANT as BLOK_CONSTANT
 from .line import CENTRAL_OVER_MINIMUM as CENTRAL_OVER_MINIMUM
+from .line import DOWSON_HIGGINSON_ERROR as DOWSON_HIGGINSON_ERROR
 from .line import HAMROCK_DOWSON_LINE as HAMROCK_DOWSON_LINE
 from .line import MARTIN_CONSTANT as MARTIN_CONSTANT
 from .line import dowson_higginson_film as dowson_higginson_film

@@ -38,6 +38,8 @@ class ContactFilm:
         Minimum film thickness. [m]
     central : Values
         Film thickness at the centre of the contact. [m]
+    error : Values
+        Relative standard deviation of the minimum, that of the formula alone. [1]
     regime : Values
         Name of the regime with the largest film, from `FILM_REGIMES`; empty where the film is NaN.
     isoviscous_rigid, piezoviscous_rigid : Values
@@ -54,6 +56,7 @@ class ContactFilm:
 
     film: Values
     central: Values
+    error: Values
     regime: Values
     isoviscous_rigid: Values
     piezoviscous_rigid: Values
@@ -71,13 +74,13 @@ def largest(asymptotes: tuple[Values, ...]) -> Values:
 
 
 def govern(
-    asymptotes: tuple[Values, ...], formula_name: str, pressure: Values
-) -> tuple[Values, tuple[str, ...]]:
-    """Name of the largest of the four asymptotes, empty where it is NaN, and notes on the choice.
+    asymptotes: tuple[Values, ...], formula_name: str, pressure: Values, errors: tuple[float, ...]
+) -> tuple[Values, Values, tuple[str, ...]]:
+    """Name of the largest of the four asymptotes and its error of four, and notes on the choice.
 
-    `pressure` is that of the dry contact. [Pa] Ties, and the zero film of a standstill, belong to
-    the first asymptote. Written with products because these broadcast over DataArrays as over
-    floats.
+    The name is empty and the error NaN where the film is NaN. `pressure` is that of the dry
+    contact. [Pa] Ties, and the zero film of a standstill, belong to the first asymptote. Written
+    with products because these broadcast over DataArrays as over floats.
     """
     rigid, viscous, elastic, both = asymptotes
     film = largest(asymptotes)
@@ -102,7 +105,9 @@ def govern(
         )
     if np.any(np.greater(pressure, BARUS_LIMIT)):
         notes += ("The Hertz pressure exceeds 0.5 GPa, above which the law of Barus is too stiff.",)
-    return like(governing, np.asarray([*FILM_REGIMES, ""])[np.asarray(governing)]), notes
+    place = np.asarray(governing)
+    regime = like(governing, np.asarray([*FILM_REGIMES, ""])[place])
+    return regime, like(governing, np.asarray([*errors, np.nan])[place]), notes
 
 
 def note_motion(

@@ -79,7 +79,9 @@ def _compare_with_theories(film: xr.Dataset, settings: RunSettings, speed: str) 
             **{key: getattr(factor, key) for key in ("low", "high", "outward", "back")},
         }
         if contact is not None and theory != "film_predicted_min":
-            attrs |= _match_viscosity(film, contact, theory, speed, factor.std)
+            error = film[theory].attrs.get("formula_error", math.nan)
+            attrs |= {"formula_error": error}
+            attrs |= _match_viscosity(film, contact, theory, speed, factor.std, error)
         ratios[name] = FILM[name].fill(ratio, **attrs)
         ratios[f"{name}_std"] = FILM[f"{name}_std"].fill(std)
         ratios[f"{name}_std_random"] = FILM[f"{name}_std_random"].fill(random)
@@ -87,7 +89,12 @@ def _compare_with_theories(film: xr.Dataset, settings: RunSettings, speed: str) 
 
 
 def _match_viscosity(
-    film: xr.Dataset, contact: LubricatedContact, theory: str, speed: str, factor_std: float
+    film: xr.Dataset,
+    contact: LubricatedContact,
+    theory: str,
+    speed: str,
+    factor_std: float,
+    formula_error: float,
 ) -> dict[str, float]:
     """Viscosity with which the median of the film over a theory is 1, beside that of [oil]."""
     fast = fast_triggers(film[speed].values)
@@ -106,7 +113,8 @@ def _match_viscosity(
         return float(np.nanmedian(ratio)) if np.isfinite(ratio).any() else math.nan
 
     ends = factor(-_WIDEST), factor(_WIDEST)
-    found = {"viscosity": math.nan, "viscosity_std": math.nan, "viscosity_given": given}
+    unknown = dict.fromkeys(("viscosity", "viscosity_std", "viscosity_std_formula"), math.nan)
+    found = unknown | {"viscosity_given": given}
     if ends[0] > 1 > ends[1] > 0:
         log = float(
             scipy.optimize.brentq(lambda one: math.log(factor(one)), -_WIDEST, _WIDEST, xtol=1e-4)
@@ -116,6 +124,7 @@ def _match_viscosity(
         # a relative error of the factor, which is 1 here
         relative = factor_std / factor(0.0) / power
         found |= {"viscosity": viscosity, "viscosity_std": viscosity * relative}
+        found["viscosity_std_formula"] = viscosity * formula_error / power
     return found
 
 

@@ -59,18 +59,33 @@ def describe_factor(film: xr.Dataset) -> str:
     strokes = "" if "nan" in (outward, back) else f", out {outward}, back {back}"
     return (
         f"{value:.{digits}f} ± {random:.{digits}f} ± {shared:.{digits}f} × "
-        f"{formula_label(film)}; {low} to {high}{strokes}{_describe_viscosity(attrs)}"
+        f"{formula_label(film)}{_describe_error(attrs)}; {low} to {high}{strokes}"
+        f"{_describe_viscosity(attrs)}"
     )
 
 
+def _describe_error(attrs: Mapping[str, float]) -> str:
+    """Error of a formula itself, or that it does not hold; empty where it is not known."""
+    error = attrs.get("formula_error", np.nan)
+    if np.isinf(error):
+        return ", not its regime"
+    return f" ± {100 * error:.0f} %" if np.isfinite(error) else ""
+
+
 def _describe_viscosity(attrs: Mapping[str, float]) -> str:
-    """Viscosity that makes a factor 1, beside that of [oil]; empty where it is not known."""
+    """Viscosity that makes a factor 1, beside that of [oil]; empty where it is not known.
+
+    Its error contains that of the formula; outside the regime of the formula it has none.
+    """
     viscosity, std = attrs.get("viscosity", np.nan), attrs.get("viscosity_std", np.nan)
     if not np.isfinite([viscosity, std]).all():
         return ""
+    of = f"of {attrs['viscosity_given']:.2g} Pa s"
+    if np.isinf(attrs.get("formula_error", np.nan)):
+        return f"; takes {viscosity:.2g} {of}"
+    std = np.hypot(std, attrs.get("viscosity_std_formula", 0.0))
     digits = decimals(std, 1)
-    takes = f"{viscosity:.{digits}f} ± {std:.{digits}f}"
-    return f"; takes {takes} of {attrs['viscosity_given']:.2g} Pa s"
+    return f"; takes {viscosity:.{digits}f} ± {std:.{digits}f} {of}"
 
 
 def describe_other_factors(film: xr.Dataset) -> str:
@@ -83,7 +98,8 @@ def describe_other_factors(film: xr.Dataset) -> str:
             digits = decimals(std, 2)
             number = f"{attrs['factor']:.{digits}f} ± {std:.{digits}f}"
             span = f"{attrs['low']:.3g} to {attrs['high']:.3g}"
-            texts.append(f"{title}: {number}, {span}{_describe_viscosity(attrs)}")
+            of = f"{title}{_describe_error(attrs)}"
+            texts.append(f"{of}: {number}, {span}{_describe_viscosity(attrs)}")
     return "\n".join(texts)
 
 

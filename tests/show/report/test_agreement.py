@@ -39,6 +39,22 @@ def test_each_theory_has_a_line_with_its_viscosity():
     ]
 
 
+def test_the_error_of_the_formula_stands_beside_it_and_is_part_of_the_viscosity():
+    """0.02 and 0.15 Pa s are 0.15 Pa s together; 2.65 does not hold outside its regime."""
+    viscosity = {"viscosity": 0.25, "viscosity_std": 0.02, "viscosity_given": 0.12}
+    known = viscosity | {"formula_error": 0.2, "viscosity_std_formula": 0.15}
+    film = with_ratio("film_over_hamrock_dowson", **known).assign(film_hamrock_dowson=1.0)
+    text = describe_factor(film)
+    assert "× Hamrock-Dowson, line contact (2.65) ± 20 %; 1.9 to 2.1" in text
+    assert text.endswith("; takes 0.2 ± 0.2 of 0.12 Pa s")
+    other = describe_other_factors(with_ratio("film_over_theory", **known))
+    assert other.startswith("regime map ± 20 %: 2.000 ± 0.022, 1.9 to 2.1; takes")
+    outside = known | {"formula_error": np.inf, "viscosity_std_formula": np.inf}
+    film = with_ratio("film_over_hamrock_dowson", **outside).assign(film_hamrock_dowson=1.0)
+    assert "(2.65), not its regime; 1.9 to 2.1" in describe_factor(film)
+    assert describe_factor(film).endswith("; takes 0.25 of 0.12 Pa s")
+
+
 def test_correlations_and_delay_that_are_not_known_are_left_out():
     unknown = ("correlated_film", "correlated_with"), np.full((3, 1), np.nan)
     names = [f"speed_correlation{part}" for part in ("_rank", "", "_low", "_high")]

@@ -107,6 +107,7 @@ def with_agreement(film):
     attrs = dict.fromkeys(("low", "high", "outward", "back"), 1.2346)
     attrs |= {"factor": 1.2346, "factor_std_random": 0.0123, "factor_std_shared": 0.0456}
     attrs |= {"viscosity": 0.12345, "viscosity_std": 0.0123, "viscosity_given": 0.12}
+    attrs |= {"formula_error": 0.2, "viscosity_std_formula": 0.03}
     table = ("correlated_film", "correlated_with"), np.full((3, 2), -0.123)
     names = [f"speed_correlation{part}" for part in ("_rank", "", "_low", "_high")]
     return film.assign(dict.fromkeys(names, table)).assign(
@@ -126,7 +127,9 @@ def test_a_short_summary_has_ten_lines_and_one_for_each_warning(film):
         physics=f"{sentence}. Advice.",
         largest_error="wall: 9 nm. x",
     )
-    for shown in (film, noted, scene.without_valid_pixels(noted), noted.isel(trigger=[0])):
+    outside = noted.copy()
+    outside.film_over_hamrock_dowson.attrs["formula_error"] = np.inf
+    for shown in (film, noted, outside, scene.without_valid_pixels(noted), noted.isel(trigger=[0])):
         lines = summarise_briefly(shown).splitlines()
         warned = str(shown.attrs.get("notes", "")).count("warning: ")
         assert len(lines) <= 10 + warned
@@ -143,8 +146,9 @@ def test_a_short_summary_has_ten_lines_and_one_for_each_warning(film):
 
 def test_film_over_hamrock_dowson_and_its_correlation_are_stated(film):
     text = " ".join(summarise_briefly(with_agreement(film)).split())
-    assert "1.235 ± 0.012 ± 0.046 × Hamrock-Dowson, line contact (2.65); 1.23 to 1.23" in text
-    assert "out 1.23, back 1.23; takes 0.12 ± 0.01 of 0.12 Pa s" in text
+    factor = "1.235 ± 0.012 ± 0.046 × Hamrock-Dowson, line contact (2.65) ± 20 %"
+    assert f"{factor}; 1.23 to 1.23, out 1.23, back 1.23" in text
+    assert "back 1.23; takes 0.12 ± 0.03 of 0.12 Pa s" in text
     assert "correlation -0.12 (-0.12 to -0.12), rank -0.12; of the mean -0.12" in text
     assert "n = 0.600 ± 0.010, mean n = 0.400 ± 0.010; 12 ± 2° early" in text
     whole = summarise(with_agreement(film))
