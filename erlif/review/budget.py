@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import zip_longest
 from pathlib import Path
 
@@ -19,6 +19,7 @@ from erlif.core.progress import ShowProgress, choose_progress
 from erlif.core.terms import TERMS
 from erlif.io.files import takes
 from erlif.io.ingest import open_run
+from erlif.io.settings import RunSettings
 from erlif.pipeline.chain import FrameChain, one_thread_per_frame
 from erlif.pipeline.cycle import group_frames
 from erlif.pipeline.engines.results import share_passed
@@ -26,7 +27,9 @@ from erlif.pipeline.fixture import find_calibration
 from erlif.pipeline.physics.clock import fit_start
 from erlif.pipeline.physics.joint import locate_run
 from erlif.pipeline.physics.light import measure_lights
+from erlif.pipeline.physics.systematics import has_dry_joint
 from erlif.pipeline.recording.prepare import prepare_run
+from erlif.planning import target as planned
 from erlif.ratio import PairRatio, RatioSum
 from erlif.thickness import flag_beyond_maximum, measure_thickness
 from erlif.trend import FilmStatistics, summarise_film
@@ -93,6 +96,7 @@ def budget(
     trigger: int | None = None,
     calibration: Calibration | str | Path | None = None,
     films: tuple[float, ...] | None = None,
+    target: str | None = None,
     skip_bad_frames: bool = False,
     allow_outside: bool = False,
     progress: ShowProgress = None,
@@ -110,6 +114,9 @@ def budget(
     films : tuple of float, optional
         Film thicknesses for whose pixels the budget is made; default: the 10th, 50th and 90th
         percentile of the map. [um]
+    target : str, optional
+        Standard deviation that the shortest list of means is to reach at the median film of the
+        run, "1 %" or "50 nm".
     skip_bad_frames, allow_outside : bool
         As for `erlif.process`.
     progress : "bar", bool or callable, optional
@@ -121,7 +128,9 @@ def budget(
         std (term, quantity): standard deviation, NaN where a term does not enter [um]; kind (term);
         value (quantity), the film thickness itself [um]. The quantities are single pixels of the
         given films, the mean and the minimum film thickness of the region of interest. The sums
-        among the terms are in quadrature.
+        among the terms are in quadrature. The attribute declared_zero names the terms whose key in
+        [systematics] is 0. With a target, target_std (mean, target_film): what the means leave,
+        each with those before it. [um]
 
     Raises
     ------
@@ -135,6 +144,7 @@ def budget(
     >>> table["std"].sel(term="total", quantity="mean film")  # doctest: +SKIP
     """
     progress = choose_progress(progress)
+    goal = None if target is None else planned.read_target(target)
     run = open_run(
         Path(run_dir),
         skip_bad_frames=skip_bad_frames,
@@ -187,7 +197,49 @@ def budget(
         _budget_of_mean(statistics, measuring, sources, rate, inside),
         _minimum_column(statistics, measuring),
     ]
-    return _as_dataset(columns, run.settings.name, trigger, len(frames))
+    table = _as_dataset(columns, run.settings.name, trigger, len(frames))
+    given = run.settings.systematics
+    table.attrs["declared_zero"] = [key for key in given.model_fields_set if not given.shares[key]]
+    if goal is not None:
+        ratio_std = statistics.mean.random_std * float(measuring.slope(statistics.mean.value))
+        errors = _errors_of_run(run.settings, whole, ratio_std)
+        table["target_std"] = planned.shortest_list(errors, goal)
+    return table
+
+
+def _errors_of_run(settings: RunSettings, curve: RunCurve, noise: float) -> planned.FilmErrors:
+    """Errors of films in the middle of a run, and the means that it has.
+
+    Where the gap of the joint took errors out, its information holds for smaller widths as well.
+    """
+    middle, before = curve.at(0.5), curve.systematics.without_run
+    covariance = before.anywhere(before.extend(curve.fitted_covariance))
+    information = None
+    if curve.follows_run:
+        information = planned.information_of(covariance, middle.anywhere_covariance)
+        # nothing is taken out of a change over the field, which the gap may show to be larger
+        left = np.diag(middle.anywhere_covariance)
+        np.fill_diagonal(covariance, np.maximum(np.diag(covariance), left))
+
+    # the shares of the light are those of its median film
+    light = np.log(before.light)
+    median = float(middle.inverse.look_up(light[1:] - light[:1])[0])
+    patch = settings.reference
+    films, patch_std = np.array([*planned.FILMS, median, median]), planned.PATCH_STD
+    if corrected := settings.light.ratio == "correct" and patch.thickness is not None:
+        films[-1], patch_std = 1e6 * patch.thickness, 1e6 * (patch.uncertainty or 0.0)
+    has = {
+        "patch": corrected,
+        "dry_frames": has_dry_joint(settings),
+        "fixture_after": curve.later is not None,
+        "temperature_log": settings.temperature.coefficient is not None,
+    }
+    had = frozenset(key for key in has if has[key])
+    low, high = middle.covered_range
+    acts = np.where((films < low) | (films > high), np.nan, middle.gradient(films))
+    errors = planned.FilmErrors(films, acts, middle.slope(films), before, covariance, information)
+    widths = settings.systematics.shares
+    return replace(errors, shares=widths, had=had, noise=noise, patch_std=patch_std)
 
 
 def _choose_trigger(

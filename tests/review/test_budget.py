@@ -102,6 +102,33 @@ def test_a_film_that_is_not_there_is_refused(lab):
         erlif.budget(out / "run", trigger=2, calibration=calibration, films=(40.0,))
 
 
+def test_terms_of_width_zero_are_named(lab):
+    """The virtual rig states 0 % for what it does not have."""
+    _, budget, _, _ = lab
+    assert {"ratio", "lag", "wall"} <= set(budget.attrs["declared_zero"])
+    assert "Declared to be 0 % in [systematics]: " in print_budget(budget)
+
+
+def test_means_begin_with_the_errors_of_the_run(lab):
+    """Without systematics, the calibration and the noise of the mean remain."""
+    _, _, out, calibration = lab
+    budget = erlif.budget(out / "run", trigger=2, calibration=calibration, target="5 %")
+    table = budget.target_std
+    films = table.target_film.values
+    low, high = calibration.covered_range
+    inside = (films > low) & (films < high)
+    expected = calibration.thickness_std(films[inside])
+    assert (table.values[0][inside] >= expected).all()
+    npt.assert_allclose(table.values[0][inside], expected, rtol=0.2)
+    assert table.sizes["mean"] == 1
+    assert "Target: " in print_budget(budget)
+
+
+def test_an_unreadable_target_is_refused_before_the_run_is_read(tmp_path):
+    with pytest.raises(erlif.ErlifError, match='"50 nm"; got "1 kg"'):
+        erlif.budget(tmp_path, target="1 kg")
+
+
 def numbers(table):
     """Titles, terms and numbers of a table."""
     cells = [re.split(r"\s{2,}", line.strip()) for line in table.strip().splitlines()]
