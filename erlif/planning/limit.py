@@ -3,13 +3,11 @@
 The widths of the errors are those of the plan. A joint whose radii are known shows part of them
 in the curvature of its gap; what it leaves follows from the equations of `erlif.trend.rigidity`,
 which need no measured value. A constant error of all films remains: it is a displacement of the
-pin. The error of the calibration and the position of the fixture are not part of a plan. Means that
-the plan has, and others, lower the widths (`erlif.planning.target`).
+pin. The error of the calibration and the position of the fixture are not part of a plan. Means
+lower the widths (`erlif.planning.target`).
 """
 
 from __future__ import annotations
-
-from dataclasses import replace
 
 import numpy as np
 
@@ -36,11 +34,7 @@ _TURNS = 1.5  # times that the pin goes up and down in a run
 
 
 def attainable_errors(
-    design: Design,
-    film: WantedFilm,
-    widths: dict[str, float],
-    joint: JointOfPlan | None,
-    had: frozenset[str] = frozenset(),
+    design: Design, film: WantedFilm, widths: dict[str, float], joint: JointOfPlan | None
 ) -> tuple[Systematics, Array, FilmErrors]:
     """Errors of a run by their widths, and by the gap of a joint.
 
@@ -53,8 +47,6 @@ def attainable_errors(
         Standard deviation of each source of error that a file states. [1]
     joint : JointOfPlan or None
         None: the form of the gap is not known.
-    had : frozenset of str
-        Means that the rig has, of `erlif.core.means.MEANS`.
 
     Returns
     -------
@@ -92,7 +84,7 @@ def attainable_errors(
     slope = log_ratio_slope(design, films)
     acts = systematics.gradient(films, model, slope, 0 * films, passed=np.array([0.5]))
     errors = FilmErrors(films, acts, slope, systematics, prior, information, widths)
-    return systematics, covariance, replace(errors, covariance=errors.lowered(had), had=had)
+    return systematics, covariance, errors
 
 
 def _constrain(

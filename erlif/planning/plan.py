@@ -404,9 +404,10 @@ def _describe_tolerances(design: Design, film: WantedFilm, settings: PlanSetting
 
 def _describe_limit(design: Design, film: WantedFilm, settings: PlanSettings) -> xr.Dataset:
     """Dataset of the systematic errors, without and with the known gap of a joint."""
-    systematics, covariance, errors = attainable_errors(
-        design, film, settings.systematics.shares, settings.joint, settings.means.had
-    )
+    widths = {key: width / 100 for key, width in settings.systematics}
+    had = frozenset(key for key, has in settings.means if has)
+    systematics, covariance, errors = attainable_errors(design, film, widths, settings.joint)
+    errors = replace(errors, covariance=errors.lowered(had), had=had)
     terms = list(dict.fromkeys(systematics.terms))
     values = {"limit_std": systematics.covariance, "limit_std_gap": covariance}
     variables: dict[str, Array] = {

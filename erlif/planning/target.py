@@ -59,10 +59,7 @@ def read_target(text: str) -> tuple[float, float]:
         with suppress(ValueError):
             if (size := parse_quantity(text, unit)) > 0:
                 return (size / 100, 0.0) if unit == "%" else (0.0, size)
-    raise ConfigError(
-        'Expected a target above 0 as a share of the film, such as "1 %", or as a length, such as '
-        f'"50 nm"; got "{text}".'
-    )
+    raise ConfigError(f'Expected a target such as "1 %" of the film or "50 nm"; got "{text}".')
 
 
 def information_of(prior: Array, posterior: Array) -> Array:
@@ -203,14 +200,8 @@ def shortest_list(errors: FilmErrors, target: tuple[float, float]) -> xr.DataArr
     steps = [order[:n] for n in range(len(order) + 1)]
     parts = {term: float(part[-1]) for term, part in errors.split(order).items()}
     largest = max(parts, key=lambda term: parts[term])
-    return xr.DataArray(
-        [errors.std(step) for step in steps],
-        {"mean": ["", *order], "target_film": errors.films[:-1]},
-        attrs={
-            "units": "um",
-            "target": wanted,
-            "gap": [int(errors.has_gap(step)) for step in steps],
-            "largest": largest,
-            "largest_std": float(np.sqrt(parts[largest])),
-        },
-    )
+    coords = {"mean": ["", *order], "target_film": errors.films[:-1]}
+    attrs = {"target": wanted, "largest": largest, "largest_std": parts[largest] ** 0.5}
+    attrs |= {"long_name": "standard deviation of a film with this mean and those before it"}
+    attrs |= {"units": "um", "gap": [int(errors.has_gap(step)) for step in steps]}
+    return xr.DataArray([errors.std(step) for step in steps], coords, attrs=attrs)

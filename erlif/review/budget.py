@@ -198,8 +198,8 @@ def budget(
         _minimum_column(statistics, measuring),
     ]
     table = _as_dataset(columns, run.settings.name, trigger, len(frames))
-    given = run.settings.systematics
-    table.attrs["declared_zero"] = [key for key in given.model_fields_set if not given.shares[key]]
+    shares = run.settings.systematics.shares
+    table.attrs["declared_zero"] = [key for key, share in shares.items() if share == 0]
     if goal is not None:
         ratio_std = statistics.mean.random_std * float(measuring.slope(statistics.mean.value))
         errors = _errors_of_run(run.settings, whole, ratio_std)
@@ -222,8 +222,7 @@ def _errors_of_run(settings: RunSettings, curve: RunCurve, noise: float) -> plan
         np.fill_diagonal(covariance, np.maximum(np.diag(covariance), left))
 
     # the shares of the light are those of its median film
-    light = np.log(before.light)
-    median = float(middle.inverse.look_up(light[1:] - light[:1])[0])
+    median = float(middle.inverse.look_up(np.diff(np.log(before.light)))[0])
     patch = settings.reference
     films, patch_std = np.array([*planned.FILMS, median, median]), planned.PATCH_STD
     if corrected := settings.light.ratio == "correct" and patch.thickness is not None:

@@ -35,7 +35,7 @@ def test_targets_are_shares_or_lengths():
 
 @pytest.mark.parametrize("text", ["1 kg", "1", "0 %", "-5 nm", "one per cent"])
 def test_other_targets_are_refused_with_both_forms(text):
-    with pytest.raises(ConfigError, match='such as "1 %", or as a length, such as "50 nm"'):
+    with pytest.raises(ConfigError, match='such as "1 %" of the film or "50 nm"'):
         read_target(text)
 
 

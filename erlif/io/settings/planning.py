@@ -265,11 +265,6 @@ class SystematicsOfPlan(with_widths("run", "fixture", leave_out="position")):  #
     """Errors that the frames will not show, as standard deviations. The place of the fixture is not
     planned."""
 
-    @property
-    def shares(self) -> dict[str, float]:
-        """Standard deviations by name. [1]"""
-        return {name: getattr(self, name) / 100 for name in type(self).model_fields}
-
 
 _MEANS: dict[str, Any] = {
     key: (bool, Field(False, strict=True, description=f"{mean.what}. {mean.why}"))
@@ -280,11 +275,6 @@ _MEANS: dict[str, Any] = {
 
 class MeansOfPlan(create_model("_Means", __base__=Settings, **_MEANS)):  # type: ignore[misc]
     """What the laboratory does about these errors. `erlif plan` prints what to add."""
-
-    @property
-    def had(self) -> frozenset[str]:
-        """Keys that are true."""
-        return frozenset(key for key in type(self).model_fields if getattr(self, key))
 
 
 class NameOfPlan(Settings):

@@ -56,11 +56,8 @@ def print_means(table: xr.DataArray, which: str) -> str:
     lines = [f"Target: {1e3 * wanted[-1]:.3g} nm at {films[-1]}, {which}", "", columns, ""]
     lines.append(f"Reached at {met or 'no film'}{f'; not at {missed}' if met and missed else ''}.")
     if left[-1] > wanted[-1]:
-        lines.append(
-            f"No list of means reaches it: {1e3 * left[-1]:.0f} nm are left, most of it by "
-            f"{SOURCES[attrs['largest']].what} ({1e3 * attrs['largest_std']:.0f} nm)."
-        )
+        most = f"{SOURCES[attrs['largest']].what} ({1e3 * attrs['largest_std']:.0f} nm)"
+        lines.append(f"No list reaches it: {1e3 * left[-1]:.0f} nm are left, most of it by {most}.")
     if any(attrs["gap"]):
-        lines.append("* With what the gap of the joint takes out. A patch or a fixture after the")
-        lines[-1] += " run takes its place."
+        lines.append("* With what the gap takes out. A patch or a later fixture takes its place.")
     return "\n".join([*lines, *(f"{n} {one.effort}. {one.why}" for n, one in enumerate(means, 1))])
