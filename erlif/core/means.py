@@ -14,7 +14,23 @@ from erlif.core.tables import read_table
 
 @dataclass(frozen=True)
 class Mean:
-    """One thing to photograph, to log or to measure; fields as in `means.toml`."""
+    """One thing to photograph, to log or to measure.
+
+    Attributes
+    ----------
+    what : str
+    why : str
+        How it is stated, and where the width comes from that it leaves.
+    effort : str
+        Photographs, a log or a measurement.
+    leaves : mapping of str to (float or str)
+        Of a term, the standard deviation that remains [%]; or, as text, its share of the term at
+        the end of the run: a number, or the width of a source of error.
+    to_patch : bool
+        Whether films have the difference of their errors to those of a patch.
+    without_gap : bool
+        Whether the gap of the joint takes no errors out beside it.
+    """
 
     what: str
     why: str

@@ -28,6 +28,7 @@ FILMS = (1.0, 3.0, 5.0, 10.0)
 PATCH_STD = 0.02
 """Standard deviation of the film of a patch, where none is stated. [um]"""
 
+_NOTHING = 1e-9  # share of a variance, or width
 _NEARLY = 1.02  # of the smallest standard deviation: where nothing reaches the target
 
 
@@ -71,9 +72,9 @@ def information_of(prior: Array, posterior: Array) -> Array:
     array([[4.]])
     """
     back = np.linalg.pinv(covariance_root(prior))
-    sizes, axes = np.linalg.eigh(np.linalg.inv(back @ posterior @ back.T))
-    axes = back.T @ axes
-    return np.asarray(axes * np.maximum(sizes - 1.0, 0.0) @ axes.T)
+    sizes, axes = np.linalg.eigh(back @ posterior @ back.T)
+    axes = (back.T @ axes)[:, sizes > _NOTHING]  # what has no prior has no information
+    return np.asarray(axes * np.maximum(1 / sizes[sizes > _NOTHING] - 1, 0.0) @ axes.T)
 
 
 @dataclass(frozen=True)
@@ -154,7 +155,7 @@ class FilmErrors:
             if isinstance(width, str):  # of what has grown until the end
                 share = float(self.shares.get(width, width)) / grown
             else:
-                share = 0.01 * width / np.maximum(std, 1e-9)
+                share = 0.01 * width / np.maximum(std, _NOTHING)
             left = np.where(terms == term, np.minimum(left, share), left)
         return left[:, None] * self.covariance * left
 

@@ -236,3 +236,18 @@ def test_what_the_virtual_rig_cannot_show_is_refused():
             rig_of(wrong)
     with pytest.raises(ConfigError, match="got dict"):
         plan({})
+
+
+def test_means_of_the_plan_are_those_that_its_list_would_add():
+    """1 % of 4.5 um: a patch and flats of the day, or a rig that has both."""
+    settings = tomllib.loads(example_plan())
+    settings["film"]["uncertainty"] = 0.01
+    bare = plan(PlanSettings.model_validate(settings)).target_std
+    assert set(bare["mean"].values) == {"", "patch", "flats"}
+    settings["means"] = dict.fromkeys(["patch", "flats"], True)
+    has = plan(PlanSettings.model_validate(settings)).target_std
+    assert has["mean"].values.tolist() == [""]
+    npt.assert_allclose(has[0], bare[-1], rtol=1e-9)
+    settings["systematics"] = {"field": "0 %"}
+    without = plan(PlanSettings.model_validate(settings)).target_std
+    assert without[0, -1] < 0.6 * has[0, -1]

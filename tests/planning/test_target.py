@@ -79,6 +79,11 @@ def test_information_holds_for_other_widths():
     npt.assert_allclose(information_of(prior, posterior), A.T @ A, rtol=1e-8)
 
 
+def test_an_error_without_a_width_has_no_information():
+    found = information_of(np.diag([1.0, 0.0]), np.diag([0.2, 0.0]))
+    npt.assert_allclose(found, np.diag([4.0, 0.0]), atol=1e-12)
+
+
 def test_the_shortest_list_names_what_is_needed_and_no_more():
     """1 % of 4 um, 40 nm: lag alone makes more than that, linearity less."""
     found = shortest_list(errors_of(patch_std=1.0, lag=0.01, linearity=0.0005), (0.01, 0.0))
