@@ -15,7 +15,8 @@ photographed, `erlif.budget` gives the shortest list of means for the target, an
 photographed again with them: frames of the dry joint, a patch whose film is off by 0.02 um, a
 fixture after the run, and other errors drawn from the widths that the means leave and state.
 A row has the list, the stated standard deviation of films near the median film in the middle third
-of the run, and their error; the last line counts the rigs.
+of the run, and their error; the last line counts the rigs. ``--without patch`` looks for lists
+without a patch.
 """
 
 from __future__ import annotations
@@ -148,14 +149,15 @@ WIDTHS = {key: (source.width or 0.0) / 100 for key, source in TERMS.items()} | {
 
 
 def draw_rig(
-    rng: np.random.Generator, widths: Mapping[str, float] = WIDTHS
+    rng: np.random.Generator, widths: Mapping[str, float] = WIDTHS, *, between: bool = False
 ) -> tuple[RigSettings, float, float]:
     """A rig of given widths, the error of its origin [px], and the scale of its profile.
 
     The widths are those of the bands. The background of camera 2 has a correlation of 0.9 with that
     of camera 1; what rises during the run is the temperature and the bleaching of the brightness as
     one, and the bleaching of both dyes alike. Of the walls that of the joint or of the fixture
-    reflects more.
+    reflects more. With a fixture directly before the run and another after it, what lies `between`
+    fixture and run comes during the run.
     """
     draw = partial(rng.normal, 0.0)
     wall = float(draw(widths["wall"]))
@@ -167,7 +169,9 @@ def draw_rig(
     bleached = per_pulse(abs(float(draw(widths["bleaching"]))))
     light = rng.multivariate_normal([0, 0], [[1, 0.9], [0.9, 1]])
     one, two = np.abs(widths["background"] * light)
-    scale = float(sum(draw(widths[key]) for key in ("ratio", "lag", "temperature")))
+    ratio, lag, warmer = (float(draw(widths[key])) for key in ("ratio", "lag", "temperature"))
+    scale = lag if between else ratio + lag + warmer
+    rises += (ratio + warmer) / _BAND_PER_DYE if between else 0.0
     rig = RigSettings(
         width=160,
         height=128,
@@ -213,7 +217,7 @@ def with_means(out: Path, seed: int, keys: list[str], median: float) -> float:
     widths = WIDTHS | {term: left / 100 for term, left in stated.items()}
     if "mark" in keys:
         widths["position"] *= 0.2
-    rig, origin, size = draw_rig(rng, widths)
+    rig, origin, size = draw_rig(rng, widths, between="fixture_after" in keys)
     patch = round(median, 3) if "patch" in keys else 0.0
     pages = 8 if "dry_frames" in keys else 0
     rig = replace(
@@ -303,10 +307,13 @@ def main() -> None:
     parser.add_argument("--report", action="store_true", help="leave in what the gap shows")
     parser.add_argument("--target", help='for example "1 %%": with the means that reach it')
     parser.add_argument("--rigs", type=int, default=10, help="rigs of --target")
+    parser.add_argument("--without", nargs="*", default=[], help="means that a list may not have")
     parser.add_argument("--seeds", type=int, nargs="+", default=[1, 2, 3])
     parser.add_argument("--only", help="faults whose name contains this text")
     parser.add_argument("--workers", type=int, default=2)
     options = parser.parse_args()
+    for key in options.without:  # before the processes of the pool copy the table
+        del MEANS[key]
     with ProcessPoolExecutor(options.workers) as pool:
         if options.target is not None:
             rigs, pulls = range(options.first, options.first + options.rigs), []

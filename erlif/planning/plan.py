@@ -52,7 +52,6 @@ from erlif.planning import (
     vary_tolerances,
 )
 from erlif.planning.limit import attainable_errors
-from erlif.planning.target import FILMS as FILMS_OF_LIMIT
 from erlif.planning.target import shortest_list
 from erlif.rig import DyeSpectra, RigSettings
 from erlif.rig.settings import LIMITS
@@ -418,7 +417,7 @@ def _describe_limit(design: Design, film: WantedFilm, settings: PlanSettings) ->
     variables |= {"limit_film_std": without.std()[:-1], "limit_film_std_gap": errors.std()[:-1]}
     if settings.joint is None:
         variables = {name: each for name, each in variables.items() if not name.endswith("gap")}
-    films = ("limit_film", np.array(FILMS_OF_LIMIT), {"units": "um", "long_name": "film thickness"})
+    films = ("limit_film", errors.films[:-2], {"units": "um", "long_name": "film thickness"})
     described = _as_variables(**variables).assign_coords(limit=terms, limit_film=films)
     return described.assign(target_std=shortest_list(errors, (settings.film.uncertainty, 0.0)))
 

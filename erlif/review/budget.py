@@ -201,13 +201,12 @@ def budget(
     shares = run.settings.systematics.shares
     table.attrs["declared_zero"] = [key for key, share in shares.items() if share == 0]
     if goal is not None:
-        ratio_std = statistics.mean.random_std * float(measuring.slope(statistics.mean.value))
-        errors = _errors_of_run(run.settings, whole, ratio_std)
-        table["target_std"] = planned.shortest_list(errors, goal)
+        noise = statistics.mean.random_std * float(measuring.slope(statistics.mean.value))
+        table["target_std"] = planned.shortest_list(_errors_of(run.settings, whole, noise), goal)
     return table
 
 
-def _errors_of_run(settings: RunSettings, curve: RunCurve, noise: float) -> planned.FilmErrors:
+def _errors_of(settings: RunSettings, curve: RunCurve, noise: float) -> planned.FilmErrors:
     """Errors of films in the middle of a run, and the means that it has.
 
     Where the gap of the joint took errors out, its information holds for smaller widths as well.

@@ -32,7 +32,7 @@ def print_means(table: xr.DataArray, which: str) -> str:
     ...     attrs={"target": [0.01, 0.04], "gap": [0, 0], "largest": "size", "largest_std": 0.01},
     ... )
     >>> print(print_means(table, "the median film of the run"))
-    Target: 40 nm at 4 um, the median film of the run
+    Target: 1 % of 4 um, the median film of the run: 40 nm
     <BLANKLINE>
     standard deviation in nm        1 um  4 um
     as it is                         200   100
@@ -53,7 +53,8 @@ def print_means(table: xr.DataArray, which: str) -> str:
     within = dict(zip(films, (left <= wanted).tolist(), strict=True))
     met, missed = (", ".join(n for n in within if within[n] is each) for each in (True, False))
     columns = print_columns(rows, "<" + ">" * len(films))
-    lines = [f"Target: {1e3 * wanted[-1]:.3g} nm at {films[-1]}, {which}", "", columns, ""]
+    share = f"{100 * wanted[-1] / table.target_film.values[-1]:.2g} %"
+    lines = [f"Target: {share} of {films[-1]}, {which}: {1e3 * wanted[-1]:.3g} nm", "", columns, ""]
     lines.append(f"Reached at {met or 'no film'}{f'; not at {missed}' if met and missed else ''}.")
     if left[-1] > wanted[-1]:
         most = f"{SOURCES[attrs['largest']].what} ({1e3 * attrs['largest_std']:.0f} nm)"
