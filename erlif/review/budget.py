@@ -19,7 +19,6 @@ from erlif.core.progress import ShowProgress, choose_progress
 from erlif.core.terms import TERMS
 from erlif.io.files import takes
 from erlif.io.ingest import open_run
-from erlif.io.settings import RunSettings
 from erlif.pipeline.chain import FrameChain, one_thread_per_frame
 from erlif.pipeline.cycle import group_frames
 from erlif.pipeline.engines.results import share_passed
@@ -28,7 +27,7 @@ from erlif.pipeline.physics.clock import fit_start
 from erlif.pipeline.physics.joint import locate_run
 from erlif.pipeline.physics.light import measure_lights
 from erlif.pipeline.physics.systematics import has_dry_joint
-from erlif.pipeline.recording.prepare import prepare_run
+from erlif.pipeline.recording.prepare import PreparedRun, prepare_run
 from erlif.planning import target as planned
 from erlif.ratio import PairRatio, RatioSum
 from erlif.thickness import flag_beyond_maximum, measure_thickness
@@ -202,16 +201,16 @@ def budget(
     table.attrs["declared_zero"] = [key for key, share in shares.items() if share == 0]
     if goal is not None:
         noise = statistics.mean.random_std * float(measuring.slope(statistics.mean.value))
-        table["target_std"] = planned.shortest_list(_errors_of(run.settings, whole, noise), goal)
+        table["target_std"] = planned.shortest_list(_errors_of(ready, whole, noise), goal)
     return table
 
 
-def _errors_of(settings: RunSettings, curve: RunCurve, noise: float) -> planned.FilmErrors:
+def _errors_of(ready: PreparedRun, curve: RunCurve, noise: float) -> planned.FilmErrors:
     """Errors of films in the middle of a run, and the means that it has.
 
     Where the gap of the joint took errors out, its information holds for smaller widths as well.
     """
-    middle, before = curve.at(0.5), curve.systematics.without_run
+    settings, middle, before = ready.run.settings, curve.at(0.5), curve.systematics.without_run
     covariance = before.anywhere(before.extend(curve.fitted_covariance))
     information = None
     if curve.follows_run:
@@ -220,14 +219,14 @@ def _errors_of(settings: RunSettings, curve: RunCurve, noise: float) -> planned.
         left = np.diag(middle.anywhere_covariance)
         np.fill_diagonal(covariance, np.maximum(np.diag(covariance), left))
 
-    # the shares of the light are those of its median film
-    median = float(middle.inverse.look_up(np.diff(np.log(before.light)))[0])
-    patch = settings.reference
-    films, patch_std = np.array([*planned.FILMS, median, median]), planned.PATCH_STD
-    if corrected := settings.light.ratio == "correct" and patch.thickness is not None:
-        films[-1], patch_std = 1e6 * patch.thickness, 1e6 * (patch.uncertainty or 0.0)
+    # the shares of the light are those of its median film, before the scale of a patch
+    scale = ready.light.scale
+    shift = 0.0 if scale is None else float(scale.course @ (1.0, 0.5))
+    median = float(middle.inverse.look_up(np.diff(np.log(before.light)) - shift)[0])
+    films = np.array([*planned.FILMS, median, median if scale is None else scale.film])
+    patch_std = planned.PATCH_STD if scale is None else scale.film_std
     has = {
-        "patch": corrected,
+        "patch": scale is not None,
         "dry_frames": has_dry_joint(settings),
         "fixture_after": curve.later is not None,
         "temperature_log": settings.temperature.coefficient is not None,
