@@ -9,6 +9,14 @@ judged over its last ten frames.
 shares of errors within one and two standard deviations, and the scatter of the errors. With
 ``--report`` what the gap of the joint shows of the errors stays in the films. The run divides its
 work among processes.
+
+``python benchmarks/real_rigs.py --target "1 %"`` draws ten such rigs (``--rigs``). Each is
+photographed, `erlif.budget` gives the shortest list of means for the target, and the rig is
+photographed again with them: frames of the dry joint, a patch whose film is off by 0.02 um, a
+fixture after the run, and other errors drawn from the widths that the means leave and state.
+A row has the list, the stated standard deviation of films near the median film in the middle third
+of the run, and their error; the last line counts the rigs. ``--without patch`` looks for lists
+without a patch.
 """
 
 from __future__ import annotations
@@ -16,7 +24,9 @@ from __future__ import annotations
 import argparse
 import csv
 import tempfile
+from collections.abc import Mapping
 from concurrent.futures import ProcessPoolExecutor
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -26,6 +36,8 @@ import xarray as xr
 
 import erlif
 from erlif.core.errors import ErlifError
+from erlif.core.means import MEANS
+from erlif.core.terms import TERMS
 from erlif.rig import RigSettings, simulate
 
 PULSES = 50
@@ -133,23 +145,35 @@ _BAND_PER_DYE = 0.484
 """Change of the ratio by that of the light of dye 2 over dye 1, of the rig's invented spectra."""
 
 
-def draw_rig(rng: np.random.Generator) -> tuple[RigSettings, float, float]:
-    """A rig of the default widths, the error of its origin [px], and the scale of its profile.
+WIDTHS = {key: (source.width or 0.0) / 100 for key, source in TERMS.items()} | {"position": 1.0}
+"""Default widths as shares; that of the position in pixels."""
+
+
+def draw_rig(
+    rng: np.random.Generator, widths: Mapping[str, float] = WIDTHS, *, between: bool = False
+) -> tuple[RigSettings, float, float]:
+    """A rig of given widths, the error of its origin [px], and the scale of its profile.
 
     The widths are those of the bands. The background of camera 2 has a correlation of 0.9 with that
     of camera 1; what rises during the run is the temperature and the bleaching of the brightness as
     one, and the bleaching of both dyes alike. Of the walls that of the joint or of the fixture
-    reflects more.
+    reflects more. With a fixture directly before the run and another after it, what lies `between`
+    fixture and run comes during the run.
     """
     draw = partial(rng.normal, 0.0)
-    wall = float(draw(0.02))
-    # 0.5 % over the field, in equal parts a slope along x and a parabola along y of no mean
-    slope, parabola = (float(draw(0.005 / 2**0.5 / part)) for part in (3**-0.5, (4 / 45) ** 0.5))
-    rises = float(np.hypot(0.005, 0.01) * draw()) / _BAND_PER_DYE
-    bleached = per_pulse(abs(float(draw(0.01))))
+    wall = float(draw(widths["wall"]))
+    # over the field, in equal parts a slope along x and a parabola along y of no mean
+    slope, parabola = (
+        float(draw(widths["field"] / 2**0.5 / part)) for part in (3**-0.5, (4 / 45) ** 0.5)
+    )
+    rises = float(np.hypot(widths["temperature"], widths["bleaching"]) * draw()) / _BAND_PER_DYE
+    bleached = per_pulse(abs(float(draw(widths["bleaching"]))))
     light = rng.multivariate_normal([0, 0], [[1, 0.9], [0.9, 1]])
-    one, two = np.abs(0.015 * light)
-    both = float(draw(0.005))
+    one, two = np.abs(widths["background"] * light)
+    ratio, lag, warmer = (float(draw(widths[key])) for key in ("ratio", "lag", "temperature"))
+    scale = lag if between else ratio + lag + warmer
+    rises += (ratio + warmer) / _BAND_PER_DYE if between else 0.0
+    both = float(draw(widths["batch"]))
     rig = RigSettings(
         width=160,
         height=128,
@@ -160,7 +184,7 @@ def draw_rig(rng: np.random.Generator) -> tuple[RigSettings, float, float]:
         flat_pages=3,
         write_systematics=False,
         # scale of the ratio, lag, and the temperature between fixture and run
-        brightness=(1.0, 1 + float(draw(0.01) + draw(0.005) + draw(0.005)) - parabola / 3),
+        brightness=(1.0, 1 + scale - parabola / 3),
         shading=(slope, parabola),
         warming=1.0,
         glow_per_kelvin=(-rises / 2, rises / 2),
@@ -168,19 +192,17 @@ def draw_rig(rng: np.random.Generator) -> tuple[RigSettings, float, float]:
         background=float(one),
         background_second=float(two / one),
         wall=(max(-wall, 0.0), max(wall, 0.0)),
-        compression=(float(draw(0.01)), float(draw(0.01))),
-        batch=(1 + both, (1 + both) * (1 + float(draw(0.005)))),
+        compression=(float(draw(widths["linearity"])), float(draw(widths["linearity"]))),
+        batch=(1 + both, (1 + both) * (1 + float(draw(widths["batch"])))),
     )
-    return rig, float(draw(1.0)), 1 + float(draw(0.005))
+    return rig, float(draw(widths["position"])), 1 + float(draw(widths["size"]))
 
 
-def pull_rig(seed: int, *, report: bool = False) -> dict[str, tuple[float, float]]:
-    """Errors of one drawn rig and their standard deviations."""
-    rig, origin, size = draw_rig(np.random.default_rng([77, seed]))
-    with tempfile.TemporaryDirectory() as scratch:
-        out = Path(scratch) / "rig"
-        simulate(out, seed=1000 + seed, rig=rig)
-        settings, profile = out / "fixture" / "fixture.toml", out / "fixture" / "profile.csv"
+def photograph(out: Path, seed: int, rig: RigSettings, origin: float, size: float) -> None:
+    """Make the directories of a drawn rig."""
+    simulate(out, seed=1000 + seed, rig=rig)
+    for fixture in out.glob("fixture*"):
+        settings, profile = fixture / "fixture.toml", fixture / "profile.csv"
         text = settings.read_text(encoding="utf-8")
         settings.write_text(text.replace("[0.0, 0.0]", f"[{origin:.3f}, 0.0]"), encoding="utf-8")
         with profile.open(encoding="utf-8") as file:
@@ -188,6 +210,71 @@ def pull_rig(seed: int, *, report: bool = False) -> dict[str, tuple[float, float
         with profile.open("w", encoding="utf-8", newline="") as file:
             table = [[x, f"{size * float(h):.5f}", std] for x, h, std in rows]
             csv.writer(file).writerows([head, *table])
+
+
+def with_means(out: Path, seed: int, keys: list[str], median: float) -> float:
+    """Photograph a rig once more with some means; the film of its patch. [um]"""
+    rng = np.random.default_rng([77, seed])
+    leaves = {term: left for key in keys for term, left in MEANS[key].leaves.items()}
+    stated = {term: left for term, left in leaves.items() if not isinstance(left, str)}
+    widths = WIDTHS | {term: left / 100 for term, left in stated.items()}
+    if "mark" in keys:
+        widths["position"] *= 0.2
+    rig, origin, size = draw_rig(rng, widths, between="fixture_after" in keys)
+    patch = round(median, 3) if "patch" in keys else 0.0
+    pages = 8 if "dry_frames" in keys else 0
+    rig = replace(
+        rig, reference=patch, background_pages=pages, fixture_after="fixture_after" in keys
+    )
+    photograph(out, seed, rig, origin, size)
+    run, heading = out / "run" / "run.toml", "[systematics]\n"
+    for key, width in stated.items():
+        files = [run] if TERMS[key].file == "run" else list(out.glob("fixture*/fixture.toml"))
+        for file in files:
+            state(file, f'{heading}{key} = "{width} %"\n')
+    if "mark" in keys:
+        for file in out.glob("fixture*/fixture.toml"):
+            state(file, f'{heading}position = "{0.2 * rig.pitch:.5f} mm"\n')
+    if patch:
+        text = run.read_text(encoding="utf-8")
+        off = f"{patch + rng.normal(0.0, 0.02):.4f}"
+        run.write_text(text.replace(f'thickness = "{patch:g} um"', f'thickness = "{off} um"'))
+        state(run, '[light]\nratio = "correct"\n')
+    return patch
+
+
+def reach_target(seed: int, *, target: str) -> tuple[str, float, float, float, float]:
+    """The means of a drawn rig; film, wanted and stated standard deviation, and error. [um]"""
+    with tempfile.TemporaryDirectory() as scratch:
+        bare, better = Path(scratch) / "bare", Path(scratch) / "better"
+        photograph(bare, seed, *draw_rig(np.random.default_rng([77, seed])))
+        table = erlif.budget(bare / "run", target=target).target_std
+        keys, median = table["mean"].values[1:].tolist(), float(table.target_film[-1])
+        with_means(better, seed, keys, median)
+        film = erlif.process(better / "run")
+        with xr.open_dataset(better / "truth.nc", engine="h5netcdf") as truth:
+            true = truth.film.values
+    third = film.sizes["trigger"] // 3
+    middle = slice(third, 2 * third + 1)
+    valid, true = film["flags"].values[middle] == 0, true[middle]
+    near = valid & (np.abs(true / median - 1) < 0.05)
+    error = (film.thickness.values[middle] - true)[near]
+    stated = float(table[-1, -1])
+    return (
+        ", ".join(keys),
+        median,
+        float(table.attrs["target"][-1]),
+        stated,
+        float(np.median(error)),
+    )
+
+
+def pull_rig(seed: int, *, report: bool = False) -> dict[str, tuple[float, float]]:
+    """Errors of one drawn rig and their standard deviations."""
+    rig, origin, size = draw_rig(np.random.default_rng([77, seed]))
+    with tempfile.TemporaryDirectory() as scratch:
+        out = Path(scratch) / "rig"
+        photograph(out, seed, rig, origin, size)
         if report:
             state(out / "run" / "run.toml", REPORT)
         film = erlif.process(out / "run")
@@ -221,11 +308,31 @@ def main() -> None:
     parser.add_argument("--coverage", type=int, help="rigs drawn from the default widths")
     parser.add_argument("--first", type=int, default=0, help="first of these rigs")
     parser.add_argument("--report", action="store_true", help="leave in what the gap shows")
+    parser.add_argument("--target", help='for example "1 %%": with the means that reach it')
+    parser.add_argument("--rigs", type=int, default=10, help="rigs of --target")
+    parser.add_argument("--without", nargs="*", default=[], help="means that a list may not have")
     parser.add_argument("--seeds", type=int, nargs="+", default=[1, 2, 3])
     parser.add_argument("--only", help="faults whose name contains this text")
     parser.add_argument("--workers", type=int, default=2)
     options = parser.parse_args()
+    for key in options.without:  # before the processes of the pool copy the table
+        del MEANS[key]
     with ProcessPoolExecutor(options.workers) as pool:
+        if options.target is not None:
+            rigs, pulls = range(options.first, options.first + options.rigs), []
+            for seed, row in zip(
+                rigs, pool.map(partial(reach_target, target=options.target), rigs), strict=True
+            ):
+                keys, median, wanted, std, error = row
+                pulls.append((abs(error) <= 2 * std, abs(error) <= wanted))
+                print(
+                    f"{seed:4d}  {median:.2f} um, target {1e3 * wanted:.0f}, stated "
+                    f"{1e3 * std:.0f}, error {1e3 * error:+.0f} nm: {keys}",
+                    flush=True,
+                )
+            two, within = np.sum(pulls, axis=0)
+            print(f"{two} of {len(pulls)} within 2 standard deviations, {within} within the target")
+            return
         if options.coverage is None:
             names = [name for name in FAULTS if (options.only or "") in name]
             jobs = [(name, n) for name in names for n in options.seeds]

@@ -1,18 +1,24 @@
 """Renew the tables of errors: ``python docs/make_budget.py``.
 
 In docs/uncertainty.md the budget of the sample run, in docs/limits.md the errors that frames do not
-show. Tests hold both to what erlif computes.
+show, the means and their list for a rig that states nothing. Tests hold the first two tables and
+the means to what erlif computes.
 """
 
 from __future__ import annotations
 
+import tempfile
 from dataclasses import replace
 from pathlib import Path
 
 import erlif
 from erlif.calibration import NO_SYSTEMATICS, Systematics
+from erlif.commands.lines import wrap
+from erlif.core.means import MEANS
 from erlif.core.terms import SOURCES, TERMS
+from erlif.rig import RigSettings, simulate
 from erlif.show.report import print_budget
+from erlif.show.report.means import print_means
 
 ROOT = Path(__file__).parents[1]
 FILMS = (1.0, 3.0, 6.0, 10.0)
@@ -55,6 +61,22 @@ def limits() -> str:
     return head + "".join(rows) + f"| **all** | | {total} | |\n"
 
 
+def means() -> str:
+    """The means of docs/limits.md."""
+    rows = [f"| `{key}`: {mean.what} | {mean.why} |\n" for key, mean in MEANS.items()]
+    return "| mean | how it enters, and what it leaves |\n|---|---|\n" + "".join(rows)
+
+
+def list_of_means() -> str:
+    """The list for 1 % of the film of a virtual rig that states nothing."""
+    with tempfile.TemporaryDirectory() as scratch:
+        rig = RigSettings(width=160, height=128, spacing=2.0, fixture_frames=6, bubbles=0)
+        simulate(Path(scratch) / "rig", seed=1, rig=replace(rig, write_systematics=False))
+        budget = erlif.budget(Path(scratch) / "rig" / "run", target="1 %")
+    text = wrap(print_means(budget.target_std, "the median film of the run"))
+    return f"```text\n{text}\n```\n"
+
+
 def renew(page: str, name: str, table: str) -> None:
     """Replace the table between the marks of a page."""
     path, begin, end = ROOT / "docs" / page, f"<!-- {name} -->\n", f"<!-- end of {name} -->"
@@ -64,10 +86,12 @@ def renew(page: str, name: str, table: str) -> None:
 
 
 def main() -> None:
-    """Renew both tables."""
+    """Renew all tables."""
     budget = erlif.budget(ROOT / "data_samples" / "straight_bushing")
     renew("uncertainty.md", "budget", f"```text\n{print_budget(budget)}\n```\n")
     renew("limits.md", "limits", limits())
+    renew("limits.md", "list of means", means())
+    renew("limits.md", "means", list_of_means())
 
 
 if __name__ == "__main__":

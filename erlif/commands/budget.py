@@ -7,6 +7,7 @@ from typing import Any
 
 import click
 
+from erlif.commands.lines import wrap
 from erlif.commands.options import ALLOW_OUTSIDE, CALIBRATION, PATH, SKIP_BAD_FRAMES, QuantityOption
 from erlif.commands.progress import working
 from erlif.core.speed.imports import large_imports
@@ -26,6 +27,11 @@ from erlif.core.speed.imports import large_imports
     help='Film for which the budget is made, "6 um"; may be repeated. Default: the 10th, 50th and '
     "90th percentile of the map.",
 )
+@click.option(
+    "--target",
+    metavar="SHARE|LENGTH",
+    help='List the fewest means to reach it, "1 %" or "50 nm".',
+)
 @SKIP_BAD_FRAMES
 @ALLOW_OUTSIDE
 def budget(run_dir: Path, films: tuple[float, ...], **options: Any) -> None:
@@ -34,6 +40,7 @@ def budget(run_dir: Path, films: tuple[float, ...], **options: Any) -> None:
     \b
     Example:
       erlif budget data_samples/straight_bushing --trigger 12
+      erlif budget data_samples/straight_bushing --target "1 %"
     """
     with large_imports():
         from erlif.review.budget import budget as make_budget
@@ -42,4 +49,4 @@ def budget(run_dir: Path, films: tuple[float, ...], **options: Any) -> None:
     # an empty option means the usual films
     with working() as progress:
         terms = make_budget(run_dir, films=films or None, progress=progress, **options)
-    click.echo(print_budget(terms))
+    click.echo(wrap(print_budget(terms)))

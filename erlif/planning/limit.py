@@ -1,9 +1,10 @@
 """Errors that no frame shows: those of a planned rig, and what the gap of a joint leaves of them.
 
-The widths of the errors are the defaults of a run. A joint whose radii are known shows part of them
+The widths of the errors are those of the plan. A joint whose radii are known shows part of them
 in the curvature of its gap; what it leaves follows from the equations of `erlif.trend.rigidity`,
 which need no measured value. A constant error of all films remains: it is a displacement of the
-pin. The error of the calibration and the position of the fixture are not part of a plan.
+pin. The error of the calibration and the position of the fixture are not part of a plan. Means
+lower the widths (`erlif.planning.target`).
 """
 
 from __future__ import annotations
@@ -12,9 +13,11 @@ import numpy as np
 
 from erlif.calibration import Reabsorption, Systematics
 from erlif.core.arrays import Array
+from erlif.core.terms import TERMS
 from erlif.io.settings.planning import JointOfPlan
 from erlif.planning.design import Design, log_ratio, log_ratio_slope, mean_attenuation
 from erlif.planning.precision import WantedFilm, log_ratio_variance
+from erlif.planning.target import FILMS, FilmErrors, information_of
 from erlif.ratio import cell_centres
 from erlif.trend import (
     CLEARANCE_STD,
@@ -29,13 +32,10 @@ _CELL = _SHAPE[0] * _SHAPE[1] / 120  # px in a cell
 _EXCESS = 3e-4  # scatter of the ratio of a cell beyond photons, as virtual rigs show it [1]
 _TURNS = 1.5  # times that the pin goes up and down in a run
 
-FILMS = (1.0, 3.0, 10.0)
-"""Films whose errors are stated. [um]"""
-
 
 def attainable_errors(
     design: Design, film: WantedFilm, widths: dict[str, float], joint: JointOfPlan | None
-) -> tuple[Systematics, Array, Array]:
+) -> tuple[Systematics, Array, FilmErrors]:
     """Errors of a run by their widths, and by the gap of a joint.
 
     Parameters
@@ -44,7 +44,7 @@ def attainable_errors(
     film : WantedFilm
         The minimum film of the joint moves through the wanted range.
     widths : dict of str to float
-        Standard deviation of each term of `erlif.core.terms.TERMS`. [1]
+        Standard deviation of each source of error that a file states. [1]
     joint : JointOfPlan or None
         None: the form of the gap is not known.
 
@@ -54,8 +54,8 @@ def attainable_errors(
         By the widths; it names the parameters.
     covariance : array, (parameter, parameter)
         With the gap.
-    film_std : array, (2, film)
-        Standard deviation of `FILMS` in the middle of a run by the widths, and with the gap. [um]
+    errors : FilmErrors
+        Those of `FILMS` and of the middle of the wanted range, which is the film of a patch.
 
     Examples
     --------
@@ -64,7 +64,7 @@ def attainable_errors(
     >>> joint = JointOfPlan(**lengths, frames=30)
     >>> wanted = WantedFilm(2.0, 10.0, (0.1, 18.0))
     >>> found = attainable_errors(example_dye_design(), wanted, {"ratio": 0.01}, joint)
-    >>> bool((found[2][1] < 0.5 * found[2][0]).all())
+    >>> bool((found[2].std() < 0.5 * 0.01 / found[2].slope[:-1]).all())
     True
     """
     attenuation = [mean_attenuation(design, number) for number in (1, 2)]
@@ -72,19 +72,19 @@ def attainable_errors(
     middle = float(np.sqrt(film.thinnest * film.thickest))
     light = float(model.light(middle).signal)
     pair = (light, light * float(np.exp(model.predict(middle))))
-    systematics = Systematics.of(widths, parameters=0, light=pair, frame=_SHAPE)
-    covariance = systematics.covariance
+    terms = {key: width for key, width in widths.items() if key in TERMS and not TERMS[key].of_two}
+    systematics = Systematics.of(terms, parameters=0, light=pair, frame=_SHAPE)
+    covariance, information = systematics.covariance, None
+    prior = systematics.anywhere(covariance)
     if joint is not None:
         covariance = _constrain(design, film, model, systematics, joint)
+        information = information_of(prior, systematics.anywhere(covariance))
 
-    films = np.array(FILMS)
+    films = np.array([*FILMS, middle, middle])
     slope = log_ratio_slope(design, films)
-    acts = systematics.gradient(films, model, slope, 0 * films, passed=np.array([0.5])) / slope
-    std = [
-        np.sqrt(np.einsum("if,ij,jf->f", acts, systematics.anywhere(each), acts))
-        for each in (systematics.covariance, covariance)
-    ]
-    return systematics, covariance, np.array(std)
+    acts = systematics.gradient(films, model, slope, 0 * films, passed=np.array([0.5]))
+    errors = FilmErrors(films, acts, slope, systematics, prior, information, widths)
+    return systematics, covariance, errors
 
 
 def _constrain(

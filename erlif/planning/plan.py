@@ -15,7 +15,6 @@ from erlif.core.arrays import Array
 from erlif.core.described import Columns, describe
 from erlif.core.errors import ConfigError
 from erlif.core.tables import read_table
-from erlif.core.terms import TERMS
 from erlif.core.units import Quantity
 from erlif.io.settings import (
     DyeSettings,
@@ -52,8 +51,8 @@ from erlif.planning import (
     thickness_std,
     vary_tolerances,
 )
-from erlif.planning.limit import FILMS as FILMS_OF_LIMIT
 from erlif.planning.limit import attainable_errors
+from erlif.planning.target import shortest_list
 from erlif.rig import DyeSpectra, RigSettings
 from erlif.rig.settings import LIMITS
 
@@ -102,6 +101,7 @@ def plan(source: Path | str | PlanSettings, *, folder: Path | None = None) -> xr
         Over ``tolerance``: the effect of each tolerance, the largest first. Over ``limit`` and
         ``limit_film``: errors that no frame shows, by their widths and with the gap of the joint.
         With a bore in [joint], ``bore_length`` and ``bore_thickest`` of the films over it.
+        Over ``mean`` and ``target_film``: what the shortest list of means leaves of them.
 
     Raises
     ------
@@ -407,22 +407,23 @@ def _describe_tolerances(design: Design, film: WantedFilm, settings: PlanSetting
 
 def _describe_limit(design: Design, film: WantedFilm, settings: PlanSettings) -> xr.Dataset:
     """Dataset of the systematic errors, without and with the known gap of a joint."""
-    # the place of the fixture is not planned, nor is a second one
-    widths = {
-        key: term.width / 100 for key, term in TERMS.items() if term.width and not term.of_two
-    }
-    systematics, covariance, std = attainable_errors(design, film, widths, settings.joint)
+    widths = {key: width / 100 for key, width in settings.systematics}
+    had = frozenset(key for key, has in settings.means if has)
+    systematics, covariance, errors = attainable_errors(design, film, widths, settings.joint)
+    errors = replace(errors, covariance=errors.lowered(had), had=had)
     terms = list(dict.fromkeys(systematics.terms))
     values = {"limit_std": systematics.covariance, "limit_std_gap": covariance}
     variables: dict[str, Array] = {
         name: np.array([np.sqrt(np.diag(each)[systematics.places(term)].max()) for term in terms])
         for name, each in values.items()
     }
-    variables |= {"limit_film_std": std[0], "limit_film_std_gap": std[1]}
+    without = replace(errors, information=None)
+    variables |= {"limit_film_std": without.std()[:-1], "limit_film_std_gap": errors.std()[:-1]}
     if settings.joint is None:
         variables = {name: each for name, each in variables.items() if not name.endswith("gap")}
-    films = ("limit_film", np.array(FILMS_OF_LIMIT), {"units": "um", "long_name": "film thickness"})
-    return _as_variables(**variables).assign_coords(limit=terms, limit_film=films)
+    films = ("limit_film", errors.films[:-2], {"units": "um", "long_name": "film thickness"})
+    described = _as_variables(**variables).assign_coords(limit=terms, limit_film=films)
+    return described.assign(target_std=shortest_list(errors, (settings.film.uncertainty, 0.0)))
 
 
 def _describe_bore(measurable: Array, settings: PlanSettings) -> xr.Dataset:

@@ -10,6 +10,7 @@ def test_the_example_works_as_it_is_printed(tmp_path, command, refused):
     path.write_text(command("plan", "--example").stdout, encoding="utf-8")
     shown = command("plan", path).stdout
     assert "Best concentrations" in shown
+    assert "Target: 5 % of 4.47 um, the middle of the wanted range: 224 nm" in shown
     assert f"--parts {tmp_path / 'plan' / 'optimum.toml'}" in shown
     assert "exists already" in refused("plan", path)
 

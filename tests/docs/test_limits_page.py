@@ -8,7 +8,16 @@ from scenes.scripts import load_script
 DOCS = Path(__file__).parents[2] / "docs"
 
 
-def test_the_table_of_limits_is_the_computed_one():
+def stated(name):
+    """The table between the marks of the page."""
     text = (DOCS / "limits.md").read_text(encoding="utf-8")
-    stated = re.search(r"<!-- limits -->\n(.*?)<!-- end of limits -->", text, re.DOTALL)[1]
-    assert stated == load_script(DOCS / "make_budget.py").limits(), "python docs/make_budget.py"
+    return re.search(rf"<!-- {name} -->\n(.*?)<!-- end of {name} -->", text, re.DOTALL)[1]
+
+
+def test_the_table_of_limits_is_the_computed_one():
+    expected = load_script(DOCS / "make_budget.py").limits()
+    assert stated("limits") == expected, "python docs/make_budget.py"
+
+
+def test_the_means_are_those_of_their_table():
+    assert stated("list of means") == load_script(DOCS / "make_budget.py").means()

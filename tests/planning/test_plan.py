@@ -288,3 +288,18 @@ def test_plan_reads_the_profile_beside_it_and_names_it_from_its_output(tmp_path)
 def test_bores_without_a_place_in_the_plan_are_refused(old, new, words):
     with pytest.raises(ValueError, match=words):
         settings_of(('width = "19.2 mm"\n', (BORE + LOBE + "\n").replace(old, new)))
+
+
+def test_means_of_the_plan_are_those_that_its_list_would_add():
+    """1 % of 4.5 um: a patch and flats of the day, or a rig that has both."""
+    settings = tomllib.loads(example_plan())
+    settings["film"]["uncertainty"] = 0.01
+    bare = plan(PlanSettings.model_validate(settings)).target_std
+    assert set(bare["mean"].values) == {"", "patch", "flats"}
+    settings["means"] = dict.fromkeys(["patch", "flats"], True)
+    has = plan(PlanSettings.model_validate(settings)).target_std
+    assert has["mean"].values.tolist() == [""]
+    npt.assert_allclose(has[0], bare[-1], rtol=1e-9)
+    settings["systematics"] = {"field": "0 %"}
+    without = plan(PlanSettings.model_validate(settings)).target_std
+    assert without[0, -1] < 0.6 * has[0, -1]

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from annotated_types import Ge, Gt, Le
-from pydantic import Field
+from pydantic import Field, create_model
 
+from erlif.core.means import MEANS
 from erlif.io.settings.bore import BoreSettings
+from erlif.io.settings.tables import with_widths
 from erlif.io.settings.values import (
     Counts,
     Electrons,
@@ -277,6 +279,22 @@ class ToleranceOptions(Settings):
     """Full well of both cameras."""
 
 
+class SystematicsOfPlan(with_widths("run", "fixture", leave_out="position")):  # type: ignore[misc]
+    """Errors that the frames will not show, as standard deviations. The place of the fixture is not
+    planned."""
+
+
+_MEANS: dict[str, Any] = {
+    key: (bool, Field(False, strict=True, description=f"{mean.what}. {mean.why}"))
+    for key, mean in MEANS.items()
+    if "position" not in mean.leaves
+}
+
+
+class MeansOfPlan(create_model("_Means", __base__=Settings, **_MEANS)):  # type: ignore[misc]
+    """What the laboratory does about these errors. `erlif plan` prints what to add."""
+
+
 class NameOfPlan(Settings):
     """The plan."""
 
@@ -302,6 +320,8 @@ class PlanSettings(Settings):
     references: ReferencesOfPlan = ReferencesOfPlan()
     optimum: OptimumOptions = OptimumOptions()
     tolerances: ToleranceOptions = ToleranceOptions()
+    systematics: SystematicsOfPlan = SystematicsOfPlan()
+    means: MeansOfPlan = MeansOfPlan()
 
     @property
     def name(self) -> str:

@@ -398,17 +398,19 @@ class LightOptions(Settings):
             )
 
 
-def _with_widths(file: str) -> type[Settings]:
-    """A table with the standard deviations that a settings file states."""
+def with_widths(*files: str, leave_out: str = "") -> type[Settings]:
+    """A table with the standard deviations that settings files state, but for one key."""
     types: dict[str, Any] = {"%": Share, "mm": Distance | None}
     fields: dict[str, Any] = {
         key: (types[source.unit], Field(source.width, description=source.__doc__))
+        for file in files
         for key, source in keys_in(file).items()
+        if key != leave_out
     }
     return create_model("_Widths", __base__=Settings, **fields)
 
 
-class SystematicsOptions(_with_widths("run")):  # type: ignore[misc]
+class SystematicsOptions(with_widths("run")):  # type: ignore[misc]
     """Errors of a run that its frames do not show, as standard deviations."""
 
     @property
@@ -444,7 +446,7 @@ class TemperatureOptions(Settings):
             yield "give camera1, camera2 and std of the change with temperature together"
 
 
-class FixtureSystematics(_with_widths("fixture")):  # type: ignore[misc]
+class FixtureSystematics(with_widths("fixture")):  # type: ignore[misc]
     """Errors of a fixture that its frames do not show, as standard deviations."""
 
 

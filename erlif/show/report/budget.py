@@ -7,6 +7,7 @@ import xarray as xr
 
 from erlif.core.units import count_of
 from erlif.show.report.layout import print_columns
+from erlif.show.report.means import print_means
 
 
 def print_budget(budget: xr.Dataset) -> str:
@@ -57,7 +58,12 @@ def print_budget(budget: xr.Dataset) -> str:
     count = count_of(int(attrs["frames"]), "frame pair")
     head = f"Standard deviations in nm: {attrs['run']}, trigger {attrs['trigger']}, {count}"
     table = print_columns(rows, "<" + ">" * len(titles))
-    return "\n".join([head, "", table, *(below if pixels else [])])
+    lines = [head, "", table, *(below if pixels else [])]
+    if zero := attrs.get("declared_zero"):
+        lines += ["", f"Declared to be 0 % in [systematics]: {', '.join(zero)}."]
+    if "target_std" in budget:
+        lines += ["", print_means(budget.target_std, "the median film of the run")]
+    return "\n".join(lines)
 
 
 def _in_nanometres(value: float) -> str:
