@@ -59,6 +59,7 @@ wall = "0.5 %"
 field = "0.1 %"
 linearity = "0.1 %"
 lag = "0.1 %"
+batch = "0 %"
 """,
     "fixture.toml": """
 [systematics]

@@ -89,7 +89,8 @@ def note_order(evidence: Evidence) -> Iterator[Note]:
     numbers, energies = evidence.numbers[:_MOST], evidence.energies
     judged = None
     if energies is not None:
-        judged = compare_energies(energies[:_MOST], evidence.light[:_MOST])
+        seen = evidence.light[:_MOST]
+        judged = compare_energies(energies[:_MOST], seen, evidence.levels[:_MOST])
     found, odd = judged or (None, np.array([], int))
     if found is not None:
         yield _note_other_order(found, numbers, "the light of the pulses follows the energies")
@@ -165,6 +166,9 @@ _SCATTER = 0.01
 # over the order as it is, from which another order is stated.
 _LEFT, _GAIN = 0.4, 20.0
 
+# Pairs of a like film with which one is compared.
+_NEXT = 3
+
 # Cost of a pair that is of neither order, at most; a fair one costs 0.5.
 _OUTLIER = 5.0
 
@@ -172,7 +176,9 @@ _OUTLIER = 5.0
 _ALIKE = 10.0
 
 
-def compare_energies(energies: Array, light: Array) -> tuple[Order | None, AnyArray] | None:
+def compare_energies(
+    energies: Array, light: Array, levels: Array | None = None
+) -> tuple[Order | None, AnyArray] | None:
     """Find the order of the rows in which the logged energies agree with the light.
 
     Parameters
@@ -181,6 +187,9 @@ def compare_energies(energies: Array, light: Array) -> tuple[Order | None, AnyAr
         Of the log, over their mean. [1]
     light : array, (frame,)
         Of the pulses by the light of their film; NaN where it is not known. [1]
+    levels : array, (frame,), optional
+        Logarithm of the ratio, by which the film was found. Where a wall reflects, or there is
+        light that is not film, all pairs of a film are off alike.
 
     Returns
     -------
@@ -229,9 +238,19 @@ def compare_energies(energies: Array, light: Array) -> tuple[Order | None, AnyAr
     if _known_scatter(moved[0]) > spread[0]:
         return None  # the energies have nothing to do with the light
 
-    off = np.abs(moved[0] - np.nanmedian(moved[0])) > ODD * max(_known_scatter(moved[0]), noise)
-    odd = np.flatnonzero(off & known)
+    rest = moved[0] - np.nanmedian(moved[0])
+    most = ODD * max(_known_scatter(rest), noise)
+    odd = np.flatnonzero((np.abs(rest) > most) & known)
+    if levels is not None:
+        odd = odd[[_off_its_like(rest, levels, int(k)) > most for k in odd]]
     return None, odd if odd.size <= FEW_ODD * known.sum() else np.array([], int)
+
+
+def _off_its_like(rest: Array, levels: Array, number: int) -> float:
+    """Least distance of a pair's difference from those of the pairs with a like film."""
+    away = np.where(np.isfinite(rest), np.abs(levels - levels[number]), np.nan)
+    away[number] = np.nan
+    return float(np.abs(rest[np.argsort(away)[:_NEXT]] - rest[number]).min())
 
 
 def _known_scatter(rest: Array) -> float:

@@ -178,3 +178,17 @@ def test_a_shift_of_more_rows_than_there_are_leaves_nothing():
     npt.assert_array_equal(shifted(values, 0), values)
     npt.assert_array_equal(shifted(values, -1), [np.nan, 0, 1, 2])
     assert np.isnan(shifted(values, 4)).all()
+
+
+def test_light_that_is_off_alike_for_all_films_of_a_size_is_no_other_recording():
+    """A wall that reflects gives the thin films of both reversals 8 % more light."""
+    rng = np.random.default_rng(12)
+    energies = 1 + 0.03 * rng.normal(size=50)
+    speed = np.abs(np.sin(2 * np.pi * np.arange(50) / 50))
+    levels = 0.1 * speed**0.6 + 1e-3 * rng.normal(size=50)
+    light = energies * (1 + 0.08 * np.exp(-levels / 0.02)) * (1 + 0.003 * rng.normal(size=50))
+    assert compare_energies(energies, light)[1].size  # without the films
+    assert not compare_energies(energies, light, levels)[1].size
+
+    light[12] *= 1.12  # a pair of another recording
+    np.testing.assert_array_equal(compare_energies(energies, light, levels)[1], [12])
