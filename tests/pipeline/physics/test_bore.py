@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scenes.kept import kept_orbit, name_of
 
 import erlif
 from conftest import Laboratory
@@ -9,6 +10,7 @@ from erlif.core.errors import ConfigError
 from erlif.io.files import region_of
 from erlif.pipeline.physics.fit import fit_film
 from erlif.rig import RigSettings
+from erlif.rig.journal import follow_pin
 from erlif.trend import cut_through_minimum, place_of_minimum
 
 RIG = RigSettings(
@@ -36,7 +38,12 @@ EXPECTED_WITHIN = 0.75
 
 @pytest.fixture(scope="module")
 def lab(tmp_path_factory) -> Laboratory:
-    return Laboratory.simulated(tmp_path_factory.mktemp("lobed"), seed=1, rig=RIG)
+    def follow(time, rig):
+        return kept_orbit(name_of(rig), lambda: follow_pin(time, rig))
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("erlif.rig.journal.follow_pin", follow)
+        return Laboratory.simulated(tmp_path_factory.mktemp("lobed"), seed=1, rig=RIG)
 
 
 @pytest.fixture(scope="module")
