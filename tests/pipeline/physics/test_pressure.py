@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 import xarray as xr
 from scenes.film import with_settings
-from scenes.kept import kept_orbit, name_of
 
 import erlif
 from erlif.core.errors import ConfigError, ErlifError, ModelError
@@ -29,12 +28,7 @@ SHARED = np.diag([5e-3, 3e-2, 1e-4, 1e-3]) ** 2
 def _follow(count, changes):
     """Displacement of the pin over a cycle [um]; each orbit is followed once."""
     rig = replace(RIG, **dict(changes))
-
-    def follow():
-        return follow_pin(np.arange(count) * cycle_time(rig) / count, rig)
-
-    guided = rig.sideways == "guided"
-    return 1e6 * (kept_orbit(f"{count} places, {name_of(rig)}", follow) if guided else follow())
+    return 1e6 * follow_pin(np.arange(count) * cycle_time(rig) / count, rig)
 
 
 def make_film(count=10, noise=1.0, seed=0, **changes):
