@@ -16,6 +16,7 @@ import pytest
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import numpy as np
+import threadpoolctl
 import xarray as xr
 from click.testing import CliRunner, Result
 from scenes.page import Page
@@ -24,6 +25,9 @@ import erlif
 from erlif.commands.main import main
 from erlif.io.ingest import open_run
 from erlif.rig import RigSettings, simulate
+
+# in a single process a plugin has loaded numpy before
+threadpoolctl.threadpool_limits(1, user_api="blas")
 
 FULL = bool(os.environ.get("ERLIF_FULL"))
 """Whether kills and simulated cases are as many as for a release (CONTRIBUTING.md)."""

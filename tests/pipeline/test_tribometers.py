@@ -13,7 +13,7 @@ from oracles.point_contact import rigid_film
 from scenes.fixture import assert_covers
 
 import erlif
-from conftest import SMALL, Laboratory
+from conftest import FULL, SMALL, Laboratory
 from erlif.pipeline.watch.watch import Watch
 from erlif.show.notebook import summarise_region
 from erlif.show.plots import film_and_theory
@@ -269,7 +269,11 @@ def test_film_of_a_ball_is_that_of_reynolds_equation(tmp_path):
 @pytest.mark.slow
 @pytest.mark.parametrize(("contact", "kind"), [("ball", "rotation"), ("plane", "static")])
 def test_error_bar_of_film_min_covers_whole_runs(contact, kind, tmp_path):
-    """Two dozen runs, each with its own cameras, surfaces and fixture; one trigger counts."""
+    """Runs that each have their own cameras, surfaces and fixture; one trigger of each counts.
+
+    Bars of half and of twice the size are found with 95 and 54 %, as by the shares of 24 runs alone
+    with 93 and 33 %.
+    """
     rig = replace(
         SMALL,
         width=160,
@@ -281,12 +285,13 @@ def test_error_bar_of_film_min_covers_whole_runs(contact, kind, tmp_path):
         field_width=3.75 if contact == "ball" else 12.0,
         marks=0.04,
     )
-    pulls, contacts = [], []
-    for seed in range(24):
+    pulls, contacts, count = [], [], 24 if FULL else 18
+    for seed in range(count):
         lab = Laboratory.simulated(tmp_path / str(seed), seed=400 + seed, rig=rig)
         film = erlif.process(lab.run)
         error = film.film_min.values - np.array(rig.film_table)
         pulls.append((error / film.film_min_std.values)[seed % 2])
         contacts.append(film.attrs["contact"])
-    assert contacts.count("point" if contact == "ball" else "plane") > 19
+    assert contacts.count("point" if contact == "ball" else "plane") > 0.8 * count
     assert_covers(pulls)
+    npt.assert_allclose(np.sqrt(np.mean(np.square(pulls))), 1, atol=3 / np.sqrt(2 * count))

@@ -6,6 +6,7 @@ import numpy as np
 import numpy.testing as npt
 import pytest
 import xarray as xr
+from scenes.kept import kept_orbit
 from scenes.orbits import (
     FRAMES,
     MOTION,
@@ -15,6 +16,7 @@ from scenes.orbits import (
     STATED,
     STD,
     VISCOSITY,
+    follow_guided,
     free_orbit,
     held_orbit,
     measure,
@@ -32,7 +34,6 @@ from erlif.prediction import (
     measured_minima,
 )
 from erlif.prediction.comparison import DESCRIBED
-from erlif.rig.cavitation import follow_cavitated
 from erlif.rig.orbit import RigidBearing
 from erlif.trend import VogelLaw
 
@@ -158,17 +159,17 @@ def test_a_guided_pin_is_led_in_also_where_the_recording_is_shorter_than_a_turn(
     """One cycle of 50 triggers over 0.886 of a turn; the orbit is that of the virtual rig."""
     period = 2 * np.pi / SPEED
     moments = np.linspace(0.0, 0.886 * period, 50)
-    middle = float(np.mean(RIG.limits()))
-    orbit = follow_cavitated(
-        RigidBearing(STATED.radius, STATED.clearance, STATED.length, 0.16),
-        np.append(-3 * period, moments),
-        load=lambda _: 222.4,
-        angle=lambda moment: float(RIG.rocker_angle(SPEED * moment)) - middle,
-        step=period / 200,
-        stiffness=np.inf,
-        cavity=-1e5,
-        start=(STATED.clearance - 25e-6, 0.0),
-    )[1:]
+    orbit = kept_orbit(
+        "less than a turn",
+        lambda: follow_guided(
+            RigidBearing(STATED.radius, STATED.clearance, STATED.length, 0.16),
+            moments,
+            steps=200,
+            load=lambda _: 222.4,
+            cavity=-1e5,
+            start=(STATED.clearance - 25e-6, 0.0),
+        ),
+    )
     columns = {
         "time": moments,
         "crank_angle": np.degrees(SPEED * moments),

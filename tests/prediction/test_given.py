@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import numpy.testing as npt
 import pytest
+from scenes.kept import kept_orbit
 from scenes.orbits import (
     MOTION,
     MOVED,
@@ -15,6 +16,7 @@ from scenes.orbits import (
     VISCOSITY,
     WIDTHS,
     draw_rigs,
+    follow_guided,
     free_orbit,
     held_orbit,
     measure,
@@ -23,7 +25,6 @@ from scenes.orbits import (
 from erlif.models.reynolds import crank_motion, solve_journal
 from erlif.prediction import GivenErrors, fit_motion
 from erlif.prediction.given import follow_changes
-from erlif.rig.cavitation import follow_cavitated
 from erlif.rig.orbit import RigidBearing
 
 CLEARANCE_STD, LOAD_STD = 5e-6, 0.1
@@ -193,25 +194,26 @@ def test_a_drift_that_the_positions_do_not_show_widens_the_fit_in_proportion():
     npt.assert_allclose(small.std, np.hypot(*small.parts.values()), rtol=1e-9)
 
 
-def cavitated_orbit(**changes):
+def cavitated_orbit(name, **changes):
     """A guided pin by the rig's own cavities, after three turns."""
-    period = 2 * np.pi / SPEED
-    return follow_cavitated(
-        RigidBearing(STATED.radius, STATED.clearance, STATED.length, VISCOSITY),
-        np.append(-3 * period, MOTION.time[STEPS]),
-        load=lambda _: 222.4,
-        angle=lambda time: float(RIG.rocker_angle(SPEED * time)) - float(np.mean(RIG.limits())),
-        step=period / 100,
-        stiffness=np.inf,
-        start=(205e-6, 0.0),
-        **changes,
-    )[1:]
+    return kept_orbit(
+        name,
+        lambda: follow_guided(
+            RigidBearing(STATED.radius, STATED.clearance, STATED.length, VISCOSITY),
+            MOTION.time[STEPS],
+            load=lambda _: 222.4,
+            start=(205e-6, 0.0),
+            **changes,
+        ),
+    )
 
 
 def test_a_drift_is_found_beside_a_guided_pin():
     """8 % thicker oil at the last frame."""
     last = MOTION.time[STEPS[-1]]
-    orbit = cavitated_orbit(thicker=lambda time: np.exp(0.08 * (max(time, 0.0) / last - 0.5)))
+    orbit = cavitated_orbit(
+        "8 % thicker", thicker=lambda time: np.exp(0.08 * (max(time, 0.0) / last - 0.5))
+    )
     given = GivenErrors(load_line=0.5e-3, drift=0.05)
     found = fit(measure(orbit, 3), given, sideways="guided")
     change, viscosity = found["drift"], found["viscosity"]
@@ -239,7 +241,7 @@ def test_the_cavitation_pressure_is_found_within_its_width(guided):
 def test_a_cavitation_pressure_beside_the_stated_one_is_found():
     """The cavities of the rig open at -75 kPa, where -60 are stated; that alone is 15 % of oil."""
     joint = replace(STATED, cavitation_pressure=-6e4)
-    films = measure(cavitated_orbit(cavity=-7.5e4), 4)
+    films = measure(cavitated_orbit("cavities at -75 kPa", cavity=-7.5e4), 4)
     options = {"joint": joint, "sideways": "guided"}
     exact = fit(films, GivenErrors(load_line=0.0), **options)["viscosity"]
     found = fit(films, GivenErrors(load_line=0.0, cavitation_pressure=1.5e4), **options)

@@ -13,9 +13,19 @@ import numpy as np
 
 from erlif.prediction import MeasuredMotion, compare_models
 from erlif.rig import cavitation
-from erlif.rig.cavitation import follow_cavitated
 from erlif.rig.orbit import RigidBearing, follow_orbit
-from scenes.orbits import CRANK, FRAMES, MOTION, MOVED, RIG, SPEED, STATED, STD, STEPS
+from scenes.orbits import (
+    CRANK,
+    FRAMES,
+    MOTION,
+    MOVED,
+    RIG,
+    SPEED,
+    STATED,
+    STD,
+    STEPS,
+    follow_guided,
+)
 
 LOAD, OIL, PERIOD = 222.4, 0.12, 2 * np.pi / SPEED
 TIME = MOTION.time[STEPS]
@@ -91,20 +101,18 @@ def free(rng, viscosity=OIL, falls=0.0):
 def held(number):
     """A guided pin after three turns, extrapolated to infinitely many steps and nodes."""
     rng = np.random.default_rng(5000 + number)
-    eta, film, middle = rng.uniform(0.1, 0.15), rng.uniform(22e-6, 32e-6), np.mean(RIG.limits())
+    eta, film = rng.uniform(0.1, 0.15), rng.uniform(22e-6, 32e-6)
 
     def follow(along, steps):
         before, cavitation.ALONG = cavitation.ALONG, along
         try:
-            return follow_cavitated(
+            return follow_guided(
                 RigidBearing(STATED.radius, STATED.clearance, STATED.length, eta),
-                np.append(-3 * PERIOD, TIME),
+                TIME,
+                steps=steps,
                 load=lambda _: LOAD,
-                angle=lambda time: float(RIG.rocker_angle(SPEED * time) - middle),
-                step=PERIOD / steps,
-                stiffness=np.inf,
                 start=(STATED.clearance - film, 0.0),
-            )[1:]
+            )
         finally:
             cavitation.ALONG = before
 

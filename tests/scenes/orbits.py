@@ -12,6 +12,7 @@ from erlif.models.reynolds import Journal, crank_motion, solve_journal
 from erlif.prediction import FrameMotion, GivenErrors, MeasuredMotion, MotionFit
 from erlif.rig.cavitation import follow_cavitated
 from erlif.rig.orbit import RigidBearing, follow_orbit
+from scenes.kept import kept_orbit
 
 RIG = CrankRocker(crank=0.055, coupler=0.44, rocker=0.26, ground=0.51)
 SPEED = 114 * 2 * np.pi / 60
@@ -38,6 +39,19 @@ def free_orbit(start, **oil):
         start=start,
         **oil,
     )
+
+
+def follow_guided(bearing, time, *, steps=100, **options):
+    """A guided pin by the rig's own cavities, after three turns in which they form."""
+    period, middle = 2 * np.pi / SPEED, float(np.mean(RIG.limits()))
+    return follow_cavitated(
+        bearing,
+        np.append(-3 * period, time),
+        angle=lambda at: float(RIG.rocker_angle(SPEED * at)) - middle,
+        step=period / steps,
+        stiffness=np.inf,
+        **options,
+    )[1:]
 
 
 @cache
@@ -79,14 +93,14 @@ class Drawn:
 def draw_rigs(count, sideways, seed=0):
     """Free or guided pins of the virtual rig, whose clearance, load, load line, tilt and drift are
     drawn from `WIDTHS`: each evenly over its distribution (Latin hypercube), so that a few rigs
-    have the widths that are stated.
+    have the widths that are stated. The orbits of the guided ones of seed 0 are kept.
     """
     evenly = norm.ppf(LatinHypercube(5, rng=np.random.default_rng(seed)).random(count))
     for number, off in enumerate(evenly):
-        yield _follow_rig(off, sideways, np.random.default_rng([seed, number]))
+        yield _follow_rig(off, sideways, np.random.default_rng([seed, number]), keep=seed == 0)
 
 
-def _follow_rig(off, sideways, rng):
+def _follow_rig(off, sideways, rng, *, keep):
     """A rig whose given numbers are off by some of their standard deviations."""
     wider, heavier, line, tilt, drift = off * [
         WIDTHS.clearance, WIDTHS.load, WIDTHS.load_line, WIDTHS.tilt, WIDTHS.drift,
@@ -110,16 +124,12 @@ def _follow_rig(off, sideways, rng):
             **alike,
         )
     else:
-        period, middle = 2 * np.pi / SPEED, float(np.mean(RIG.limits()))
-        orbit = follow_cavitated(
-            oil,
-            np.append(-3 * period, time),  # in which its cavities form
-            angle=lambda at: float(RIG.rocker_angle(SPEED * at)) - middle,
-            step=period / 100,
-            stiffness=np.inf,
-            start=(clearance - film, 0.0),
-            **alike,
-        )[1:]
+
+        def follow():
+            return follow_guided(oil, time, start=(clearance - film, 0.0), **alike)
+
+        name = " ".join(f"{one:.5g}" for one in (*off, viscosity, film))
+        orbit = kept_orbit(name, follow) if keep else follow()
 
     # the camera sees films: the displacement follows with the stated clearance
     turn = line / STATED.radius

@@ -4,6 +4,7 @@ import hashlib
 
 import numpy as np
 import pytest
+from scenes.kept import kept_orbit, name_of
 
 import erlif
 from conftest import Laboratory
@@ -13,6 +14,7 @@ from erlif.pipeline.physics.fit import fit_film
 from erlif.prediction.comparison import HELD
 from erlif.rig import RigSettings
 from erlif.rig.film import bore_height
+from erlif.rig.journal import follow_pin
 from erlif.trend import cut_through_minimum, place_of_minimum
 
 RIG = RigSettings(
@@ -40,7 +42,12 @@ EXPECTED_WITHIN = 0.75
 
 @pytest.fixture(scope="module")
 def lab(tmp_path_factory) -> Laboratory:
-    return Laboratory.simulated(tmp_path_factory.mktemp("lobed"), seed=1, rig=RIG)
+    def follow(time, rig):
+        return kept_orbit(name_of(rig), lambda: follow_pin(time, rig))
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("erlif.rig.journal.follow_pin", follow)
+        return Laboratory.simulated(tmp_path_factory.mktemp("lobed"), seed=1, rig=RIG)
 
 
 @pytest.fixture(scope="module")
