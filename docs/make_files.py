@@ -274,6 +274,9 @@ BLUR_ATTRIBUTES = (
         "Excess of the mean logarithm of the ratio by unequal texture. [1]",
     ),
     Attribute("ratio_excess_std", "Its standard deviation. [1]"),
+    Attribute("camera_gain", "Gain of both cameras in use. [electron/DN]"),
+    Attribute("camera_read_noise", "Read noise of both cameras in use. [electron]"),
+    Attribute("camera_response_spread", "Spread of the response of their pixels. [1]"),
 )
 
 CALIBRATION_ATTRIBUTES = (
@@ -583,7 +586,8 @@ must differ from the variables of film.nc."""
 
 REGISTRATION_TEXT = """\
 Group `registration`: the camera map of the fixture, as in
-[film.nc](film_nc.md#group-registration) without `blur_difference` and `ratio_excess`."""
+[film.nc](film_nc.md#group-registration) without `blur_difference`, `ratio_excess` and the
+noise of the cameras."""
 
 PREDICTION_TEXT = """\
 netCDF-4, written by `erlif predict`: the film that theory predicts for a joint that oscillates. One

@@ -21,6 +21,7 @@ from .photon_transfer import PhotonTransfer as PhotonTransfer
 from .photon_transfer import fit_photon_transfer as fit_photon_transfer
 from .photon_transfer import measure_response_spread as measure_response_spread
 from .photon_transfer import reduce_level as reduce_level
+from .references import CAMERA_NOISE as CAMERA_NOISE
 from .references import CHARACTERISTICS as CHARACTERISTICS
 from .references import CameraNoise as CameraNoise
 from .references import Cameras as Cameras

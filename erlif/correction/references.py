@@ -89,6 +89,10 @@ class CameraNoise:
     response_spread: float = _NAN
 
 
+CAMERA_NOISE = ("gain", "read_noise", "response_spread")
+"""Numbers of both cameras from which the noise of a film follows."""
+
+
 @dataclass(frozen=True)
 class Cameras:
     """References of both cameras, with the notes on their characterisation.

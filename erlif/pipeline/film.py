@@ -16,9 +16,10 @@ from erlif.core.arrays import Array
 from erlif.core.flags import Flag
 from erlif.core.format import describe_origin
 from erlif.core.notes import Note, join_notes, warn
+from erlif.core.products import References
 from erlif.core.timing import stage
 from erlif.core.variables import FILM, FRAMES
-from erlif.correction import CHARACTERISTICS
+from erlif.correction import CAMERA_NOISE, CHARACTERISTICS
 from erlif.io.files import describe_hashes
 from erlif.io.ingest import Run, format_notes, skipped_notes
 from erlif.io.settings import stated_keys, to_toml
@@ -279,7 +280,7 @@ def with_record(
     camera_map = move_map(ready.chain.camera_map, drift)
     return film, {
         "frames": frames.assign(draft.frames),
-        "registration": describe_registration(camera_map, ready.chain.blur),
+        "registration": describe_registration(camera_map, ready.chain.blur, ready.chain.references),
     }
 
 
@@ -381,8 +382,10 @@ def assemble_frames(
     return group.reset_coords(drop=True)
 
 
-def describe_registration(camera_map: CameraMap, blur: BlurDifference) -> xr.Dataset:
-    """The group of the film that holds the camera map and the difference of sharpness."""
+def describe_registration(
+    camera_map: CameraMap, blur: BlurDifference, references: References
+) -> xr.Dataset:
+    """The group of the film that holds the camera map, and sharpness and noise of the cameras."""
     return camera_map.to_dataset().assign_attrs(
         blur_difference=[blur.x, blur.y],
         blur_difference_std=[blur.std_x, blur.std_y],
@@ -390,6 +393,7 @@ def describe_registration(camera_map: CameraMap, blur: BlurDifference) -> xr.Dat
         "and y [px2]",
         ratio_excess=blur.excess,
         ratio_excess_std=blur.excess_std,
+        **{f"camera_{name}": references[name].values.astype(float) for name in CAMERA_NOISE},
     )
 
 

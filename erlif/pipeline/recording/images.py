@@ -17,6 +17,7 @@ import xarray as xr
 from erlif.core.arrays import Array
 from erlif.core.errors import FrameError, OutputError
 from erlif.core.products import RatioImages
+from erlif.correction import CAMERA_NOISE, CameraNoise
 from erlif.io.files import check_trigger, open_film, settings_of, takes
 from erlif.io.ingest import Run, open_run
 from erlif.io.settings import RunSettings
@@ -88,7 +89,7 @@ def restore_images(
             "was made. Name another trigger."
         )
 
-    chain = restore_chain(run, stored.camera_map, stored.blur)
+    chain = restore_chain(run, stored.camera_map, stored.blur, stored.noise)
     chain = replace(chain, ratio_change=stored.ratio_change)
     if chain.correct.energies is None:
         chain = replace(chain, correct=replace(chain.correct, energies=stored.energies))
@@ -102,6 +103,7 @@ class _Stored:
     settings: RunSettings  # settings of the run
     camera_map: CameraMap  # camera map, with the mean drift taken up
     blur: BlurDifference  # difference of sharpness. [px2]
+    noise: tuple[CameraNoise, CameraNoise]
     trigger_of: npt.NDArray[np.int64]  # (frame,): trigger of each frame
     # (frame, axis x y): drift on top of the camera map; NaN where it is not known. [px]
     drift: Array
@@ -123,6 +125,7 @@ def _read_stored(film_path: Path, trigger: int) -> _Stored:
             difference = registration.attrs["blur_difference"]
             std = registration.attrs["blur_difference_std"]
             # a film of an earlier version has none taken out
+            numbers = [registration.attrs[f"camera_{name}"] for name in CAMERA_NOISE]
             excess = [registration.attrs.get(f"ratio_excess{end}", 0.0) for end in ("", "_std")]
         except KeyError as missing:
             raise OutputError(
@@ -143,10 +146,15 @@ def _read_stored(film_path: Path, trigger: int) -> _Stored:
         trigger_of = frames.trigger.values.astype(np.int64)
 
     blur = BlurDifference(*map(float, (*difference, *std, *excess)))
+    noise = [
+        CameraNoise(float(gain), 0.0, float(read), 0.0, float(spread))
+        for gain, read, spread in zip(*numbers, strict=True)
+    ]
     return _Stored(
         settings,
         camera_map,
         blur,
+        (noise[0], noise[1]),
         trigger_of,
         drift,
         energies,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -15,6 +15,7 @@ from erlif.core.notes import Note
 from erlif.core.progress import Progress
 from erlif.core.speed.memory import release_memory
 from erlif.core.timing import stage
+from erlif.correction import CameraNoise, make_references
 from erlif.io.ingest import Fixture, Run
 from erlif.io.settings import ReferenceSettings
 from erlif.pipeline.audit.naming import naming
@@ -153,14 +154,18 @@ def correct_recording(recording: Run | Fixture, known: Characterised) -> FrameCo
     )
 
 
-def restore_chain(run: Run, camera_map: CameraMap, blur: BlurDifference) -> FrameChain:
-    """Prepare a chain whose camera map and difference of sharpness were found before.
+def restore_chain(
+    run: Run, camera_map: CameraMap, blur: BlurDifference, noise: Sequence[CameraNoise]
+) -> FrameChain:
+    """Prepare a chain whose camera map, sharpness and noise were found before.
 
     Parameters
     ----------
     run : Run
     camera_map : CameraMap
     blur : BlurDifference
+    noise : sequence of two CameraNoise
+        Used as far as settings, darks and flats leave it open.
 
     Returns
     -------
@@ -172,11 +177,10 @@ def restore_chain(run: Run, camera_map: CameraMap, blur: BlurDifference) -> Fram
         As `prepare_chain`.
     """
     known = characterise_cameras(run)
+    cameras = make_references(known.measured, declared=known.declared, estimated=noise)
     below = run.settings.thickness.no_film_below
-    chain = FrameChain(correct_recording(run, known), camera_map, blur, below)
-
-    # an estimate of the noise compares the sharpness again; the given difference stays
-    return replace(complete_noise(chain, known).chain, blur=blur)
+    correct = correct_recording(run, known).with_references(cameras.references)
+    return FrameChain(correct, camera_map, blur, below)
 
 
 @dataclass(frozen=True)

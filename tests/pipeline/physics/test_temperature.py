@@ -9,7 +9,7 @@ from scenes.rig import small_rig
 
 import erlif
 from conftest import Laboratory, processed
-from erlif.calibration import compare_calibrations
+from erlif.calibration import calibration_of, compare_calibrations
 from erlif.io.settings import TemperatureOptions
 from erlif.pipeline import restore_images
 from erlif.pipeline.physics.temperature import error_of_warming
@@ -110,8 +110,7 @@ def test_images_behind_a_map_have_its_ratio(lab, corrected, tmp_path):
     erlif.process(lab.directory / "corrected", output=output, workers=1).close()
     last = corrected.sizes["trigger"] - 1
     images = restore_images(output, lab.directory / "corrected", trigger=last)
-    calibration = erlif.open_calibration(lab.fixture / "calibration.nc")
-    film = calibration.inverse.look_up(images.log_ratio.values.astype(float))
+    film = calibration_of(corrected).inverse.look_up(images.log_ratio.values.astype(float))
     valid = corrected["flags"].values[last] == 0
     rounding = 0.11 * corrected.thickness_std.values[last][valid]
     npt.assert_array_less(np.abs(film - corrected.thickness.values[last])[valid], rounding)

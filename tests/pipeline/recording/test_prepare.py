@@ -3,6 +3,7 @@
 import xarray as xr
 
 from erlif.core.progress import silent
+from erlif.correction import CameraNoise
 from erlif.io.ingest import open_run
 from erlif.pipeline.recording.prepare import prepare_chain, restore_chain
 from erlif.ratio import BlurDifference
@@ -26,7 +27,8 @@ def test_cameras_of_the_rig_are_equally_sharp_but_for_the_interpolation(prepared
 
 
 def test_given_map_and_sharpness_are_used_as_they_are(run, prepared):
-    chain = restore_chain(run, prepared.chain.camera_map, BLUR)
+    noise = CameraNoise(2.0, 0.0, 5.0, 0.0)  # settings, darks and flats determine it
+    chain = restore_chain(run, prepared.chain.camera_map, BLUR, (noise, noise))
     assert chain.camera_map is prepared.chain.camera_map
     assert chain.blur == BLUR
     xr.testing.assert_identical(chain.references, prepared.chain.references)
