@@ -39,7 +39,15 @@ from erlif.rig.film import (
 from erlif.rig.journal import list_gaps
 from erlif.rig.logger import TICKS, frame_times, read_encoder, write_log_in_time, write_table
 from erlif.rig.settings import RigSettings
-from erlif.rig.setup import Setup, Shot, build_setup, mix_grains, photograph, random_stream
+from erlif.rig.setup import (
+    Setup,
+    Shot,
+    Texture,
+    build_setup,
+    mix_grains,
+    photograph,
+    random_stream,
+)
 from erlif.rig.truth import Session, describe_truth, write_true_film
 
 # Names that a simulation writes into its directory.
@@ -250,6 +258,7 @@ def write_run(
     write_background_pages(directory, setup, random_stream(seed, "run background"))
     one, two = (alter_camera(each, n, rig) for n, each in enumerate(setup.cameras, 1))
     setup = dataclasses.replace(setup, cameras=(one, two))
+    texture = Texture.draw(rig, random_stream(seed, "wall")) if rig.wall_texture[0] else None
     last: list[Array | None] | None = [None, None] if any(rig.lag) else None
     with h5netcdf.File(truth, "w") as file:
         describe_truth(file, setup, triggers, gaps, Session(drift, fixture_drift, energy), seed)
@@ -264,7 +273,8 @@ def write_run(
                 energy=float(energy[k]),
                 drift=(drift[k, 0], drift[k, 1]),
             )
-            write_pair(directory, k, photograph(age(setup, k, frames), shot, rng_frame, last=last))
+            joint = age(setup, k, frames, texture)
+            write_pair(directory, k, photograph(joint, shot, rng_frame, last=last))
             file["bubble"][k] = bubbles.lack(setup.x, setup.y) > 0
             progress("run frame", k + 1, frames)
 
@@ -290,7 +300,7 @@ def median_light(setup: Setup, gaps: list[Gap]) -> tuple[float, float]:
     return one, two
 
 
-def age(setup: Setup, pulse: int, pulses: int) -> Setup:
+def age(setup: Setup, pulse: int, pulses: int, texture: Texture | None = None) -> Setup:
     """The set-up at a pulse of the run: joint, dyes and camera 2 as they are by then."""
     rig = setup.rig
     one, two = rig.bleaching
@@ -302,6 +312,10 @@ def age(setup: Setup, pulse: int, pulses: int) -> Setup:
     )
     if oil != DyedOil(reflectance=rig.wall[0]):
         setup = dataclasses.replace(setup, signals=_signals(rig.dyes, oil))
+    if texture is not None:
+        walls = (dataclasses.replace(oil, reflectance=n * rig.wall[1]) for n in range(3))
+        signals = tuple(_signals(rig.dyes, wall) for wall in walls)
+        setup = dataclasses.replace(setup, texture=dataclasses.replace(texture, signals=signals))
     first, second = setup.cameras
     (start, factor), (since, rise) = rig.gain_step, rig.dark_step
     if factor != 1 and pulse >= start:
@@ -314,8 +328,8 @@ def age(setup: Setup, pulse: int, pulses: int) -> Setup:
     return dataclasses.replace(setup, cameras=(first, second))
 
 
-# a joint whose wall differs from the fixture's has one oil in all its frames
-_signals = lru_cache(maxsize=2)(signals_of)
+# a joint whose wall differs from the fixture's has one oil in all its frames, before three walls
+_signals = lru_cache(maxsize=4)(signals_of)
 
 
 def write_background_pages(directory: Path, setup: Setup, rng: np.random.Generator) -> None:

@@ -32,7 +32,10 @@ STREAMS = (
     "run pages",
     "fixture pages",
     "run background",
+    "wall",
 )
+
+_WAVES = 128  # of which the texture of a wall is the sum
 
 _LARGEST_SHAKE = 6  # standard deviations of the vibration that the lattice of grains allows for
 _GRAIN_MARGIN = 8  # pixel: reach of the grains beyond the farthest object point
@@ -153,6 +156,53 @@ def _sum_grains(
 
 
 @dataclass(frozen=True)
+class Texture:
+    """Reflectance of a wall that varies over the picture.
+
+    Attributes
+    ----------
+    reflectance : float
+        Its mean. [1]
+    waves : Array
+        Sums of cosines: wave vector along x and y [1/pixel], and phase [rad], (3, wave).
+    share : float
+        Standard deviation of the reflectance, relative to the mean. [1]
+    signals : tuple[tuple[Callable[[Array], Array], Callable[[Array], Array]], ...]
+        As those of a set-up, before a black wall, the mean one, and one of twice its reflectance.
+    """
+
+    reflectance: float
+    waves: Array
+    share: float
+    signals: tuple[tuple[Callable[[Array], Array], Callable[[Array], Array]], ...] = ()
+
+    @classmethod
+    def draw(cls, rig: RigSettings, rng: np.random.Generator) -> "Texture":
+        """Draw the wall of the joint."""
+        share, size = rig.wall_texture
+        std = np.sqrt(2) * rig.field_width / rig.width / size
+        vectors, phases = rng.normal(0, std, (2, _WAVES)), rng.uniform(0, 2 * np.pi, _WAVES)
+        return cls(rig.wall[1], np.vstack([vectors, phases]), share)
+
+    def over_mean(self, x: Array, y: Array) -> Array:
+        """Reflectance over its mean at object points."""
+        total = np.zeros(np.shape(x))
+        for along, down, phase in self.waves.T:
+            total += np.cos(along * x + down * y + phase)
+        return np.asarray(np.maximum(1 + self.share * np.sqrt(2 / _WAVES) * total, 0.0))
+
+    def light(self, number: int, film: Array, x: Array, y: Array) -> Array:
+        """Light of a film in camera `number`, relative to a very thick film.
+
+        It is a parabola of the reflectance.
+        """
+        black, mean, twice = (each[number - 1](film) for each in self.signals)
+        at = self.over_mean(x, y)
+        bend = (black + twice) / 2 - mean
+        return np.asarray(black + (mean - black) * at + bend * at * (at - 1))
+
+
+@dataclass(frozen=True)
 class Setup:
     """Properties of the rig that are the same in all frames.
 
@@ -172,6 +222,8 @@ class Setup:
         Rows of the pixel centres, (y, x). [pixel]
     typical : tuple[float, float]
         Light of each camera that its background is a share of. [electron]
+    texture : Texture | None
+        Wall in place of an even one.
     """
 
     rig: RigSettings
@@ -181,6 +233,7 @@ class Setup:
     x: Array
     y: Array
     typical: tuple[float, float] = (0.0, 0.0)
+    texture: Texture | None = None
 
     def background(self, number: int, x: Array, y: Array) -> Array | float:
         """Electrons in camera `number` that do not come from the film, at object points (x, y).
@@ -201,7 +254,11 @@ class Setup:
         Transmission of the lens, speckle and pulse energy are not included.
         """
         scale = self.rig.light * self.rig.thick_film_signal[number - 1]
-        return np.asarray(scale * beam(x, y, self.rig) * self.signals[number - 1](film))
+        if self.texture is None:
+            of_film = self.signals[number - 1](film)
+        else:
+            of_film = self.texture.light(number, film, x, y)
+        return np.asarray(scale * beam(x, y, self.rig) * of_film)
 
 
 def build_setup(seed: int, rig: RigSettings) -> Setup:
