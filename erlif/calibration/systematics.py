@@ -17,7 +17,7 @@ import numpy.typing as npt
 
 from erlif.calibration.regression import LASER_SHARE, Reabsorption
 from erlif.core.arrays import Array, Mask
-from erlif.core.terms import PARAMETERS, RISE, STEP, TERMS, Acts, Parameter, Where
+from erlif.core.terms import PARAMETERS, RISE, STEP, TERMS, WALL, Acts, Parameter, Where
 
 _THINNEST = 0.01  # um: film below which the light is not extrapolated
 
@@ -54,6 +54,8 @@ class Systematics:
         What a run adds to the parameters of the calibration and to these; None: nothing.
     frame : tuple[int, int]
         Rows and columns of the picture. [px]
+    patches : float
+        Independent patches of the texture in the region. [1]
     before : Array | None
         Covariance of the parameters of the calibration and of these before the run had shown
         anything of them; None where it has not.
@@ -72,6 +74,7 @@ class Systematics:
     fit_covariance: Array | None = None
     value: Array | None = None
     frame: tuple[int, int] = (2, 2)
+    patches: float = 1.0
     before: Array | None = None
     scatter: Array | None = None
 
@@ -171,6 +174,10 @@ class Systematics:
     def place(self, term: str, parameter: Parameter) -> int:
         """Number of a parameter of a term."""
         return list(zip(self.terms, self.parameters, strict=True)).index((term, parameter))
+
+    def number(self, like: Parameter) -> int:
+        """Number of a parameter among all, those of the calibration included."""
+        return len(self.cross) + self.parameters.index(like)
 
     def places(self, term: str) -> npt.NDArray[np.intp]:
         """Numbers of the parameters of a term; empty if it is not among the terms."""
@@ -315,21 +322,48 @@ class Systematics:
         """
         if not (own := self.places("ratio")).size:
             return self
-        count, constant = len(self.terms), own[0]
-        covariance = np.zeros((count + 1, count + 1))
-        covariance[:count, :count] = self.covariance
-        covariance[count, count] = size**2
+        added = RISE if start is None else STEP
+        found, constant = self._with_parameter("ratio", added, size**2), own[0]
         if start is not None:
+            covariance = found.covariance
             covariance[constant, constant] += size**2
-            covariance[count, count] *= 2
-            covariance[constant, count] = covariance[count, constant] = -(size**2)
+            covariance[-1, -1] *= 2
+            covariance[constant, -1] = covariance[-1, constant] = -(size**2)
+        return replace(found, start=self.start if start is None else start)
+
+    def with_texture(self, like: Parameter, size: float, patches: float) -> Systematics:
+        """Return a copy with a factor that is fixed in the image as last parameter.
+
+        Parameters
+        ----------
+        like : Parameter
+            That acts on the film in the same way, CONSTANT or WALL.
+        size : float
+            Standard deviation over the picture. [1]
+        patches : float
+            Independent patches in the region. [1]
+
+        Returns
+        -------
+        Systematics
+        """
+        added = TERMS["texture"].added[like is WALL]
+        return replace(self._with_parameter("texture", added, size**2 / patches), patches=patches)
+
+    def _with_parameter(self, term: str, parameter: Parameter, variance: float) -> Systematics:
+        """Return a copy with one more parameter, as the last, independent of all others."""
+        parts = {name: getattr(self, name) for name in ("before", "scatter")}
+        padded = {n: None if one is None else np.pad(one, (0, 1)) for n, one in parts.items()}
+        covariance = np.pad(self.covariance, (0, 1))
+        covariance[-1, -1] = variance
         return replace(
             self,
-            terms=(*self.terms, "ratio"),
-            parameters=(*self.parameters, RISE if start is None else STEP),
+            terms=(*self.terms, term),
+            parameters=(*self.parameters, parameter),
             covariance=covariance,
-            cross=np.column_stack([self.cross, np.zeros(len(self.cross))]),
-            start=self.start if start is None else start,
+            cross=np.pad(self.cross, ((0, 0), (0, 1))),
+            value=None if self.value is None else np.append(self.value, 0.0),
+            **padded,
         )
 
     def gradient(
@@ -400,6 +434,7 @@ class Systematics:
             light_by_wall=wall.light(lit).gradient[-1],
             passed=np.full([1] * film.ndim, self.passed) if passed is None else passed,
             place=place,
+            of_pixel=1.0 if place is not None else self.patches**0.5,
         )
         rows = np.empty((len(self.parameters), *film.shape))
         for n, parameter in enumerate(self.parameters):
@@ -442,6 +477,7 @@ class Systematics:
             passed=float(record["passed"]),
             start=float(record.get("start", 0.0)),
             frame=(int(rows), int(columns)),
+            patches=float(record.get("patches", 1.0)),
             **{
                 name: np.asarray(record[name], float)
                 for name in ("fit_covariance", "value", "before", "scatter")

@@ -57,6 +57,8 @@ class Where:
         Share of the run that has passed. [1]
     place : tuple[Array, Array] | None
         x and y in the picture, from -1 to 1; None for films anywhere in it.
+    of_pixel : float
+        Error by the texture over that of the mean over the region. [1]
     """
 
     film: Array
@@ -75,6 +77,7 @@ class Where:
     light_by_wall: Array
     passed: Array | float
     place: tuple[Array, Array] | None = None
+    of_pixel: float = 1.0
 
 
 class Acts(Enum):
@@ -179,6 +182,10 @@ RISE = Parameter("rising constant", lambda at: 1.0, acts=Acts.RISING)
 STEP = Parameter("stepped constant", lambda at: 1.0, acts=Acts.STEPPED)
 
 
+# Reflectance of the wall behind the film.
+WALL = Parameter("wall", lambda at: at.by_wall, lambda at: at.light_by_wall)
+
+
 class _Noise(Source, key="noise"):
     what = "noise of the frames"
     cure = "Average more frames"
@@ -248,6 +255,18 @@ class _Field(Term, key="field"):
     )
 
 
+class _Texture(Term, key="texture"):
+    what = "what stands still in the image"
+    cure = "Clean windows and flats; take a wall of even finish"
+    file = ""
+    parameters = ()
+    # as CONSTANT and WALL; its mean over the region is smaller than that of a pixel
+    added = (
+        Parameter("texture", lambda at: at.of_pixel),
+        Parameter("texture of the wall", lambda at: at.of_pixel * at.by_wall),
+    )
+
+
 class _Lag(Term, key="lag"):
     """Light of the last frame that a camera keeps, as a share of the ratio."""
 
@@ -314,7 +333,7 @@ class _Wall(Term, key="wall"):
     cure = "Make fixture and joint of one material and finish, or state what both reflect"
     width = 2.0
     apart = 0.2
-    parameters = (Parameter("wall", lambda at: at.by_wall, lambda at: at.light_by_wall),)
+    parameters = (WALL,)
 
 
 class _Linearity(Term, key="linearity"):

@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from erlif.calibration import RunCurve
+from erlif.core.arrays import Array
 from erlif.core.notes import Note, remark, warn
 from erlif.io.settings import JointSettings
 from erlif.models.contact import contact_modulus
@@ -33,6 +34,23 @@ def shows_errors(calibration: RunCurve, plane: ObjectPlane) -> bool:
     return plane.view is not None and plane.settings.joint is not None and plane.bore is None
 
 
+def cells_of_region(
+    lights: Mapping[int, FrameResult], plane: ObjectPlane
+) -> tuple[LightCells, tuple[Array, Array]] | None:
+    """Cells of all frames within the region of interest, and their middles; None without light."""
+    parts = np.array([lights[frame].cells for frame in sorted(lights)], float)
+    parts = parts.reshape(len(lights), 4, -1)
+    if not np.isfinite(parts).any():
+        return None
+
+    # beside the region of interest there may be a patch, or no joint
+    x, y = centres = cell_centres(plane.shape)
+    rows, columns = plane.region.rows, plane.region.columns
+    inside = (rows.start <= y) & (y < rows.stop) & (columns.start <= x) & (x < columns.stop)
+    parts[:, :, ~inside] = np.nan
+    return LightCells(*parts.transpose(1, 0, 2)), centres
+
+
 def find_errors(
     lights: Mapping[int, FrameResult], calibration: RunCurve, plane: ObjectPlane, *, pairs: int
 ) -> ErrorEstimate | None:
@@ -53,23 +71,15 @@ def find_errors(
     ErrorEstimate or None
         None where `shows_errors` is false, and where the run does not determine them.
     """
-    if not shows_errors(calibration, plane):
+    if not shows_errors(calibration, plane) or (cells := cells_of_region(lights, plane)) is None:
         return None
     joint, view = plane.settings.joint, plane.view
     assert joint is not None
     assert view is not None
+    record, centres = cells
     frames = np.array(sorted(lights))
-    parts = np.array([lights[frame].cells for frame in frames], float).reshape(frames.size, 4, -1)
-    if not np.isfinite(parts).any():
-        return None
-
-    # beside the region of interest there may be a patch, or no joint
-    x, y = centres = cell_centres(plane.shape)
-    rows, columns = plane.region.rows, plane.region.columns
-    inside = (rows.start <= y) & (y < rows.stop) & (columns.start <= x) & (x < columns.stop)
-    parts[:, :, ~inside] = np.nan
     return estimate_errors(
-        LightCells(*parts.transpose(1, 0, 2)),
+        record,
         centres,
         calibration,
         view,

@@ -32,6 +32,7 @@ from erlif.pipeline.physics.systematics import (
     with_scale_of_patch,
     without_background,
 )
+from erlif.pipeline.physics.texture import find_texture_of_run
 from erlif.pipeline.plane import ObjectPlane
 from erlif.ratio import LightCells, cell_places
 from erlif.trend import (
@@ -381,7 +382,10 @@ def find_light(
     beyond |= is_beyond_widths(calibration, background, bleaching, course, triggers.size)
     if not options.corrects_light and not beyond:
         errors = find_errors(lights, calibration, plane, pairs=triggers.size)
-    return LightFindings(background, bleaching, source, course, scale, errors, tuple(darks))
+    texture = find_texture_of_run(lights, calibration, plane)
+    return LightFindings(
+        background, bleaching, source, course, scale, errors, tuple(darks), texture
+    )
 
 
 def is_beyond_widths(
