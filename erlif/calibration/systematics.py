@@ -17,7 +17,7 @@ import numpy.typing as npt
 
 from erlif.calibration.regression import LASER_SHARE, Reabsorption
 from erlif.core.arrays import Array, Mask
-from erlif.core.terms import PARAMETERS, RISE, STEP, TERMS, WALL, Acts, Parameter, Where
+from erlif.core.terms import PARAMETERS, RISE, STEP, TERMS, Acts, Parameter, Where
 
 _THINNEST = 0.01  # um: film below which the light is not extrapolated
 
@@ -175,10 +175,6 @@ class Systematics:
         """Number of a parameter of a term."""
         return list(zip(self.terms, self.parameters, strict=True)).index((term, parameter))
 
-    def number(self, like: Parameter) -> int:
-        """Number of a parameter among all, those of the calibration included."""
-        return len(self.cross) + self.parameters.index(like)
-
     def places(self, term: str) -> npt.NDArray[np.intp]:
         """Numbers of the parameters of a term; empty if it is not among the terms."""
         return np.flatnonzero([name == term for name in self.terms])
@@ -331,13 +327,11 @@ class Systematics:
             covariance[constant, -1] = covariance[-1, constant] = -(size**2)
         return replace(found, start=self.start if start is None else start)
 
-    def with_texture(self, like: Parameter, size: float, patches: float) -> Systematics:
-        """Return a copy with a factor that is fixed in the image as last parameter.
+    def with_texture(self, size: float, patches: float) -> Systematics:
+        """Return a copy with a factor of the ratio that is fixed in the image as last parameter.
 
         Parameters
         ----------
-        like : Parameter
-            That acts on the film in the same way, CONSTANT or WALL.
         size : float
             Standard deviation over the picture. [1]
         patches : float
@@ -347,8 +341,8 @@ class Systematics:
         -------
         Systematics
         """
-        added = TERMS["texture"].added[like is WALL]
-        return replace(self._with_parameter("texture", added, size**2 / patches), patches=patches)
+        found = self._with_parameter("texture", TERMS["texture"].added[0], size**2 / patches)
+        return replace(found, patches=patches)
 
     def _with_parameter(self, term: str, parameter: Parameter, variance: float) -> Systematics:
         """Return a copy with one more parameter, as the last, independent of all others."""

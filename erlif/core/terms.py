@@ -182,10 +182,6 @@ RISE = Parameter("rising constant", lambda at: 1.0, acts=Acts.RISING)
 STEP = Parameter("stepped constant", lambda at: 1.0, acts=Acts.STEPPED)
 
 
-# Reflectance of the wall behind the film.
-WALL = Parameter("wall", lambda at: at.by_wall, lambda at: at.light_by_wall)
-
-
 class _Noise(Source, key="noise"):
     what = "noise of the frames"
     cure = "Average more frames"
@@ -260,11 +256,7 @@ class _Texture(Term, key="texture"):
     cure = "Clean windows and flats; take a wall of even finish"
     file = ""
     parameters = ()
-    # as CONSTANT and WALL; its mean over the region is smaller than that of a pixel
-    added = (
-        Parameter("texture", lambda at: at.of_pixel),
-        Parameter("texture of the wall", lambda at: at.of_pixel * at.by_wall),
-    )
+    added = (Parameter("texture", lambda at: at.of_pixel),)
 
 
 class _Lag(Term, key="lag"):
@@ -333,7 +325,7 @@ class _Wall(Term, key="wall"):
     cure = "Make fixture and joint of one material and finish, or state what both reflect"
     width = 2.0
     apart = 0.2
-    parameters = (WALL,)
+    parameters = (Parameter("wall", lambda at: at.by_wall, lambda at: at.light_by_wall),)
 
 
 class _Linearity(Term, key="linearity"):

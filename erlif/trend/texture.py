@@ -1,25 +1,27 @@
 """What stands still in the image while the film moves: a fixed factor of the ratio.
 
-The logarithm of the ratio of a cell less that of the smooth gap of its frame is f k + m s and
-noise. The marks m of the surfaces are film, and act by the slope s of the logarithm of the ratio at
-that film. The factor f acts alike at all films (k = 1: windows, flats, dust), or as the reflectance
-of the wall does. Films that differ at one place from frame to frame separate both. What is smooth
-over the picture is left to the gap; the rest has the covariance v exp(-d^2 / l^2) at a distance d.
+The logarithm of the ratio of a cell less that of the smooth gap of its frame is f + m s and noise.
+The marks m of the surfaces are film, and act by the slope s of the logarithm of the ratio at that
+film. Films that differ at one place from frame to frame separate both. What is smooth over the
+picture is left to the gap; the rest of f has the covariance v exp(-d^2 / l^2) at a distance d. The
+reflectance of a wall acts on films from 5 to 10 um alike to 10 %, as windows and flats do: the
+films of a run do not separate them.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from erlif.calibration import RatioCurve
 from erlif.core.arrays import Array
-from erlif.core.terms import CONSTANT, WALL, Parameter
 from erlif.ratio.cells import CELLS, LightCells, cell_places
+from erlif.trend.blocks import Region
 from erlif.trend.cells import FEWEST_FRAMES, choose_cells
 from erlif.trend.curve import FilmCurve
+from erlif.trend.gap import GapShape, gap_shapes
 
 _MOST_FRAMES = 100  # as for the errors of the gap
 _DEGREE = 2  # of the smooth gap, and of what is smooth over the picture: that of the term field
@@ -27,9 +29,9 @@ _STEPS = 3  # of Gauss and Newton to the gap of each frame
 _FEWEST = 30  # cells whose factor is known
 _LENGTHS, _SIZES = 8, 200  # that are tried, to 8 % of the variance
 _SMALLEST, _LARGEST = 1e-3, 0.3  # sizes among which the true one is sought
-_NOTED = 0.003  # flat frames of small pictures leave 0.2 %
+_NOTED = 0.0015  # flat frames of small pictures leave as much
 _SIGNIFICANT = 8.0  # rise of the logarithm of the likelihood: four standard deviations
-_DECISIVE = 8.0  # by which one kind is likelier than the other
+_GRID = 20, 24  # places of a region, in rows and columns
 _DEPENDENT = 1e-6  # determinant over its largest value from which f and m are not separated
 
 
@@ -39,35 +41,72 @@ class Texture:
 
     Attributes
     ----------
-    like : Parameter
-        That acts on the film in the same way: CONSTANT or WALL of `erlif.core.terms`.
     size : float
-        Standard deviation of this parameter over the picture. [1]
+        Standard deviation of the logarithm of the ratio over the picture. [1]
     std : float
         Standard deviation of the size. [1]
     length : float
         Distance over which it is correlated (1/e). [px]
     film : float
         Median film of the cells. [um]
-    decided : bool
-        Whether it cannot act like the other one.
     """
 
-    like: Parameter
     size: float
     std: float
     length: float
     film: float
-    decided: bool = True
 
-    def patches(self, rows: int, columns: int) -> float:
-        """Number of independent patches in a region of so many pixels. [1]"""
-        apart = np.linspace(0, 1, 400)
-        one, two = (
-            2 * np.mean((1 - apart) * np.exp(-((size * apart / self.length) ** 2)))
-            for size in (rows, columns)
+    def mean_variance(self, region: Region, weights: Array) -> Array:
+        """Variance of weighted means over a region, over that of the factor.
+
+        Parameters
+        ----------
+        region : Region
+        weights : array, (mean, row, column)
+            At even places of the region, with a sum of 1. [1]
+
+        Returns
+        -------
+        array, (mean,)
+        """
+        sizes = (one.stop - one.start for one in (region.rows, region.columns))
+        apart = (np.linspace(0, size, n) for size, n in zip(sizes, weights.shape[1:], strict=True))
+        down, along = (np.exp(-((np.subtract.outer(at, at) / self.length) ** 2)) for at in apart)
+        return np.asarray(np.sum(weights * (down @ weights @ along), axis=(1, 2)))
+
+    def over_mean(
+        self, region: Region, places: Array, contact: GapShape, *, sliding_along_x: bool
+    ) -> tuple[float, Array]:
+        """Number of patches, and the error at places of a fitted gap over that of its mean.
+
+        Parameters
+        ----------
+        region : Region
+        places : array, (trigger, 2)
+            Column and row. [px]
+        contact : GapShape
+        sliding_along_x : bool
+
+        Returns
+        -------
+        patches : float
+            Independent ones in the region. [1]
+        ratios : array, (trigger,)
+            1 where the place is not known. [1]
+        """
+        even = np.full((1, *_GRID), 1 / math.prod(_GRID))
+        mean = float(self.mean_variance(region, even)[0])
+        y, x = np.meshgrid(*(np.linspace(-1, 1, n) for n in _GRID), indexing="ij")
+        first = np.array([region.columns.start, region.rows.start])
+        last = np.array([region.columns.stop, region.rows.stop]) - 1
+        u, v = (2 * (places - first) / (last - first) - 1).T
+        order = slice(None) if sliding_along_x else slice(None, None, -1)
+        shapes, wanted = (
+            gap_shapes(*pair[order], contact) for pair in ((x.ravel(), y.ravel()), (u, v))
         )
-        return float(1 / (one * two))
+        weights = wanted.T @ np.linalg.solve(shapes @ shapes.T, shapes)
+        at = self.mean_variance(region, weights.reshape(-1, *_GRID))
+        return 1 / mean, np.where(np.isfinite(at), np.sqrt(at / mean), 1.0)
 
 
 def find_texture(
@@ -112,23 +151,13 @@ def find_texture(
         value[frames], measured[frames], weight, FilmCurve.of(calibration), places
     )
 
-    # each kind at films of the range; its size is that at the median film
-    films, median = np.linspace(*calibration.thickness_range, 200), np.median(film[chosen])
-    found = []
-    for like in (CONSTANT, WALL):
-        acts = calibration.gradient(films)[calibration.systematics.number(like)]
-        unit = abs(float(np.interp(median, films, acts)))
-        fixed = _separate(rest, weight, slope, np.interp(film, films, acts) / unit, places)
-        if fixed is not None:
-            gain, size, std, length = _likeliest(*fixed, centres)
-            found.append((gain, size, Texture(like, size / unit, std / unit, length, median)))
-    if not found:
+    fixed = _separate(rest, weight, slope, places)
+    if fixed is None:
         return None
-    found.sort(key=lambda one: one[0])
-    other, (gain, size, best) = found[0][0], found[-1]
+    gain, size, std, length = _likeliest(*fixed, centres)
     if gain < _SIGNIFICANT or size < _NOTED:
         return None
-    return replace(best, decided=len(found) == 1 or gain - other > _DECISIVE)
+    return Texture(size, std, length, float(np.median(film[chosen])))
 
 
 def _shapes(x: Array, y: Array) -> Array:
@@ -170,24 +199,24 @@ def _fit_gaps(
 
 
 def _separate(
-    rest: Array, weight: Array, slope: Array, acts: Array, places: tuple[Array, Array]
+    rest: Array, weight: Array, slope: Array, places: tuple[Array, Array]
 ) -> tuple[Array, Array, Array] | None:
     """Fixed factor of each cell without what is smooth, its noise, and both as projections.
 
     Returns the projection (cell, n), the factor (n,) and its covariance (n, n); None where the
     films do not separate the factor from the marks.
     """
-    own, mixed, marks = ((weight * one).sum(axis=0) for one in (acts**2, acts * slope, slope**2))
+    own, mixed, marks = ((weight * slope**n).sum(axis=0) for n in range(3))
     whole = own * marks
     known = whole - mixed**2 > _DEPENDENT * whole
     if known.sum() < _FEWEST:
         return None
     own, mixed, marks = own[known], mixed[known], marks[known]
-    rest, weight, slope, acts = (one[:, known] for one in (rest, weight, slope, acts))
-    of_factor, of_marks = ((weight * one * rest).sum(axis=0) for one in (acts, slope))
+    rest, weight, slope = (one[:, known] for one in (rest, weight, slope))
+    of_factor, of_marks = ((weight * one * rest).sum(axis=0) for one in (1.0, slope))
     det = own * marks - mixed**2
     factor = (marks * of_factor - mixed * of_marks) / det
-    left = rest - acts * factor - slope * (own * of_marks - mixed * of_factor) / det
+    left = rest - factor - slope * (own * of_marks - mixed * of_factor) / det
 
     # noise beyond that of photons
     shapes = _shapes(*places)[:, known]

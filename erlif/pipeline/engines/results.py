@@ -154,7 +154,7 @@ class TriggerResult:
     position: PinPosition | None = None
     minima: Mapping[GapShape, GapMinimum] = field(default_factory=dict)
 
-    def with_parameter(self, like: int, weight: float) -> TriggerResult:
+    def with_parameter(self, like: int, weight: float, *, minimum: float = 1.0) -> TriggerResult:
         """Return a copy with one more parameter of the calibration, as the last.
 
         Parameters
@@ -163,6 +163,8 @@ class TriggerResult:
             Parameter that acts on the film in the same way.
         weight : float
             Its share of that effect in this trigger. [1]
+        minimum : float
+            Effect on the minimum of the gap, over that on the other numbers. [1]
 
         Returns
         -------
@@ -176,12 +178,15 @@ class TriggerResult:
             return number._replace(gradient=extend(number.gradient))
 
         statistics, position = self.statistics, self.position
+        lowest = extended(statistics.gap.minimum)
         statistics = replace(
             statistics,
             mean=extended(statistics.mean),
             inverse=extended(statistics.inverse),
             gap=statistics.gap._replace(
-                minimum=extended(statistics.gap.minimum),
+                minimum=lowest._replace(
+                    gradient=np.append(lowest.gradient[:-1], minimum * lowest.gradient[-1])
+                ),
                 mean=extended(statistics.gap.mean),
                 unseen=extended(statistics.gap.unseen),
             ),

@@ -25,7 +25,6 @@ from erlif.pipeline.physics.gap import shows_errors
 from erlif.pipeline.physics.light import correct_light, find_light, measure_lights
 from erlif.pipeline.physics.systematics import add_systematics, update_systematics
 from erlif.pipeline.physics.temperature import read_warming, without_warming
-from erlif.pipeline.physics.texture import with_texture
 from erlif.pipeline.plane import ObjectPlane
 from erlif.pipeline.recording.cameras import Characterised, characterise_cameras
 from erlif.pipeline.recording.noise import (
@@ -258,7 +257,7 @@ class PreparedRun:
             pulses=len(self.run.pairs.usable),
             pairs=len(self.run.pairs.pages[0]),
         )
-        return findings, counted, with_texture(curve, counted.texture, self.plane)
+        return findings, counted, curve
 
 
 def prepare_run(
