@@ -54,8 +54,6 @@ class Systematics:
         What a run adds to the parameters of the calibration and to these; None: nothing.
     frame : tuple[int, int]
         Rows and columns of the picture. [px]
-    patches : float
-        Independent patches of the texture in the region. [1]
     before : Array | None
         Covariance of the parameters of the calibration and of these before the run had shown
         anything of them; None where it has not.
@@ -74,7 +72,6 @@ class Systematics:
     fit_covariance: Array | None = None
     value: Array | None = None
     frame: tuple[int, int] = (2, 2)
-    patches: float = 1.0
     before: Array | None = None
     scatter: Array | None = None
 
@@ -319,7 +316,7 @@ class Systematics:
         if not (own := self.places("ratio")).size:
             return self
         added = RISE if start is None else STEP
-        found, constant = self._with_parameter("ratio", added, size**2), own[0]
+        found, constant = self.with_parameter("ratio", added, size**2), own[0]
         if start is not None:
             covariance = found.covariance
             covariance[constant, constant] += size**2
@@ -327,29 +324,12 @@ class Systematics:
             covariance[constant, -1] = covariance[-1, constant] = -(size**2)
         return replace(found, start=self.start if start is None else start)
 
-    def with_texture(self, size: float, patches: float) -> Systematics:
-        """Return a copy with a factor of the ratio that is fixed in the image as last parameter.
-
-        Parameters
-        ----------
-        size : float
-            Standard deviation over the picture. [1]
-        patches : float
-            Independent patches in the region. [1]
-
-        Returns
-        -------
-        Systematics
-        """
-        found = self._with_parameter("texture", TERMS["texture"].added[0], size**2 / patches)
-        return replace(found, patches=patches)
-
-    def _with_parameter(self, term: str, parameter: Parameter, variance: float) -> Systematics:
+    def with_parameter(self, term: str, parameter: Parameter, variance: float) -> Systematics:
         """Return a copy with one more parameter, as the last, independent of all others."""
-        parts = {name: getattr(self, name) for name in ("before", "scatter")}
-        padded = {n: None if one is None else np.pad(one, (0, 1)) for n, one in parts.items()}
         covariance = np.pad(self.covariance, (0, 1))
         covariance[-1, -1] = variance
+        both = self.before, self.scatter
+        before, scatter = (None if one is None else np.pad(one, (0, 1)) for one in both)
         return replace(
             self,
             terms=(*self.terms, term),
@@ -357,7 +337,8 @@ class Systematics:
             covariance=covariance,
             cross=np.pad(self.cross, ((0, 0), (0, 1))),
             value=None if self.value is None else np.append(self.value, 0.0),
-            **padded,
+            before=before,
+            scatter=scatter,
         )
 
     def gradient(
@@ -428,7 +409,6 @@ class Systematics:
             light_by_wall=wall.light(lit).gradient[-1],
             passed=np.full([1] * film.ndim, self.passed) if passed is None else passed,
             place=place,
-            of_pixel=1.0 if place is not None else self.patches**0.5,
         )
         rows = np.empty((len(self.parameters), *film.shape))
         for n, parameter in enumerate(self.parameters):
@@ -471,7 +451,6 @@ class Systematics:
             passed=float(record["passed"]),
             start=float(record.get("start", 0.0)),
             frame=(int(rows), int(columns)),
-            patches=float(record.get("patches", 1.0)),
             **{
                 name: np.asarray(record[name], float)
                 for name in ("fit_covariance", "value", "before", "scatter")

@@ -57,8 +57,6 @@ class Where:
         Share of the run that has passed. [1]
     place : tuple[Array, Array] | None
         x and y in the picture, from -1 to 1; None for films anywhere in it.
-    of_pixel : float
-        Error by the texture over that of the mean over the region. [1]
     """
 
     film: Array
@@ -77,7 +75,6 @@ class Where:
     light_by_wall: Array
     passed: Array | float
     place: tuple[Array, Array] | None = None
-    of_pixel: float = 1.0
 
 
 class Acts(Enum):
@@ -256,7 +253,7 @@ class _Texture(Term, key="texture"):
     cure = "Clean windows and flats; take a wall of even finish"
     file = ""
     parameters = ()
-    added = (Parameter("texture", lambda at: at.of_pixel),)
+    added = (Parameter("texture", lambda at: 1.0),)
 
 
 class _Lag(Term, key="lag"):

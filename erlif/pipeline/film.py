@@ -50,13 +50,13 @@ from erlif.pipeline.physics.prediction import (
     try_prediction,
 )
 from erlif.pipeline.physics.systematics import follow_course
-from erlif.pipeline.physics.texture import describe_texture, with_texture
+from erlif.pipeline.physics.texture import with_texture
 from erlif.pipeline.recording.omissions import note_omissions
 from erlif.pipeline.recording.prepare import PreparedRun
 from erlif.pipeline.recording.pulses import check_pulses, read_energies
 from erlif.ratio import BlurDifference
 from erlif.registration import CameraMap, move_map
-from erlif.trend import GapShape, Texture
+from erlif.trend import GapShape
 
 _logger = logging.getLogger(__name__)
 
@@ -82,8 +82,6 @@ class FilmDraft:
     frames : xarray.Dataset
         What belongs to single frames besides log and drift.
     notes : tuple[Note, ...]
-    texture : Texture | None
-        What stands still in the image.
     """
 
     ready: PreparedRun
@@ -92,7 +90,6 @@ class FilmDraft:
     film: xr.Dataset
     frames: xr.Dataset
     notes: tuple[Note, ...]
-    texture: Texture | None = None
 
     @property
     def frame_results(self) -> list[FrameResult]:
@@ -175,15 +172,13 @@ def with_light(draft: FilmDraft) -> FilmDraft:
     light, notes = describe_light(findings, draft.results, run, ready.curve)
     films = np.array([one.statistics.mean.value for one in draft.results])
     median = float(np.median(films[np.isfinite(films)])) if np.isfinite(films).any() else math.nan
-    texture = describe_texture(findings.texture, ready.curve, ready.plane.pitch)
     darks = describe_dark_levels(findings.darks, ready.curve, median)
 
     # statistics and positions with the errors of the run, a significant course among them
     pairs = len(run.pairs.pages[0])
     results = follow_course(draft.results, ready.curve, counted.course, pairs=pairs)
-    results, curve = with_texture(
-        results, curve, findings.texture, ready.plane, GapShape(draft.film.attrs["contact"])
-    )
+    contact = GapShape(draft.film.attrs["contact"])
+    results, curve = with_texture(results, curve, findings.texture, ready.plane, contact)
     film = draft.film.assign(describe_statistics(results, curve))
     positions = [one.position for one in results]
     film = film.assign(describe_positions(positions, curve, ready.plane.view)).assign(light)
@@ -193,8 +188,7 @@ def with_light(draft: FilmDraft) -> FilmDraft:
         settings=to_toml(run.settings),
         calibration=record_calibration(curve),
     )
-    changed = {"results": results, "curve": curve, "texture": findings.texture}
-    return draft.adding(film, *darks, *texture, *notes, **changed)
+    return draft.adding(film, *darks, *notes, results=results, curve=curve)
 
 
 def with_theory(draft: FilmDraft) -> FilmDraft:

@@ -165,7 +165,7 @@ def process_run(
             hashes = work.hash_inputs(results)
             draft = with_light(summarise_triggers(ready, triggers, results))
             film, groups = with_record(with_theory(draft), hashes)
-            widen_maps(unfinished.maps, len(results), ready.curve, draft.texture)
+            widen_maps(unfinished.maps, len(results), draft.curve)
         work.write(unfinished, film, groups, hashes)
     return True
 

@@ -39,15 +39,7 @@ from erlif.rig.film import (
 from erlif.rig.journal import list_gaps
 from erlif.rig.logger import TICKS, frame_times, read_encoder, write_log_in_time, write_table
 from erlif.rig.settings import RigSettings
-from erlif.rig.setup import (
-    Setup,
-    Shot,
-    Texture,
-    build_setup,
-    mix_grains,
-    photograph,
-    random_stream,
-)
+from erlif.rig.setup import Setup, Shot, build_setup, mix_grains, photograph, random_stream
 from erlif.rig.truth import Session, describe_truth, write_true_film
 
 # Names that a simulation writes into its directory.
@@ -203,7 +195,7 @@ def write_rig(out: Path, *, seed: int, rig: RigSettings, progress: Progress) -> 
     if rig.fixture_after:
         last = frame_times(list_pictures(rig), rig).size - 1
         same_wall = dataclasses.replace(rig, wall=(rig.wall[0], rig.wall[0]))
-        aged = age(dataclasses.replace(setup, rig=same_wall), last, last + 1)
+        aged = age(dataclasses.replace(setup, rig=same_wall, texture=None), last, last + 1)
         write_fixture(out / "fixture_after", aged, seed, progress, session=1)
         shutil.copy(out / "fixture" / "profile.csv", out / "fixture_after")
 
@@ -258,7 +250,6 @@ def write_run(
     write_background_pages(directory, setup, random_stream(seed, "run background"))
     one, two = (alter_camera(each, n, rig) for n, each in enumerate(setup.cameras, 1))
     setup = dataclasses.replace(setup, cameras=(one, two))
-    texture = Texture.draw(rig, random_stream(seed, "wall")) if rig.wall_texture[0] else None
     last: list[Array | None] | None = [None, None] if any(rig.lag) else None
     with h5netcdf.File(truth, "w") as file:
         describe_truth(file, setup, triggers, gaps, Session(drift, fixture_drift, energy), seed)
@@ -273,8 +264,7 @@ def write_run(
                 energy=float(energy[k]),
                 drift=(drift[k, 0], drift[k, 1]),
             )
-            joint = age(setup, k, frames, texture)
-            write_pair(directory, k, photograph(joint, shot, rng_frame, last=last))
+            write_pair(directory, k, photograph(age(setup, k, frames), shot, rng_frame, last=last))
             file["bubble"][k] = bubbles.lack(setup.x, setup.y) > 0
             progress("run frame", k + 1, frames)
 
@@ -300,7 +290,7 @@ def median_light(setup: Setup, gaps: list[Gap]) -> tuple[float, float]:
     return one, two
 
 
-def age(setup: Setup, pulse: int, pulses: int, texture: Texture | None = None) -> Setup:
+def age(setup: Setup, pulse: int, pulses: int) -> Setup:
     """The set-up at a pulse of the run: joint, dyes and camera 2 as they are by then."""
     rig = setup.rig
     one, two = rig.bleaching
@@ -312,10 +302,11 @@ def age(setup: Setup, pulse: int, pulses: int, texture: Texture | None = None) -
     )
     if oil != DyedOil(reflectance=rig.wall[0]):
         setup = dataclasses.replace(setup, signals=_signals(rig.dyes, oil))
-    if texture is not None:
+    if setup.texture is not None:
         walls = (dataclasses.replace(oil, reflectance=n * rig.wall[1]) for n in range(3))
         signals = tuple(_signals(rig.dyes, wall) for wall in walls)
-        setup = dataclasses.replace(setup, texture=dataclasses.replace(texture, signals=signals))
+        textured = dataclasses.replace(setup.texture, signals=signals)
+        setup = dataclasses.replace(setup, texture=textured)
     first, second = setup.cameras
     (start, factor), (since, rise) = rig.gain_step, rig.dark_step
     if factor != 1 and pulse >= start:

@@ -157,49 +157,41 @@ def _sum_grains(
 
 @dataclass(frozen=True)
 class Texture:
-    """Reflectance of a wall that varies over the picture.
+    """A wall whose reflectance varies over the picture.
 
     Attributes
     ----------
-    reflectance : float
-        Its mean. [1]
     waves : Array
-        Sums of cosines: wave vector along x and y [1/pixel], and phase [rad], (3, wave).
+        Cosines of which it is the sum: wave vector along x and y [1/pixel], phase [rad], (wave, 3).
     share : float
-        Standard deviation of the reflectance, relative to the mean. [1]
+        Standard deviation of the reflectance, relative to its mean. [1]
     signals : tuple[tuple[Callable[[Array], Array], Callable[[Array], Array]], ...]
-        As those of a set-up, before a black wall, the mean one, and one of twice its reflectance.
+        As those of a set-up, before a black wall, the mean one, and one of twice its reflectance;
+        empty before the even wall of the fixture.
     """
 
-    reflectance: float
     waves: Array
     share: float
     signals: tuple[tuple[Callable[[Array], Array], Callable[[Array], Array]], ...] = ()
-
-    @classmethod
-    def draw(cls, rig: RigSettings, rng: np.random.Generator) -> "Texture":
-        """Draw the wall of the joint."""
-        share, size = rig.wall_texture
-        std = np.sqrt(2) * rig.field_width / rig.width / size
-        vectors, phases = rng.normal(0, std, (2, _WAVES)), rng.uniform(0, 2 * np.pi, _WAVES)
-        return cls(rig.wall[1], np.vstack([vectors, phases]), share)
-
-    def over_mean(self, x: Array, y: Array) -> Array:
-        """Reflectance over its mean at object points."""
-        total = np.zeros(np.shape(x))
-        for along, down, phase in self.waves.T:
-            total += np.cos(along * x + down * y + phase)
-        return np.asarray(np.maximum(1 + self.share * np.sqrt(2 / _WAVES) * total, 0.0))
 
     def light(self, number: int, film: Array, x: Array, y: Array) -> Array:
         """Light of a film in camera `number`, relative to a very thick film.
 
         It is a parabola of the reflectance.
         """
+        total = sum(np.cos(along * x + down * y + phase) for along, down, phase in self.waves)
+        over_mean = np.maximum(1 + self.share * np.sqrt(2 / _WAVES) * total, 0.0)
         black, mean, twice = (each[number - 1](film) for each in self.signals)
-        at = self.over_mean(x, y)
         bend = (black + twice) / 2 - mean
-        return np.asarray(black + (mean - black) * at + bend * at * (at - 1))
+        return np.asarray(black + over_mean * (mean - black + bend * (over_mean - 1)))
+
+
+def draw_texture(rig: RigSettings, rng: np.random.Generator) -> Texture | None:
+    """Draw the wall of the joint; None where it is even."""
+    share, size = rig.wall_texture
+    std = np.sqrt(2) * rig.field_width / rig.width / size
+    vectors, phases = rng.normal(0, std, (_WAVES, 2)), rng.uniform(0, 2 * np.pi, (_WAVES, 1))
+    return Texture(np.hstack([vectors, phases]), share) if share else None
 
 
 @dataclass(frozen=True)
@@ -223,7 +215,7 @@ class Setup:
     typical : tuple[float, float]
         Light of each camera that its background is a share of. [electron]
     texture : Texture | None
-        Wall in place of an even one.
+        Wall of the joint in place of an even one.
     """
 
     rig: RigSettings
@@ -254,10 +246,10 @@ class Setup:
         Transmission of the lens, speckle and pulse energy are not included.
         """
         scale = self.rig.light * self.rig.thick_film_signal[number - 1]
-        if self.texture is None:
-            of_film = self.signals[number - 1](film)
-        else:
+        if self.texture is not None and self.texture.signals:
             of_film = self.texture.light(number, film, x, y)
+        else:
+            of_film = self.signals[number - 1](film)
         return np.asarray(scale * beam(x, y, self.rig) * of_film)
 
 
@@ -280,6 +272,7 @@ def build_setup(seed: int, rig: RigSettings) -> Setup:
         grains=draw_grains(rig, margin, random_stream(seed, "grains")),
         x=x,
         y=y,
+        texture=draw_texture(rig, random_stream(seed, "wall")),
     )
 
 

@@ -17,21 +17,23 @@ import numpy as np
 
 from erlif.calibration import RatioCurve
 from erlif.core.arrays import Array
-from erlif.ratio.cells import CELLS, LightCells, cell_places
+from erlif.ratio.cells import LightCells
 from erlif.trend.blocks import Region
 from erlif.trend.cells import FEWEST_FRAMES, choose_cells
 from erlif.trend.curve import FilmCurve
 from erlif.trend.gap import GapShape, gap_shapes
 
 _MOST_FRAMES = 100  # as for the errors of the gap
-_DEGREE = 2  # of the smooth gap, and of what is smooth over the picture: that of the term field
+_DEGREE = 3  # of the smooth gap, and of what is smooth over the picture: beyond the term field
 _STEPS = 3  # of Gauss and Newton to the gap of each frame
 _FEWEST = 30  # cells whose factor is known
+_LONGEST = 4  # cells: a third of the picture
 _LENGTHS, _SIZES = 8, 200  # that are tried, to 8 % of the variance
 _SMALLEST, _LARGEST = 1e-3, 0.3  # sizes among which the true one is sought
 _NOTED = 0.0015  # flat frames of small pictures leave as much
-_SIGNIFICANT = 8.0  # rise of the logarithm of the likelihood: four standard deviations
-_GRID = 20, 24  # places of a region, in rows and columns
+_SIGNIFICANT = 12.0  # rise of the logarithm of the likelihood: five standard deviations
+_GRID = 24, 24  # places of a region
+_LITTLE = 1e-9  # ridge over the trace: the cells of a frame may lie in few columns
 _DEPENDENT = 1e-6  # determinant over its largest value from which f and m are not separated
 
 
@@ -56,57 +58,43 @@ class Texture:
     length: float
     film: float
 
-    def mean_variance(self, region: Region, weights: Array) -> Array:
-        """Variance of weighted means over a region, over that of the factor.
+    def in_numbers(
+        self, region: Region, places: Array, contact: GapShape, *, along_x: bool
+    ) -> Array:
+        """Its errors of a mean over a region, and of places of a fitted gap, over that of a pixel.
 
         Parameters
         ----------
         region : Region
-        weights : array, (mean, row, column)
-            At even places of the region, with a sum of 1. [1]
-
-        Returns
-        -------
-        array, (mean,)
-        """
-        sizes = (one.stop - one.start for one in (region.rows, region.columns))
-        apart = (np.linspace(0, size, n) for size, n in zip(sizes, weights.shape[1:], strict=True))
-        down, along = (np.exp(-((np.subtract.outer(at, at) / self.length) ** 2)) for at in apart)
-        return np.asarray(np.sum(weights * (down @ weights @ along), axis=(1, 2)))
-
-    def over_mean(
-        self, region: Region, places: Array, contact: GapShape, *, sliding_along_x: bool
-    ) -> tuple[float, Array]:
-        """Number of patches, and the error at places of a fitted gap over that of its mean.
-
-        Parameters
-        ----------
-        region : Region
-        places : array, (trigger, 2)
+        places : array, (place, 2)
             Column and row. [px]
         contact : GapShape
-        sliding_along_x : bool
+        along_x : bool
+            Whether image x is the sliding direction.
 
         Returns
         -------
-        patches : float
-            Independent ones in the region. [1]
-        ratios : array, (trigger,)
-            1 where the place is not known. [1]
+        array, (1 + place,)
+            That of the mean where a place is not known.
         """
-        even = np.full((1, *_GRID), 1 / math.prod(_GRID))
-        mean = float(self.mean_variance(region, even)[0])
-        y, x = np.meshgrid(*(np.linspace(-1, 1, n) for n in _GRID), indexing="ij")
-        first = np.array([region.columns.start, region.rows.start])
-        last = np.array([region.columns.stop, region.rows.stop]) - 1
-        u, v = (2 * (places - first) / (last - first) - 1).T
-        order = slice(None) if sliding_along_x else slice(None, None, -1)
-        shapes, wanted = (
-            gap_shapes(*pair[order], contact) for pair in ((x.ravel(), y.ravel()), (u, v))
+        # weights of even places of the region in the mean, and in the least squares of the gap
+        order = (0, 1) if along_x else (1, 0)
+        sides = [(region.columns, region.rows)[n] for n in order]
+        even = [one.ravel() for one in np.meshgrid(*(np.linspace(-1, 1, n) for n in _GRID))]
+        at = [
+            2 * (places[:, n] - side.start) / (side.stop - 1 - side.start) - 1
+            for n, side in zip(order, sides, strict=True)
+        ]
+        shapes = gap_shapes(even[0], even[1], contact)
+        weights = gap_shapes(at[0], at[1], contact).T @ np.linalg.solve(shapes @ shapes.T, shapes)
+        weights = np.vstack([np.full(even[0].size, 1 / even[0].size), weights])
+
+        pixels = np.stack(
+            [one * (side.stop - side.start) / 2 for one, side in zip(even, sides, strict=True)]
         )
-        weights = wanted.T @ np.linalg.solve(shapes @ shapes.T, shapes)
-        at = self.mean_variance(region, weights.reshape(-1, *_GRID))
-        return 1 / mean, np.where(np.isfinite(at), np.sqrt(at / mean), 1.0)
+        apart = ((pixels[:, :, None] - pixels[:, None]) ** 2).sum(axis=0)
+        ratios = np.sqrt(np.sum(weights @ np.exp(-apart / self.length**2) * weights, axis=1))
+        return np.asarray(np.where(np.isfinite(ratios), ratios, ratios[0]))
 
 
 def find_texture(
@@ -145,118 +133,115 @@ def find_texture(
     frames = chosen.any(axis=1)
     if frames.sum() < FEWEST_FRAMES:
         return None
-    chosen, places = chosen[frames], cell_places()
-    weight = np.where(chosen, 1 / np.where(known, variance, 1.0)[frames], 0.0)
-    film, slope, rest = _fit_gaps(
-        value[frames], measured[frames], weight, FilmCurve.of(calibration), places
-    )
+    weight = np.where(chosen, 1 / np.where(chosen, variance, 1.0), 0.0)[frames]
+    x, y = (2 * (at - at.min()) / np.ptp(at) - 1 for at in centres)
+    shapes, rates = _shapes(x, y), _change_within(centres, x, y)
+    curve, value, measured = FilmCurve.of(calibration), value[frames], measured[frames]
+    film, slope, rest = _fit_gaps(value, measured, weight, curve, shapes, rates)
 
-    fixed = _separate(rest, weight, slope, places)
-    if fixed is None:
+    factor, noise = _separate(rest, weight, slope, len(shapes))
+    known = np.isfinite(factor)
+    if known.sum() < _FEWEST:
         return None
-    gain, size, std, length = _likeliest(*fixed, centres)
+    gain, size, std, length = _likeliest(
+        factor[known], noise[known], shapes[:, known], [at[known] for at in centres]
+    )
     if gain < _SIGNIFICANT or size < _NOTED:
         return None
-    return Texture(size, std, length, float(np.median(film[chosen])))
+    return Texture(size, std, length, float(np.median(film[weight > 0])))
 
 
 def _shapes(x: Array, y: Array) -> Array:
-    """Polynomials that are smooth over the picture, (shape, cell)."""
+    """Polynomials that are smooth over the picture, (shape, cell), at places from -1 to 1."""
     along, down = (np.polynomial.legendre.legvander(at, _DEGREE).T for at in (x, y))
-    pairs = [(n, m) for n in range(_DEGREE + 1) for m in range(_DEGREE + 1 - n)]
-    return np.stack([along[n] * down[m] for n, m in pairs])
+    return np.stack([a * b for n, a in enumerate(along) for b in down[: _DEGREE + 1 - n]])
+
+
+def _change_within(centres: tuple[Array, Array], x: Array, y: Array) -> Array:
+    """Change of the shapes over the width of each cell along x and y, (direction, shape, cell)."""
+    changes = []
+    for centre, along, down in ((centres[0], 1.0, 0.0), (centres[1], 0.0, 1.0)):
+        # cells are whole blocks side by side
+        middles, at = np.unique(centre, return_inverse=True)
+        widths = [2 * middles[0] + 1]
+        for step in np.diff(middles):
+            widths.append(2 * step - widths[-1])
+        half = np.array(widths)[at] / np.ptp(centre)
+        ends = (_shapes(x + side * along * half, y + side * down * half) for side in (1, -1))
+        changes.append(np.subtract(*ends))
+    return np.array(changes)
 
 
 def _fit_gaps(
-    value: Array, measured: Array, weight: Array, curve: FilmCurve, places: tuple[Array, Array]
+    value: Array, measured: Array, weight: Array, curve: FilmCurve, shapes: Array, rates: Array
 ) -> tuple[Array, Array, Array]:
     """Smooth gap of each frame, its slope, and what it leaves of the log ratio, (frame, cell)."""
-    x, y = places
-    shapes, step = _shapes(x, y), 0.01
-    rates = (_shapes(x + step, y) - shapes) / step, (_shapes(x, y + step) - shapes) / step
 
     def solve(acts: Array, goal: Array, weight: Array) -> Array:
         weighted = acts * weight[:, None]
         normal = weighted @ np.swapaxes(acts, 1, 2)
+        normal += _LITTLE * np.trace(normal, axis1=1, axis2=2)[:, None, None] * np.eye(len(shapes))
         return np.asarray(np.linalg.solve(normal, weighted @ goal[..., None])[..., 0])
 
-    amplitudes = solve(np.broadcast_to(shapes, (len(value), *shapes.shape)), measured, weight > 0)
+    start = np.broadcast_to(shapes, (len(value), *shapes.shape))
+    amplitudes, step = solve(start, measured, np.sign(weight)), 0.01
     for _ in range(_STEPS):
         film = np.clip(amplitudes @ shapes, *curve.films[[0, -1]])
         expected, slope = curve.predict(film)
 
         # mean over a cell in which the film differs, to second order
-        spread = sum(
-            (amplitudes @ rate) ** 2 * (2 / cells) ** 2 / 12
-            for rate, cells in zip(rates, CELLS[::-1], strict=True)
-        )
+        spread = np.sum((amplitudes @ rates) ** 2, axis=0) / 12
         bend = (curve.predict(film + step)[1] - curve.predict(film - step)[1]) / (2 * step)
-        rest, acts = value - expected - 0.5 * bend * spread, slope[:, None] * shapes
-        rest = np.where(weight > 0, rest, 0.0)
+        rest = np.where(weight > 0, value - expected - 0.5 * bend * spread, 0.0)
+        acts = slope[:, None] * shapes
         change = solve(acts, rest, weight)
         amplitudes = amplitudes + change
     return film, slope, rest - np.einsum("fs,fsc->fc", change, acts)
 
 
-def _separate(
-    rest: Array, weight: Array, slope: Array, places: tuple[Array, Array]
-) -> tuple[Array, Array, Array] | None:
-    """Fixed factor of each cell without what is smooth, its noise, and both as projections.
+def _separate(rest: Array, weight: Array, slope: Array, shapes: int) -> tuple[Array, Array]:
+    """Fixed factor of each cell beside its marks, and its variance; NaN where films hardly differ.
 
-    Returns the projection (cell, n), the factor (n,) and its covariance (n, n); None where the
-    films do not separate the factor from the marks.
+    `shapes` is the number of those that were fitted to each frame.
     """
     own, mixed, marks = ((weight * slope**n).sum(axis=0) for n in range(3))
-    whole = own * marks
-    known = whole - mixed**2 > _DEPENDENT * whole
-    if known.sum() < _FEWEST:
-        return None
-    own, mixed, marks = own[known], mixed[known], marks[known]
-    rest, weight, slope = (one[:, known] for one in (rest, weight, slope))
-    of_factor, of_marks = ((weight * one * rest).sum(axis=0) for one in (1.0, slope))
     det = own * marks - mixed**2
+    det = np.where(det > _DEPENDENT * own * marks, det, np.nan)
+    of_factor, of_marks = ((weight * slope**n * rest).sum(axis=0) for n in range(2))
     factor = (marks * of_factor - mixed * of_marks) / det
     left = rest - factor - slope * (own * of_marks - mixed * of_factor) / det
 
-    # noise beyond that of photons
-    shapes = _shapes(*places)[:, known]
-    freedom = (weight > 0).sum() - 2 * known.sum() - len(shapes) * len(rest)
-    excess = max(float((weight * left**2).sum()) / max(int(freedom), 1), 1.0)
-
-    rough = np.zeros((known.size, known.sum() - len(shapes)))
-    rough[known] = np.linalg.qr(shapes.T, mode="complete")[0][:, len(shapes) :]
-    noise = np.zeros(known.size)
-    noise[known] = excess * marks / det
-    whole = np.zeros(known.size)
-    whole[known] = factor
-    return rough, rough.T @ whole, (rough.T * noise) @ rough
+    # noise beyond that of photons; the gap of each frame takes its share of the freedom
+    count = weight > 0
+    share = 1 - shapes / np.maximum(count.sum(axis=1), shapes + 1)
+    excess = (weight * left**2).sum(axis=0) / np.maximum(share @ count - 2, 1)
+    return factor, np.maximum(excess, 1.0) * marks / det
 
 
 def _likeliest(
-    rough: Array, factor: Array, noise: Array, centres: tuple[Array, Array]
+    factor: Array, noise: Array, shapes: Array, centres: list[Array]
 ) -> tuple[float, float, float, float]:
     """Rise of the logarithm of the likelihood by a texture; its size, standard deviation, length.
 
-    Of all cells; the mean over a cell is that of a Gaussian of the same width.
+    Without the smooth shapes; the mean over a cell is that of a Gaussian of the same width.
     """
-    root = np.linalg.inv(np.linalg.cholesky(noise))
-    seen, acts = root @ factor, root @ rough.T
-    widths = [np.ptp(at) / (cells - 1) for at, cells in zip(centres, CELLS[::-1], strict=True)]
+    rough = np.linalg.qr(shapes.T, mode="complete")[0][:, len(shapes) :]
+    root = np.linalg.inv(np.linalg.cholesky((rough.T * noise) @ rough)) @ rough.T
+    widths = [np.ptp(at) / (np.unique(at).size - 1) for at in centres]
     variance = np.geomspace(_SMALLEST, _LARGEST, _SIZES)[:, None] ** 2
     best = (-math.inf, 0.0, 0.0, 1.0)
-    for length in np.geomspace(0.5 * max(widths), 6 * min(widths), _LENGTHS):
-        covariance = np.ones((1, 1))
+    for length in np.geomspace(0.5 * max(widths), _LONGEST * min(widths), _LENGTHS):
+        covariance = 1.0
         for at, width in zip(centres, widths, strict=True):
-            seen_length = length**2 + width**2 / 3
-            apart = np.subtract.outer(at, at) ** 2 / seen_length
-            covariance = covariance * length / math.sqrt(seen_length) * np.exp(-apart)
-        power, axes = np.linalg.eigh(acts @ covariance @ acts.T)
-        share = (axes.T @ seen) ** 2
-        total = 1 + variance * np.maximum(power, 0)
+            seen = length**2 + width**2 / 3
+            apart = np.subtract.outer(at, at) ** 2
+            covariance = covariance * length / math.sqrt(seen) * np.exp(-apart / seen)
+        power, axes = np.linalg.eigh(root @ covariance @ root.T)
+        share, total = (axes.T @ (root @ factor)) ** 2, 1 + variance * power
         gains = 0.5 * (share - share / total - np.log(total)).sum(axis=1)
         k = int(np.argmax(gains))
         if gains[k] > best[0]:
-            size = math.sqrt(float(variance[k, 0]))
-            information = 0.5 * float(((power / total[k]) ** 2).sum())
-            best = float(gains[k]), size, information**-0.5 / (2 * size), float(length)
+            size = float(variance[k, 0] ** 0.5)
+            std = 1 / (size * math.sqrt(2 * ((power / total[k]) ** 2).sum()))
+            best = float(gains[k]), size, std, float(length)
     return best
