@@ -32,7 +32,7 @@ _LENGTHS, _SIZES = 8, 200  # that are tried, to 8 % of the variance
 _SMALLEST, _LARGEST = 1e-3, 0.3  # sizes among which the true one is sought
 _NOTED = 0.0015  # flat frames of small pictures leave as much
 _SIGNIFICANT = 12.0  # rise of the logarithm of the likelihood: five standard deviations
-_GRID = 24, 24  # places of a region
+_GRID = 24  # places along and across a region
 _LITTLE = 1e-9  # ridge over the trace: the cells of a frame may lie in few columns
 _DEPENDENT = 1e-6  # determinant over its largest value from which f and m are not separated
 
@@ -77,23 +77,20 @@ class Texture:
         array, (1 + place,)
             That of the mean where a place is not known.
         """
-        # weights of even places of the region in the mean, and in the least squares of the gap
-        order = (0, 1) if along_x else (1, 0)
-        sides = [(region.columns, region.rows)[n] for n in order]
-        even = [one.ravel() for one in np.meshgrid(*(np.linspace(-1, 1, n) for n in _GRID))]
-        at = [
-            2 * (places[:, n] - side.start) / (side.stop - 1 - side.start) - 1
-            for n, side in zip(order, sides, strict=True)
-        ]
-        shapes = gap_shapes(even[0], even[1], contact)
-        weights = gap_shapes(at[0], at[1], contact).T @ np.linalg.solve(shapes @ shapes.T, shapes)
-        weights = np.vstack([np.full(even[0].size, 1 / even[0].size), weights])
+        order = slice(None) if along_x else slice(None, None, -1)
+        sides = [(one.start, one.stop - one.start) for one in (region.columns, region.rows)]
+        start, size = np.array(sides[order])[..., None].swapaxes(0, 1)
+        even = np.stack(np.meshgrid(*[np.linspace(-1, 1, _GRID)] * 2)).reshape(2, -1)
+        at = 2 * (places[:, order].T - start) / (size - 1) - 1
 
-        pixels = np.stack(
-            [one * (side.stop - side.start) / 2 for one, side in zip(even, sides, strict=True)]
-        )
-        apart = ((pixels[:, :, None] - pixels[:, None]) ** 2).sum(axis=0)
-        ratios = np.sqrt(np.sum(weights @ np.exp(-apart / self.length**2) * weights, axis=1))
+        # weights of even places of the region in the mean, and in the least squares of the gap
+        shapes, wanted = gap_shapes(even[0], even[1], contact), gap_shapes(at[0], at[1], contact)
+        of_gap = wanted.T @ np.linalg.solve(shapes @ shapes.T, shapes)
+        weights = np.vstack([np.full_like(even[0], 1 / even[0].size), of_gap])
+        pixels = even * size / 2
+        apart = np.square(pixels[..., None] - pixels[:, None]).sum(axis=0)
+        common = np.exp(-apart / self.length**2)
+        ratios = np.sqrt(np.sum(weights @ common * weights, axis=1))
         return np.asarray(np.where(np.isfinite(ratios), ratios, ratios[0]))
 
 
@@ -134,8 +131,8 @@ def find_texture(
     if frames.sum() < FEWEST_FRAMES:
         return None
     weight = np.where(chosen, 1 / np.where(chosen, variance, 1.0), 0.0)[frames]
-    x, y = (2 * (at - at.min()) / np.ptp(at) - 1 for at in centres)
-    shapes, rates = _shapes(x, y), _change_within(centres, x, y)
+    places = np.array([2 * (at - at.min()) / np.ptp(at) - 1 for at in centres])
+    shapes, rates = _shapes(*places), _change_within(centres, places)
     curve, value, measured = FilmCurve.of(calibration), value[frames], measured[frames]
     film, slope, rest = _fit_gaps(value, measured, weight, curve, shapes, rates)
 
@@ -157,18 +154,17 @@ def _shapes(x: Array, y: Array) -> Array:
     return np.stack([a * b for n, a in enumerate(along) for b in down[: _DEGREE + 1 - n]])
 
 
-def _change_within(centres: tuple[Array, Array], x: Array, y: Array) -> Array:
+def _change_within(centres: tuple[Array, Array], places: Array) -> Array:
     """Change of the shapes over the width of each cell along x and y, (direction, shape, cell)."""
     changes = []
-    for centre, along, down in ((centres[0], 1.0, 0.0), (centres[1], 0.0, 1.0)):
+    for n, centre in enumerate(centres):
         # cells are whole blocks side by side
-        middles, at = np.unique(centre, return_inverse=True)
-        widths = [2 * middles[0] + 1]
-        for step in np.diff(middles):
-            widths.append(2 * step - widths[-1])
-        half = np.array(widths)[at] / np.ptp(centre)
-        ends = (_shapes(x + side * along * half, y + side * down * half) for side in (1, -1))
-        changes.append(np.subtract(*ends))
+        middles, cell = np.unique(centre, return_inverse=True)
+        edges = [-0.5]
+        for middle in middles:
+            edges.append(2 * middle - edges[-1])
+        half = np.eye(2)[n][:, None] * np.diff(edges)[cell] / np.ptp(centre)
+        changes.append(_shapes(*(places + half)) - _shapes(*(places - half)))
     return np.array(changes)
 
 
