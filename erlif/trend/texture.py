@@ -224,20 +224,22 @@ def _likeliest(
     rough = np.linalg.qr(shapes.T, mode="complete")[0][:, len(shapes) :]
     root = np.linalg.inv(np.linalg.cholesky((rough.T * noise) @ rough)) @ rough.T
     widths = [np.ptp(at) / (np.unique(at).size - 1) for at in centres]
-    variance = np.geomspace(_SMALLEST, _LARGEST, _SIZES)[:, None] ** 2
-    best = (-math.inf, 0.0, 0.0, 1.0)
-    for length in np.geomspace(0.5 * max(widths), _LONGEST * min(widths), _LENGTHS):
-        covariance = 1.0
+    sizes = np.geomspace(_SMALLEST, _LARGEST, _SIZES)
+    lengths = np.geomspace(0.5 * max(widths), _LONGEST * min(widths), _LENGTHS)
+    gains = []
+    for length in lengths:
+        covariance = np.ones((1, 1))
         for at, width in zip(centres, widths, strict=True):
             seen = length**2 + width**2 / 3
             apart = np.subtract.outer(at, at) ** 2
             covariance = covariance * length / math.sqrt(seen) * np.exp(-apart / seen)
         power, axes = np.linalg.eigh(root @ covariance @ root.T)
-        share, total = (axes.T @ (root @ factor)) ** 2, 1 + variance * power
-        gains = 0.5 * (share - share / total - np.log(total)).sum(axis=1)
-        k = int(np.argmax(gains))
-        if gains[k] > best[0]:
-            size = float(variance[k, 0] ** 0.5)
-            std = 1 / (size * math.sqrt(2 * ((power / total[k]) ** 2).sum()))
-            best = float(gains[k]), size, std, float(length)
-    return best
+        share, total = (axes.T @ (root @ factor)) ** 2, 1 + sizes[:, None] ** 2 * power
+        gains.append(0.5 * (share - share / total - np.log(total)).sum(axis=1))
+
+    # means over all sizes and lengths, each as likely before as any other
+    likely = np.exp(np.array(gains) - np.max(gains))
+    of_size, squares = likely.sum(axis=0) / likely.sum(), likely @ sizes**2
+    size = math.sqrt(float(of_size @ sizes**2))
+    std = math.sqrt(max(size**2 - float(of_size @ sizes) ** 2, 0.0))
+    return float(np.max(gains)), size, std, float(squares @ lengths / squares.sum())
