@@ -379,16 +379,17 @@ def find_light(
             lights, calibration, reference, pairs=triggers.size, patch=plane.patch
         )
     darks = find_dark_levels(lights, correct.unlit, correct.references.gain.values)
+    # the lobes of a bore are no smooth gap
+    smooth = plane.bore is None and bool(calibration.systematics)
+    cells = cells_of_region(lights, plane) if smooth else None
+    texture = None if cells is None else find_texture(*cells, calibration.at(0.5))
+
+    # the gap shows errors where nothing else stands still in the image
     errors = None
-    beyond = bool(darks)  # a background beyond its width
+    beyond = bool(darks) or texture is not None  # darks: a background beyond its width
     beyond |= is_beyond_widths(calibration, background, bleaching, course, triggers.size)
     if not options.corrects_light and not beyond:
         errors = find_errors(lights, calibration, plane, pairs=triggers.size)
-    # the lobes of a bore are no smooth gap
-    cells = (
-        cells_of_region(lights, plane) if plane.bore is None and calibration.systematics else None
-    )
-    texture = None if cells is None else find_texture(*cells, calibration.at(0.5))
     return LightFindings(
         background, bleaching, source, course, scale, errors, tuple(darks), texture
     )
