@@ -16,7 +16,7 @@ from erlif.models.contact import contact_modulus
 from erlif.pipeline.engines.results import FrameResult, shares_passed
 from erlif.pipeline.physics.position import clearance_std
 from erlif.pipeline.plane import ObjectPlane
-from erlif.ratio import LightCells, cell_centres
+from erlif.ratio import NO_CELLS, LightCells, cell_centres
 from erlif.trend import ErrorEstimate, estimate_errors
 
 # Shift over its standard deviation from which a note is a warning.
@@ -38,8 +38,8 @@ def cells_of_region(
     lights: Mapping[int, FrameResult], plane: ObjectPlane
 ) -> tuple[LightCells, tuple[Array, Array]] | None:
     """Cells of all frames within the region of interest, and their middles; None without light."""
-    parts = np.array([lights[frame].cells for frame in sorted(lights)], float)
-    parts = parts.reshape(len(lights), 4, -1)
+    cells = [lights[frame].cells for frame in sorted(lights)] or [NO_CELLS]
+    parts = np.array(cells, float).reshape(len(cells), 4, -1)
     if not np.isfinite(parts).any():
         return None
 
