@@ -315,21 +315,30 @@ class Systematics:
         """
         if not (own := self.places("ratio")).size:
             return self
-        count, constant = len(self.terms), own[0]
-        covariance = np.zeros((count + 1, count + 1))
-        covariance[:count, :count] = self.covariance
-        covariance[count, count] = size**2
+        added = RISE if start is None else STEP
+        found, constant = self.with_parameter("ratio", added, size**2), own[0]
         if start is not None:
+            covariance = found.covariance
             covariance[constant, constant] += size**2
-            covariance[count, count] *= 2
-            covariance[constant, count] = covariance[count, constant] = -(size**2)
+            covariance[-1, -1] *= 2
+            covariance[constant, -1] = covariance[-1, constant] = -(size**2)
+        return replace(found, start=self.start if start is None else start)
+
+    def with_parameter(self, term: str, parameter: Parameter, variance: float) -> Systematics:
+        """Return a copy with one more parameter, as the last, independent of all others."""
+        covariance = np.pad(self.covariance, (0, 1))
+        covariance[-1, -1] = variance
+        both = self.before, self.scatter
+        before, scatter = (None if one is None else np.pad(one, (0, 1)) for one in both)
         return replace(
             self,
-            terms=(*self.terms, "ratio"),
-            parameters=(*self.parameters, RISE if start is None else STEP),
+            terms=(*self.terms, term),
+            parameters=(*self.parameters, parameter),
             covariance=covariance,
-            cross=np.column_stack([self.cross, np.zeros(len(self.cross))]),
-            start=self.start if start is None else start,
+            cross=np.pad(self.cross, ((0, 0), (0, 1))),
+            value=None if self.value is None else np.append(self.value, 0.0),
+            before=before,
+            scatter=scatter,
         )
 
     def gradient(

@@ -248,6 +248,14 @@ class _Field(Term, key="field"):
     )
 
 
+class _Texture(Term, key="texture"):
+    # a run alone shows it, and adds its parameter
+    what = "what stands still in the image"
+    cure = "Clean windows and flats; take a wall of even finish"
+    file = ""
+    parameters = (Parameter("texture", lambda at: 1.0),)
+
+
 class _Lag(Term, key="lag"):
     """Light of the last frame that a camera keeps, as a share of the ratio."""
 

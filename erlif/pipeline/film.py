@@ -51,11 +51,13 @@ from erlif.pipeline.physics.prediction import (
     try_prediction,
 )
 from erlif.pipeline.physics.systematics import follow_course
+from erlif.pipeline.physics.texture import with_texture
 from erlif.pipeline.recording.omissions import note_omissions
 from erlif.pipeline.recording.prepare import PreparedRun
 from erlif.pipeline.recording.pulses import check_pulses, read_energies
 from erlif.ratio import BlurDifference
 from erlif.registration import CameraMap, move_map
+from erlif.trend import GapShape
 
 _logger = logging.getLogger(__name__)
 
@@ -176,6 +178,8 @@ def with_light(draft: FilmDraft) -> FilmDraft:
     # statistics and positions with the errors of the run, a significant course among them
     pairs = len(run.pairs.pages[0])
     results = follow_course(draft.results, ready.curve, counted.course, pairs=pairs)
+    contact = GapShape(draft.film.attrs["contact"])
+    results, curve = with_texture(results, curve, findings.texture, ready.plane, contact)
     film = draft.film.assign(describe_statistics(results, curve))
     positions = [one.position for one in results]
     film = film.assign(describe_positions(positions, curve, ready.plane.view)).assign(light)

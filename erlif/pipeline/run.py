@@ -26,6 +26,7 @@ from erlif.pipeline.film import summarise_triggers, with_light, with_record, wit
 from erlif.pipeline.fixture import find_calibration
 from erlif.pipeline.physics.clock import fit_start
 from erlif.pipeline.physics.joint import locate_run
+from erlif.pipeline.physics.texture import widen_maps
 from erlif.pipeline.recording.prepare import PreparedRun, prepare_run
 from erlif.pipeline.recording.pulses import check_first_pulses
 from erlif.pipeline.work import FilmWork
@@ -164,6 +165,7 @@ def process_run(
             hashes = work.hash_inputs(results)
             draft = with_light(summarise_triggers(ready, triggers, results))
             film, groups = with_record(with_theory(draft), hashes)
+            widen_maps(unfinished.maps, len(results), draft.curve)
         work.write(unfinished, film, groups, hashes)
     return True
 

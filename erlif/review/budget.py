@@ -21,12 +21,13 @@ from erlif.io.files import takes
 from erlif.io.ingest import open_run
 from erlif.pipeline.chain import FrameChain, one_thread_per_frame
 from erlif.pipeline.cycle import group_frames
-from erlif.pipeline.engines.results import share_passed
+from erlif.pipeline.engines.results import TriggerResult, share_passed
 from erlif.pipeline.fixture import find_calibration
 from erlif.pipeline.physics.clock import fit_start
 from erlif.pipeline.physics.joint import locate_run
 from erlif.pipeline.physics.light import measure_lights
 from erlif.pipeline.physics.systematics import has_dry_joint
+from erlif.pipeline.physics.texture import with_texture
 from erlif.pipeline.recording.prepare import PreparedRun, prepare_run
 from erlif.planning import target as planned
 from erlif.ratio import PairRatio, RatioSum
@@ -158,7 +159,7 @@ def budget(
 
     # errors of noise by source need the references, light that is not film the whole run
     ready = prepare_run(run, cycle, curve, known, progress, tables_only=False)
-    _, _, whole = ready.judge_light(lambda: measure_lights(ready.chain, ready.plane.patch))
+    findings, _, whole = ready.judge_light(lambda: measure_lights(ready.chain, ready.plane.patch))
     measuring = whole.at(share_passed(frames, len(run.pairs.pages[0])))
     plane = ready.plane
 
@@ -182,6 +183,10 @@ def budget(
         sliding_along_x=plane.sliding_along_x,
         contacts=plane.contacts,
     )
+    (result,), measuring = with_texture(
+        [TriggerResult(statistics, (), ())], measuring, findings.texture, plane, plane.contacts[0]
+    )
+    statistics = result.statistics
 
     # film thickness by the surroundings of each pixel
     near = np.where(valid, maps.log_ratio_near.values, 0.0)

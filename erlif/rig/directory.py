@@ -195,7 +195,7 @@ def write_rig(out: Path, *, seed: int, rig: RigSettings, progress: Progress) -> 
     if rig.fixture_after:
         last = frame_times(list_pictures(rig), rig).size - 1
         same_wall = dataclasses.replace(rig, wall=(rig.wall[0], rig.wall[0]))
-        aged = age(dataclasses.replace(setup, rig=same_wall), last, last + 1)
+        aged = age(dataclasses.replace(setup, rig=same_wall, texture=None), last, last + 1)
         write_fixture(out / "fixture_after", aged, seed, progress, session=1)
         shutil.copy(out / "fixture" / "profile.csv", out / "fixture_after")
 
@@ -302,6 +302,11 @@ def age(setup: Setup, pulse: int, pulses: int) -> Setup:
     )
     if oil != DyedOil(reflectance=rig.wall[0]):
         setup = dataclasses.replace(setup, signals=_signals(rig.dyes, oil))
+    if setup.texture is not None:
+        walls = (dataclasses.replace(oil, reflectance=n * rig.wall[1]) for n in range(3))
+        signals = tuple(_signals(rig.dyes, wall) for wall in walls)
+        textured = dataclasses.replace(setup.texture, signals=signals)
+        setup = dataclasses.replace(setup, texture=textured)
     first, second = setup.cameras
     (start, factor), (since, rise) = rig.gain_step, rig.dark_step
     if factor != 1 and pulse >= start:
@@ -314,8 +319,8 @@ def age(setup: Setup, pulse: int, pulses: int) -> Setup:
     return dataclasses.replace(setup, cameras=(first, second))
 
 
-# a joint whose wall differs from the fixture's has one oil in all its frames
-_signals = lru_cache(maxsize=2)(signals_of)
+# a joint whose wall differs from the fixture's has one oil in all its frames, before three walls
+_signals = lru_cache(maxsize=4)(signals_of)
 
 
 def write_background_pages(directory: Path, setup: Setup, rng: np.random.Generator) -> None:

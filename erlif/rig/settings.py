@@ -232,6 +232,9 @@ class RigSettings:
         Concentrations of dye 1 and dye 2 in the run over those in the fixture.
     wall : tuple[float, float]
         Reflectance of the wall behind the film of the fixture and of the joint.
+    wall_texture : tuple[float, float]
+        Standard deviation of the reflectance of the joint's wall over the picture, relative to its
+        mean, and the length over which it is correlated (1/e) [mm].
     warming : float
         Rise of the oil's temperature from the first frame of the run to the last. [K]
     glow_per_kelvin : tuple[float, float]
@@ -384,6 +387,7 @@ class RigSettings:
     # what differs between fixture and run, or changes during it
     batch: tuple[float, float] = _limited((1.0, 1.0), 1e-3, 1000)
     wall: tuple[float, float] = _limited((0.0, 0.0), 0, 1)
+    wall_texture: tuple[float, float] = _limited((0.0, 1.0), 0, 1000)
     warming: float = _limited(0.0, -100, 100)
     glow_per_kelvin: tuple[float, float] = _limited((-0.002, -0.001), -0.05, 0.05)
     brightness: tuple[float, float] = _limited((1.0, 1.0), 0.01, 100)

@@ -32,7 +32,10 @@ STREAMS = (
     "run pages",
     "fixture pages",
     "run background",
+    "wall",
 )
+
+_WAVES = 128  # of which the texture of a wall is the sum
 
 _LARGEST_SHAKE = 6  # standard deviations of the vibration that the lattice of grains allows for
 _GRAIN_MARGIN = 8  # pixel: reach of the grains beyond the farthest object point
@@ -153,6 +156,45 @@ def _sum_grains(
 
 
 @dataclass(frozen=True)
+class Texture:
+    """A wall whose reflectance varies over the picture.
+
+    Attributes
+    ----------
+    waves : Array
+        Cosines of which it is the sum: wave vector along x and y [1/pixel], phase [rad], (wave, 3).
+    share : float
+        Standard deviation of the reflectance, relative to its mean. [1]
+    signals : tuple[tuple[Callable[[Array], Array], Callable[[Array], Array]], ...]
+        As those of a set-up, before a black wall, the mean one, and one of twice its reflectance;
+        empty before the even wall of the fixture.
+    """
+
+    waves: Array
+    share: float
+    signals: tuple[tuple[Callable[[Array], Array], Callable[[Array], Array]], ...] = ()
+
+    def light(self, number: int, film: Array, x: Array, y: Array) -> Array:
+        """Light of a film in camera `number`, relative to a very thick film.
+
+        It is a parabola of the reflectance.
+        """
+        total = sum(np.cos(along * x + down * y + phase) for along, down, phase in self.waves)
+        over_mean = np.maximum(1 + self.share * np.sqrt(2 / _WAVES) * total, 0.0)
+        black, mean, twice = (each[number - 1](film) for each in self.signals)
+        bend = (black + twice) / 2 - mean
+        return np.asarray(black + over_mean * (mean - black + bend * (over_mean - 1)))
+
+
+def draw_texture(rig: RigSettings, rng: np.random.Generator) -> Texture | None:
+    """Draw the wall of the joint; None where it is even."""
+    share, size = rig.wall_texture
+    std = np.sqrt(2) * rig.field_width / rig.width / size
+    vectors, phases = rng.normal(0, std, (_WAVES, 2)), rng.uniform(0, 2 * np.pi, (_WAVES, 1))
+    return Texture(np.hstack([vectors, phases]), share) if share else None
+
+
+@dataclass(frozen=True)
 class Setup:
     """Properties of the rig that are the same in all frames.
 
@@ -172,6 +214,8 @@ class Setup:
         Rows of the pixel centres, (y, x). [pixel]
     typical : tuple[float, float]
         Light of each camera that its background is a share of. [electron]
+    texture : Texture | None
+        Wall of the joint in place of an even one.
     """
 
     rig: RigSettings
@@ -181,6 +225,7 @@ class Setup:
     x: Array
     y: Array
     typical: tuple[float, float] = (0.0, 0.0)
+    texture: Texture | None = None
 
     def background(self, number: int, x: Array, y: Array) -> Array | float:
         """Electrons in camera `number` that do not come from the film, at object points (x, y).
@@ -201,7 +246,11 @@ class Setup:
         Transmission of the lens, speckle and pulse energy are not included.
         """
         scale = self.rig.light * self.rig.thick_film_signal[number - 1]
-        return np.asarray(scale * beam(x, y, self.rig) * self.signals[number - 1](film))
+        if self.texture is not None and self.texture.signals:
+            of_film = self.texture.light(number, film, x, y)
+        else:
+            of_film = self.signals[number - 1](film)
+        return np.asarray(scale * beam(x, y, self.rig) * of_film)
 
 
 def build_setup(seed: int, rig: RigSettings) -> Setup:
@@ -223,6 +272,7 @@ def build_setup(seed: int, rig: RigSettings) -> Setup:
         grains=draw_grains(rig, margin, random_stream(seed, "grains")),
         x=x,
         y=y,
+        texture=draw_texture(rig, random_stream(seed, "wall")),
     )
 
 

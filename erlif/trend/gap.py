@@ -51,6 +51,12 @@ class GapShape(StrEnum):
 _SHAPES = {GapShape.PLANE: 3, GapShape.LINE: 4, GapShape.POINT: 5}
 
 
+def gap_shapes(along: Array, across: Array, contact: GapShape) -> Array:
+    """Shapes whose sum is the gap, (shape, place), at places from -1 to 1 over the region."""
+    shapes = [np.ones_like(along), along, across, along**2, across**2]
+    return np.stack(shapes[: _SHAPES[contact]])
+
+
 class FilmNumber(NamedTuple):
     """A number of the film of one trigger, with the parts of its standard deviation.
 
@@ -259,7 +265,7 @@ def _fit_gap(
 
     # where no film is measurable
     s, z = _places_of_blocks(region, missing > 0, sliding_along_x=sliding_along_x)
-    shapes = np.stack([np.ones_like(s), s, z, s**2, z**2])[:count]
+    shapes = gap_shapes(s, z, contact)
     gap = fit.amplitudes @ shapes + (0.0 if bore is None else bore.within(axial, z))
     if (gap <= 0).any():
         return found

@@ -196,6 +196,25 @@ class NetcdfMaps:
         """Small arrays of a finished trigger, by the names given to `put`."""
         return dict(self._numbers[trigger])
 
+    def read(self, trigger: int, name: str) -> AnyArray:
+        """One map of a finished trigger, (y, x)."""
+        return np.asarray(self._file[name][trigger])
+
+    def revise(self, trigger: int, name: str, values: AnyArray) -> None:
+        """Replace one map of a finished trigger; resumed work begins from that before it.
+
+        Parameters
+        ----------
+        trigger : int
+        name : str
+            Of a map that is rounded by bits alone.
+        values : array, (y, x)
+        """
+        own = [one for one in self.variables if one.name == name]
+        chunk = encode_netcdf({name: values}, own)[name]
+        self._reserve(len(chunk))
+        self._targets[name].write_direct_chunk((trigger, 0, 0), chunk)
+
     def finish(self, film: xr.Dataset, groups: Mapping[str, xr.Dataset]) -> None:
         """Add the small variables, the groups and the attributes.
 

@@ -168,6 +168,17 @@ class ZarrMaps:
             raise KeyError(trigger)
         return record.numbers
 
+    def read(self, trigger: int, name: str) -> AnyArray:
+        """One map of a finished trigger, (y, x)."""
+        import zarr
+
+        return np.asarray(zarr.open_array(self.path / name, mode="r")[trigger])
+
+    def revise(self, trigger: int, name: str, values: AnyArray) -> None:
+        """Replace one map of a finished trigger, as `NetcdfMaps.revise` does."""
+        own = [one for one in self.variables if one.name == name]
+        self._write(self._chunks(trigger)[name], encode_zarr({name: values}, own)[name])
+
     def finish(self, film: xr.Dataset, groups: Mapping[str, xr.Dataset]) -> None:
         """Add the coordinates, the small variables, the groups and the attributes.
 

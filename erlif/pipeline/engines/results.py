@@ -154,7 +154,9 @@ class TriggerResult:
     position: PinPosition | None = None
     minima: Mapping[GapShape, GapMinimum] = field(default_factory=dict)
 
-    def with_parameter(self, like: int, weight: float) -> TriggerResult:
+    def with_parameter(
+        self, like: int, weight: float, *, minimum: float | None = None
+    ) -> TriggerResult:
         """Return a copy with one more parameter of the calibration, as the last.
 
         Parameters
@@ -163,17 +165,19 @@ class TriggerResult:
             Parameter that acts on the film in the same way.
         weight : float
             Its share of that effect in this trigger. [1]
+        minimum : float, optional
+            Its share in the minimum of the gap; default: the weight. [1]
 
         Returns
         -------
         TriggerResult
         """
 
-        def extend(gradient: Array) -> Array:
-            return np.concatenate([gradient, weight * gradient[..., like : like + 1]], axis=-1)
+        def extend(gradient: Array, share: float = weight) -> Array:
+            return np.concatenate([gradient, share * gradient[..., like : like + 1]], axis=-1)
 
-        def extended(number: FilmNumber) -> FilmNumber:
-            return number._replace(gradient=extend(number.gradient))
+        def extended(number: FilmNumber, share: float = weight) -> FilmNumber:
+            return number._replace(gradient=extend(number.gradient, share))
 
         statistics, position = self.statistics, self.position
         statistics = replace(
@@ -181,7 +185,7 @@ class TriggerResult:
             mean=extended(statistics.mean),
             inverse=extended(statistics.inverse),
             gap=statistics.gap._replace(
-                minimum=extended(statistics.gap.minimum),
+                minimum=extended(statistics.gap.minimum, weight if minimum is None else minimum),
                 mean=extended(statistics.gap.mean),
                 unseen=extended(statistics.gap.unseen),
             ),

@@ -8,7 +8,7 @@ from erlif.calibration import RunCurve
 from erlif.io.settings import LightOptions
 from erlif.pipeline.physics.dark import DarkLevel
 from erlif.pipeline.physics.reference import PatchScale
-from erlif.trend import BackgroundEstimate, CourseChange, ErrorEstimate, Trend
+from erlif.trend import BackgroundEstimate, CourseChange, ErrorEstimate, Texture, Trend
 
 
 @dataclass(frozen=True)
@@ -34,6 +34,8 @@ class LightFindings:
         beyond the widths.
     darks : tuple[DarkLevel, ...]
         Dark levels that are not those of the dark frames.
+    texture : Texture | None
+        What stands still in the image; None where nothing is significant.
     """
 
     background: BackgroundEstimate | None = None
@@ -43,6 +45,7 @@ class LightFindings:
     scale: PatchScale | None = None
     errors: ErrorEstimate | None = None
     darks: tuple[DarkLevel, ...] = ()
+    texture: Texture | None = None
 
     def complete(self, remaining: LightFindings, options: LightOptions) -> LightFindings:
         """Combine corrected effects, as found before, with those of the finished films."""

@@ -9,13 +9,14 @@ from dataclasses import replace
 import numpy as np
 
 from erlif.calibration import RunCurve
+from erlif.core.arrays import Array
 from erlif.core.notes import Note, remark, warn
 from erlif.io.settings import JointSettings
 from erlif.models.contact import contact_modulus
 from erlif.pipeline.engines.results import FrameResult, shares_passed
 from erlif.pipeline.physics.position import clearance_std
 from erlif.pipeline.plane import ObjectPlane
-from erlif.ratio import LightCells, cell_centres
+from erlif.ratio import NO_CELLS, LightCells, cell_centres
 from erlif.trend import ErrorEstimate, estimate_errors
 
 # Shift over its standard deviation from which a note is a warning.
@@ -31,6 +32,23 @@ def shows_errors(calibration: RunCurve, plane: ObjectPlane) -> bool:
         return False
     # the cells of a lobe hold many films
     return plane.view is not None and plane.settings.joint is not None and plane.bore is None
+
+
+def cells_of_region(
+    lights: Mapping[int, FrameResult], plane: ObjectPlane
+) -> tuple[LightCells, tuple[Array, Array]] | None:
+    """Cells of all frames within the region of interest, and their middles; None without light."""
+    cells = [lights[frame].cells for frame in sorted(lights)] or [NO_CELLS]
+    parts = np.array(cells, float).reshape(len(cells), 4, -1)
+    if not np.isfinite(parts).any():
+        return None
+
+    # beside the region of interest there may be a patch, or no joint
+    x, y = centres = cell_centres(plane.shape)
+    rows, columns = plane.region.rows, plane.region.columns
+    inside = (rows.start <= y) & (y < rows.stop) & (columns.start <= x) & (x < columns.stop)
+    parts[:, :, ~inside] = np.nan
+    return LightCells(*parts.transpose(1, 0, 2)), centres
 
 
 def find_errors(
@@ -53,23 +71,15 @@ def find_errors(
     ErrorEstimate or None
         None where `shows_errors` is false, and where the run does not determine them.
     """
-    if not shows_errors(calibration, plane):
+    if not shows_errors(calibration, plane) or (cells := cells_of_region(lights, plane)) is None:
         return None
     joint, view = plane.settings.joint, plane.view
     assert joint is not None
     assert view is not None
+    record, centres = cells
     frames = np.array(sorted(lights))
-    parts = np.array([lights[frame].cells for frame in frames], float).reshape(frames.size, 4, -1)
-    if not np.isfinite(parts).any():
-        return None
-
-    # beside the region of interest there may be a patch, or no joint
-    x, y = centres = cell_centres(plane.shape)
-    rows, columns = plane.region.rows, plane.region.columns
-    inside = (rows.start <= y) & (y < rows.stop) & (columns.start <= x) & (x < columns.stop)
-    parts[:, :, ~inside] = np.nan
     return estimate_errors(
-        LightCells(*parts.transpose(1, 0, 2)),
+        record,
         centres,
         calibration,
         view,

@@ -13,6 +13,7 @@ from erlif.calibration import RunCurve
 from erlif.core.arrays import AnyArray, Array
 from erlif.core.notes import Note, remark, warn
 from erlif.core.products import References
+from erlif.core.terms import TERMS
 from erlif.core.variables import FILM
 from erlif.io.ingest import FramePairs, Run
 from erlif.io.settings import LightOptions, ReferenceSettings
@@ -21,7 +22,7 @@ from erlif.pipeline.engines.engine import Threads
 from erlif.pipeline.engines.results import FrameResult, TriggerResult, shares_passed
 from erlif.pipeline.physics.dark import find_dark_levels
 from erlif.pipeline.physics.findings import LightFindings
-from erlif.pipeline.physics.gap import describe_gap, find_errors, with_errors
+from erlif.pipeline.physics.gap import cells_of_region, describe_gap, find_errors, with_errors
 from erlif.pipeline.physics.reference import (
     describe_reference,
     describe_scale,
@@ -38,9 +39,11 @@ from erlif.trend import (
     BackgroundEstimate,
     CourseChange,
     Region,
+    Texture,
     Trend,
     estimate_background,
     find_ratio_change,
+    find_texture,
     fit_trend,
 )
 
@@ -376,12 +379,20 @@ def find_light(
             lights, calibration, reference, pairs=triggers.size, patch=plane.patch
         )
     darks = find_dark_levels(lights, correct.unlit, correct.references.gain.values)
+    # the lobes of a bore are no smooth gap
+    smooth = plane.bore is None and bool(calibration.systematics)
+    cells = cells_of_region(lights, plane) if smooth else None
+    texture = None if cells is None else find_texture(*cells, calibration.at(0.5))
+
+    # the gap shows errors where nothing else stands still in the image
     errors = None
-    beyond = bool(darks)  # a background beyond its width
+    beyond = bool(darks) or texture is not None  # darks: a background beyond its width
     beyond |= is_beyond_widths(calibration, background, bleaching, course, triggers.size)
     if not options.corrects_light and not beyond:
         errors = find_errors(lights, calibration, plane, pairs=triggers.size)
-    return LightFindings(background, bleaching, source, course, scale, errors, tuple(darks))
+    return LightFindings(
+        background, bleaching, source, course, scale, errors, tuple(darks), texture
+    )
 
 
 def is_beyond_widths(
@@ -455,6 +466,20 @@ def describe_course(course: CourseChange | None, calibration: RunCurve) -> list[
     return [warn("course", text)]
 
 
+def describe_texture(texture: Texture | None, calibration: RunCurve) -> list[Note]:
+    """A warning of what stands still in the image."""
+    if texture is None:
+        return []
+    size, shift = 100 * texture.size, texture.size / float(calibration.slope(texture.film))
+    text = (
+        "while the film moves, a pattern of the ratio stands still in the image: "
+        f"{size:.2g} ± {100 * texture.std:.1g} %, {1e3 * shift:.0f} nm at {texture.film:.1f} um, "
+        f"correlated over {texture.length:.0f} px. Likely: dust on a window, a flat that is off, "
+        f"or a wall that reflects unevenly. The error bars include it. {TERMS['texture'].cure}"
+    )
+    return [warn("texture", text)]
+
+
 def correct_light(
     chain: FrameChain, calibration: RunCurve, findings: LightFindings, options: LightOptions
 ) -> tuple[FrameChain, RunCurve]:
@@ -501,6 +526,7 @@ def describe_light(
     notes = describe_course(findings.course, calibration)
     taken_out = options.errors == "correct" or calibration.follows_run
     notes += describe_gap(findings.errors, calibration, corrected=taken_out)
+    notes += describe_texture(findings.texture, calibration)
     for more, also in parts:
         variables |= more
         notes += also

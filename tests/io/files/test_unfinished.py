@@ -3,6 +3,7 @@
 import logging
 import re
 
+import numpy.testing as npt
 import pytest
 from scenes.stores import FILM, GRID, GROUPS, VARIABLES, contents, maps_of, read_store
 
@@ -189,3 +190,17 @@ def test_remains_of_a_process_at_work_are_refused(complete):
     remove_remains(complete)
     with begin(complete), pytest.raises(OutputError, match="another erlif process"):
         remove_remains(complete)
+
+
+def test_a_map_of_a_finished_trigger_is_read_and_replaced(output):
+    name = "thickness_std"
+    with begin(output) as work:
+        put(work, 0, 1)
+        before = [work.maps.read(trigger, name) for trigger in (0, 1)]
+        work.maps.revise(1, name, 2 * before[1])
+        npt.assert_array_equal(work.maps.read(0, name), before[0])
+        npt.assert_allclose(work.maps.read(1, name), 2 * before[1], rtol=0.05)
+        put(work, *range(2, GRID.sizes["trigger"]))
+        write_film(work, FILM, GROUPS)
+    with read_store(output) as film:
+        npt.assert_allclose(film[name][1], 2 * before[1], rtol=0.05)

@@ -12,7 +12,7 @@ from scenes.rig import small_rig
 import erlif
 from conftest import Laboratory, processed, simulated
 from erlif.core.notes import Level
-from erlif.pipeline.physics.gap import describe_gap, find_errors
+from erlif.pipeline.physics.gap import cells_of_region, describe_gap, find_errors
 from erlif.pipeline.physics.light import is_beyond_widths
 from erlif.pipeline.plane import ObjectPlane
 from erlif.show.plots import example_calibration
@@ -151,3 +151,7 @@ def test_a_wrong_dark_leaves_the_errors_to_their_widths(tmp_path):
     assert "dark" in notes
     pull = (film.film_min - lab.truth.film_min) / film.film_min_std
     assert float(np.abs(pull).max()) < 2
+
+
+def test_without_light_there_are_no_cells():
+    assert cells_of_region({}, None) is None

@@ -1,0 +1,60 @@
+"""What stands still in the image, in the errors of numbers and maps."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from erlif.calibration import RunCurve
+from erlif.core.terms import CONSTANT, TERMS
+from erlif.io.files import MapStore
+from erlif.pipeline.engines.results import TriggerResult
+from erlif.pipeline.plane import ObjectPlane
+from erlif.trend import GapShape, Texture
+
+_FILMS = 400  # of the range, at which the error of a pixel is tabulated
+
+
+def with_texture(
+    results: Sequence[TriggerResult],
+    calibration: RunCurve,
+    texture: Texture | None,
+    plane: ObjectPlane,
+    contact: GapShape,
+) -> tuple[list[TriggerResult], RunCurve]:
+    """Results and calibration with one more parameter, the last: what stands still in the image.
+
+    Its error is that of a pixel; numbers of a region depend on it less.
+    """
+    if texture is None:
+        return list(results), calibration
+    places = np.array([one.statistics.gap.place for one in results])
+    shares = texture.in_numbers(plane.region, places, contact, along_x=plane.sliding_along_x)
+    systematics, (added,) = calibration.systematics, TERMS["texture"].parameters
+    like = len(systematics.cross) + systematics.place("ratio", CONSTANT)
+    found = systematics.with_parameter("texture", added, texture.size**2)
+    return [
+        result.with_parameter(like, float(shares[0]), minimum=float(share))
+        for result, share in zip(results, shares[1:], strict=True)
+    ], replace(calibration, systematics=found)
+
+
+def widen_maps(maps: MapStore, triggers: int, curve: RunCurve) -> None:
+    """Add the error by what stands still in the image to the maps of a film that is measured.
+
+    Parameters
+    ----------
+    maps : MapStore
+    triggers : int
+    curve : RunCurve
+        As `with_texture` returns it.
+    """
+    if not (size := curve.systematics.widths.get("texture", 0.0)):
+        return
+    films, name = np.linspace(*curve.thickness_range, _FILMS), "thickness_std_shared"
+    added = size / curve.slope(films)
+    for trigger in range(triggers):
+        film, std = maps.read(trigger, "thickness"), maps.read(trigger, name)
+        maps.revise(trigger, name, np.hypot(std, np.interp(film, films, added)))

@@ -1,0 +1,49 @@
+"""Films before a wall of uneven finish, from frames to error bars."""
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+from scenes.rig import small_rig
+
+import erlif
+from conftest import Laboratory
+
+EVEN = small_rig(film_reference=6.0, bubbles=0, wall=(0.1, 0.1))
+NOTE = "a pattern of the ratio stands still in the image"
+
+
+def photograph(tmp_path, **faults):
+    return Laboratory.simulated(tmp_path, seed=81, rig=EVEN.__class__(**{**vars(EVEN), **faults}))
+
+
+def share_within(film, truth, stds):
+    """Share of the valid pixels whose error is below so many standard deviations."""
+    valid = film["flags"].values == 0
+    std = np.hypot(film.thickness_std, film.thickness_std_shared).values
+    return np.mean(np.abs(film.thickness.values - truth)[valid] < stds * std[valid])
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("length", [1.0, 3.0])
+def test_the_error_bars_hold_films_before_an_uneven_wall(tmp_path, length):
+    lab = photograph(tmp_path, wall_texture=(0.5, length))
+    film = erlif.process(lab.run)
+    assert NOTE in film.attrs["notes"]
+    truth = lab.truth.film.values
+    assert share_within(film, truth, 1) > 0.6
+    assert share_within(film, truth, 2) > 0.9
+    assert (np.abs(film.film_min - lab.truth.film_min.values) < 3 * film.film_min_std).all()
+
+    # it is named beside the other terms, and the store of zarr has the same maps
+    texture = film.film_mean_error.sel(error_term=film.error_term == "texture")
+    assert (texture > 0.02).all()
+    stored = erlif.process(lab.run, output=tmp_path / "film.zarr")
+    for name in ("thickness", "thickness_std_shared"):
+        npt.assert_allclose(stored[name], film[name], rtol=0.1)
+
+
+@pytest.mark.slow
+def test_an_even_wall_gives_no_warning(tmp_path):
+    film = erlif.process(photograph(tmp_path).run)
+    assert NOTE not in film.attrs["notes"]
+    assert "texture" not in film.error_term

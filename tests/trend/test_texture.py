@@ -1,0 +1,85 @@
+"""What stands still in the image, from cells of known films, factors and marks."""
+
+import numpy as np
+import pytest
+
+from erlif.core.terms import TERMS
+from erlif.ratio.cells import LightCells, cell_centres
+from erlif.show.plots import example_calibration
+from erlif.trend import GapShape, Region, find_texture
+from erlif.trend.texture import Texture
+
+SHAPE = 400, 480
+CENTRES = cell_centres(SHAPE)
+CURVE = example_calibration()
+NOISE = 1e-3
+
+
+def draw_field(length, rng, places=CENTRES):
+    """Gaussian fields of standard deviation 1 at places, correlated as exp(-d^2 / length^2)."""
+    apart = sum(np.subtract.outer(at, at) ** 2 for at in places)
+    root = np.linalg.cholesky(np.exp(-apart / length**2) + 1e-9 * np.eye(len(apart)))
+    return root @ rng.standard_normal(len(apart))
+
+
+def photograph(factor, *, swing=1.5, marks=0.1, frames=40, seed=0):
+    """Cells of a film that moves by `swing` [um] about 4 um, with a fixed factor of the ratio."""
+    rng = np.random.default_rng(seed)
+    x, y = (2 * at / np.ptp(at) - 1 for at in CENTRES)
+    move = swing * np.sin(np.linspace(0, 2 * np.pi, frames))
+    film = 4 + move[:, None] + 0.8 * x**2 + 0.1 * y + marks * rng.standard_normal(x.size)
+    log_ratio = CURVE.predict_log(film) + factor + NOISE * rng.standard_normal(film.shape)
+    return LightCells(0 * film, log_ratio, 0 * film, 0 * film + NOISE**2)
+
+
+@pytest.mark.parametrize("length", [40, 100])
+def test_size_and_length_of_a_fixed_factor_are_found(length):
+    sizes = []
+    for seed in range(6):
+        factor = 0.01 * draw_field(length, np.random.default_rng(seed))
+        found = find_texture(photograph(factor, seed=seed), CENTRES, CURVE)
+        assert 0.6 < found.length / length < 1.7
+        sizes.append(found.size)
+    # the mean over a cell of 40 pixels has less of it than a pixel: here cells are points
+    assert 0.8 < np.mean(sizes) / 0.01 < (1.6 if length == 40 else 1.3)
+
+
+def test_marks_that_stand_still_are_film():
+    for seed in range(10):
+        assert find_texture(photograph(0.0, seed=seed, marks=0.2), CENTRES, CURVE) is None
+
+
+def test_a_factor_that_is_smooth_over_the_picture_is_left_to_the_gap():
+    x, y = (2 * at / np.ptp(at) - 1 for at in CENTRES)
+    assert find_texture(photograph(0.01 * (x - x * y + y**2)), CENTRES, CURVE) is None
+
+
+def test_a_film_that_stands_still_shows_nothing():
+    factor = 0.01 * draw_field(60, np.random.default_rng(1))
+    assert find_texture(photograph(factor, swing=0.0), CENTRES, CURVE) is None
+
+
+@pytest.mark.parametrize("along_x", [True, False])
+def test_error_of_mean_and_minimum_is_that_of_fits_to_drawn_fields(along_x):
+    rng, grid = np.random.default_rng(3), np.linspace(-1, 1, 20)
+    u, v = (one.ravel() for one in np.meshgrid(grid, grid))
+    s, z = (u, v) if along_x else (v, u)
+    shapes = np.stack([np.ones_like(s), s, z, s**2])
+    region = Region(slice(0, 200), slice(0, 300))
+    fields = np.array([draw_field(60, rng, (150 * u, 100 * v)) for _ in range(300)])
+    fitted = np.linalg.lstsq(shapes.T, fields.T, rcond=None)[0]
+
+    # in the middle along sliding, at the edge across it
+    at_edge = fitted[0] + fitted[2]
+    place = [149.5, 199.0] if along_x else [299.0, 99.5]
+    texture = Texture(size=0.01, std=0.001, length=60.0, film=4.0)
+    mean, edge, unknown = texture.in_numbers(
+        region, np.array([place, [np.nan] * 2]), GapShape.LINE, along_x=along_x
+    )
+    np.testing.assert_allclose([mean, edge], [fields.mean(axis=1).std(), at_edge.std()], rtol=0.15)
+    assert unknown == mean
+
+
+def test_a_term_of_the_budget_names_it():
+    assert TERMS["texture"].cure
+    assert not TERMS["texture"].file
