@@ -5,7 +5,6 @@ from __future__ import annotations
 import glob
 import hashlib
 import os
-import re
 from collections.abc import Collection, Iterator, Sequence
 from contextlib import closing
 from dataclasses import dataclass, field
@@ -25,6 +24,7 @@ from erlif.io.ingest.counts import (
     convert_counts,
     count_padding,
 )
+from erlif.io.ingest.order import sort_files
 from erlif.io.ingest.selection import WHOLE, Selection
 from erlif.io.readers import FrameKind, borrow_frames, open_frames
 from erlif.io.readers.base import TRUNCATED, describe_shape
@@ -128,29 +128,6 @@ class CameraFiles:
     start: float = 0.0
 
 
-def natural_key(path: Path) -> list[tuple[int, int, str]]:
-    """Sort key that puts frame_2 before frame_10.
-
-    Parameters
-    ----------
-    path : Path
-
-    Returns
-    -------
-    list of tuple
-        Numbers in the path compare as numbers, the rest as text.
-
-    Examples
-    --------
-    >>> names = [Path("frame_10.tif"), Path("frame_2.tif")]
-    >>> [path.name for path in sorted(names, key=natural_key)]
-    ['frame_2.tif', 'frame_10.tif']
-    """
-    # split puts the numbers at the odd places, where a number is compared with a number
-    parts = re.split(r"(\d+)", str(path))
-    return [(0, int(part), "") if n % 2 else (1, 0, part) for n, part in enumerate(parts)]
-
-
 def match_files(directory: Path, pattern: str, *, known: Collection[str] = ()) -> list[Path]:
     """Files that a pattern of the settings matches, in natural order.
 
@@ -158,7 +135,7 @@ def match_files(directory: Path, pattern: str, *, known: Collection[str] = ()) -
     """
     names = glob.glob(pattern, root_dir=directory, recursive=True)
     paths = (directory / name for name in names if name not in known)
-    return sorted((path for path in paths if not path.is_dir()), key=natural_key)
+    return sort_files(path for path in paths if not path.is_dir())
 
 
 def find_pages(

@@ -42,6 +42,14 @@ def test_a_header_with_fewer_bits_than_the_settings_is_reported(stated, subjects
         assert "bit_depth = 12: counts at" in note.text
 
 
+def test_the_order_of_several_stacks_is_noted():
+    files = [("run.tif", 2), ("run (2).tif", 1)]
+    pages = tuple(Page(Path(name), k) for name, count in files for k in range(count))
+    notes = format_notes(replace(make_pairs(3), pages=(pages, make_pairs(3).pages[1])))
+    assert [(note.subject, note.level) for note in notes] == [("camera1", Level.NOTE)]
+    assert notes[0].text.endswith("in this order: run.tif, run (2).tif")
+
+
 @pytest.mark.parametrize(
     ("count", "wanted", "chosen"),
     [(11, 3, [0, 5, 10]), (50, 8, [0, 7, 14, 21, 28, 35, 42, 49]), (9, 1, [0]), (3, 8, [0, 1, 2])],
