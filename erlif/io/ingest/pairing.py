@@ -159,7 +159,8 @@ def _check_kinds(
                 name = name_page(files.pages[k], directory, camera)
                 raise FrameError(
                     f"Expected frames of one size and type, {usual}; {name} is {files.kinds[k]}. "
-                    "Set the same region of interest and depth for all frames of both cameras."
+                    "Set the same region of interest and depth for all frames of both cameras; take "
+                    "out a preview."
                 )
 
     first = cameras[0].pages[good[0]].name
