@@ -228,6 +228,14 @@ def format_notes(pairs: FramePairs) -> list[Note]:
         if warning
     ]
 
+    for camera, pages in enumerate(pairs.pages, 1):
+        if pages and pages[0].selection.array_order == "unknown":
+            text = (
+                "HDF5 taken as (frame, y, x); what MATLAB's h5write, Julia, R or Fortran wrote "
+                f'needs array_order = "column" in [camera{camera}]'
+            )
+            notes.append(remark(f"camera{camera}", text))
+
     # files of many frames are put in order by their names, which few programs write alike
     for camera, pages in enumerate(pairs.pages, 1):
         files = dict.fromkeys(page.path.name for page in pages)

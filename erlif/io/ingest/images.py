@@ -7,7 +7,7 @@ import hashlib
 import os
 from collections.abc import Collection, Iterator, Sequence
 from contextlib import closing
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import NamedTuple
 
@@ -169,7 +169,22 @@ def find_pages(
             f"Expected files {pattern} of {what} in {directory}; there is none. Put them there, or "
             "correct the name in the settings."
         )
-    return read_headers(paths, selection)
+    found = read_headers(paths, selection)
+    _check_order(found, what)
+    return found
+
+
+def _check_order(found: CameraFiles, what: str) -> None:
+    """Refuse images that are not wide, where nothing shows that they are not transposed."""
+    for page, kind in zip(found.pages, found.kinds, strict=True):
+        if page.selection.array_order == "unknown" and kind.shape[0] >= kind.shape[1]:
+            table = what.split()[0]
+            raise FrameError(
+                f"Expected the order of the axes of {page.path.name}, {what}; its images are "
+                f"{describe_shape(kind.shape)}, and MATLAB's h5write, Julia, R and Fortran write "
+                f'them transposed. Give array_order = "column" in [{table}] if one of them wrote '
+                'it, else array_order = "row".'
+            )
 
 
 def read_headers(paths: Sequence[Path], selection: Selection = WHOLE) -> CameraFiles:
@@ -371,6 +386,9 @@ def depth_warning(highest: int, *, bit_depth: int, camera: int) -> Note | None:
 def _read_header(path: Path, selection: Selection) -> CameraFiles:
     """Pages of a file that belong to a camera; FrameError with the bare reason."""
     with closing(open_frames(path, dataset=selection.dataset)) as file:
+        order = file.array_order and (selection.array_order or file.array_order)
+        if order != selection.array_order:
+            selection = replace(selection, array_order=order)
         places = selection.pages(file)
         alone = len(file.kinds) == 1 and not file.companions
         kinds = [file.kinds[k] for k in places]

@@ -83,6 +83,10 @@ class CameraSettings(Settings):
     background_dataset: Text | None = Field(None, examples=["/camera1/background"])
     """Path of the frames of the dry joint in an HDF5 or netCDF file. Default: that of the
     frames."""
+    array_order: Literal["row", "column"] | None = None
+    """Order of the numbers of an image in HDF5: row by row, (frame, y, x), as from Python and
+    LabVIEW, or column by column, (frame, x, y), as from MATLAB's h5write, Julia, R and Fortran.
+    Default: as the file states it."""
     dark: FileName | None = Field(None, examples=["camera1_dark.tif"])
     """Dark frames: lens capped, exposure time and camera gain as in the run. Either dark or offset
     is required."""
