@@ -184,8 +184,8 @@ def _candidates(file: Any, ndim: int) -> list[str]:
         nonlocal visited
         visited += 1
         hidden = name.startswith("#")  # of MATLAB
-        numeric = isinstance(item, h5py.Dataset) and item.dtype.kind in "iuf"
-        if numeric and item.ndim == ndim and not hidden:
+        fits = isinstance(item, h5py.Dataset) and item.ndim == ndim and item.dtype.kind in "iuf"
+        if fits and not hidden:
             names.append(f"/{name}")
         return True if visited > _MOST_VISITED else None
 

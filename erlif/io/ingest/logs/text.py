@@ -19,6 +19,7 @@ import numpy as np
 from erlif.core.bounded import read_bounded
 from erlif.core.errors import EncoderError
 from erlif.io.ingest.logs.binary import read_binary_table
+from erlif.io.ingest.logs.labview import LABVIEW, flatten_labview
 from erlif.io.ingest.logs.table import (
     ENCODER,
     LARGEST_FILE,
@@ -115,6 +116,10 @@ def read_text_table(path: Path, wanted: Collection[str]) -> LogTable:
     encoding, spoken = _find_encoding(content)
     if b"\0" in content and not encoding.startswith("utf-16"):
         raise _no_text(path, "holds bytes of zero")
+
+    if content.startswith(LABVIEW):
+        content = flatten_labview(content.decode(encoding), path).encode()
+        encoding, spoken = "utf-8-sig", "a LabVIEW file"
 
     def text() -> io.TextIOWrapper:
         return io.TextIOWrapper(io.BytesIO(content), encoding, newline="")
