@@ -46,7 +46,8 @@ def flatten_labview(text: str, path: Path) -> str:
     '\\nX_Value [s]\\tEncoder\\n0.1\\t20.5'
     """
     fields: dict[str, list[str]] = {}
-    lines, kept, more, header = [], [0], [], ""
+    lines, header = list[str](), ""
+    kept, more = [0], list[int]()
     separator, rows = "\t", -1  # no row of names yet
     for line in text.replace("\r\n", "\n").split("\n"):
         cells = [cell.strip() for cell in line.split(separator)]
