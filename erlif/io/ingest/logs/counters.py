@@ -36,13 +36,9 @@ def count_on(values: Array, turn: float = 0.0) -> tuple[Array, int]:
     >>> count_on(np.array([3590.0, 3598.0, 6.0]), turn=3600)
     (array([3590., 3598.,    6.]), 0)
     """
-    low, high = values.min(), values.max()
-    if (
-        values.size < 2
-        or not np.isfinite(high - low)
-        or (values % 1).any()
-        or 0 <= low < high < turn
-    ):
+    whole = values.size > 1 and np.isfinite(values).all() and not (values % 1).any()
+    low, high = (values.min(), values.max()) if whole else (0.0, 0.0)
+    if not whole or 0 <= low <= high < turn:
         return values, 0
     jump = np.abs(np.diff(values))
     for bits in _BITS:
