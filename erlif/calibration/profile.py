@@ -15,10 +15,16 @@ from numpy.polynomial import legendre
 
 from erlif.core.arrays import Array
 from erlif.core.errors import CalibrationError
-from erlif.core.notes import Note, list_some, remark, warn
+from erlif.core.notes import Note, remark, warn
 from erlif.io.ingest.logs.checks import refuse_bad_rows
-from erlif.io.ingest.logs.columns import refuse_several
-from erlif.io.ingest.logs.table import LogColumn, LogTable, LogUse, name_patterns, split_unit
+from erlif.io.ingest.logs.columns import (
+    find_unit,
+    missing_column,
+    plain_name,
+    refuse_several,
+    require_scale,
+)
+from erlif.io.ingest.logs.table import LogUse, name_patterns
 from erlif.io.ingest.logs.text import read_log_table
 
 # Fewest points of a profile: beside K, p and q, five degrees of freedom remain.
@@ -39,29 +45,18 @@ LARGEST_VALUE = 1e5
 _LINE_DEGREE = 40  # highest of the polynomial that follows the form of a line
 _SURFACE_DEGREE = 16  # the same for a surface, in both axes together
 _POINTS_PER_TERM = 3
-_LONGEST = 200  # characters of a list of columns that a message shows
 _SMALLEST_RESIDUAL = 1e-9  # of chi-square, so that exact data keep a finite logarithm
 _LINE = 1e-3  # extent across by extent along, below which a scan is a line
 
 
-# Names of columns by what they hold, and the names of the documentation.
+# Names by which columns are found, and the kinds of their units by the unit of the result.
 _COLUMNS = name_patterns("profile")
-_DOCUMENTED = {
-    "x": "x_mm",
-    "y": "y_mm",
-    "thickness": "thickness_um",
-    "uncertainty": "uncertainty_um",
-}
-
-# Units of length. [mm]
-_UNITS = {"um": 1e-3, "µm": 1e-3, "\u03bcm": 1e-3, "mm": 1.0, "nm": 1e-6, "cm": 10.0, "m": 1e3}
-
-_NAMED = "thickness_um or Gap [um]"
+_KINDS = {"mm": "position", "um": "film"}
 
 _USE = LogUse(
     CalibrationError,
-    column="rename the others, or call it {quantity}_mm or {quantity}_um",
-    unit=_NAMED,
+    column="call it {quantity}, or by a usual name with its unit, as Gap [um]",
+    unit="write it behind the name, as x_mm, thickness_um or Gap [um]",
     bad_rows="Correct the cell, or leave the row out.",
 )
 
@@ -233,82 +228,44 @@ def _sort_and_merge(
 def _read_table(path: Path, notes: list[Note]) -> tuple[list[str], Array, Sequence[int]]:
     """Names of the columns, the numbers (row, column) under them, and the numbers of the rows."""
     table = read_log_table(path, ("x_mm", "thickness_um"), _USE)
-    found = {name: fitting for name in _COLUMNS if (fitting := _find_columns(table, name))}
-    for name, fitting in found.items():
-        if len(fitting) > 1 and name != "height":
-            refuse_several(name, fitting, table)
-    if "thickness" not in found and "height" in found:
+    found = {
+        name: [column for column in table.columns if re.fullmatch(names, plain_name(column.name))]
+        for name, names in _COLUMNS.items()
+    }
+    heights = found.pop("height")
+    if heights and not found["thickness_um"]:
         raise CalibrationError(
             f"Expected the film thickness of the fixture in {path.name}; column "
-            f"{found['height'][0].name!r} is a height of its surface. Write the distance to the "
-            f"window, as {_NAMED}."
+            f"{heights[0].name!r} is a height of its surface. Write the distance to the window, as "
+            "thickness_um or Gap [um]."
         )
-    if not {"x", "thickness"} <= found.keys():
-        raise CalibrationError(
-            f"Expected the columns x_mm,[y_mm,]thickness_um[,uncertainty_um] in {path.name}; "
-            f"{table.listed[:_LONGEST]}. Write one of these headers, or others with units, as "
-            f"{_NAMED}."
-        )
+    for name, fitting in found.items():
+        if len(fitting) > 1:
+            refuse_several(name, fitting, table)
+        if not fitting and name in ("x_mm", "thickness_um"):
+            missing_column(name, table)
 
-    names = [name for name in ("x", "y", "thickness", "uncertainty") if name in found]
-    used = [found[name][0] for name in names]
-    refuse_bad_rows(table, used)
-    values = np.stack(
-        [
-            _convert(column, "mm" if name in ("x", "y") else "um", table)
-            for name, column in zip(names, used, strict=True)
-        ],
-        axis=1,
-    )
+    used = {name: fitting[0] for name, fitting in found.items() if fitting}
+    refuse_bad_rows(table, list(used.values()))
+    values = np.empty((len(table.rows), len(used)))
+    for n, (name, column) in enumerate(used.items()):
+        quantity, _, unit = name.partition("_")
+        own = find_unit(column, quantity, {})
+        scale = require_scale(own, quantity, _KINDS[unit], column, table)
+        values[:, n] = column.values * scale.factor
     large = np.argwhere(np.abs(values) > LARGEST_VALUE)
     if large.size:
         row, place = large[0]
         raise CalibrationError(
             f"Expected a number up to {LARGEST_VALUE:g} in row {table.rows[row]}, column "
-            f"{used[place].name} of {path.name}; got {values[row, place]:g}. Correct the cell, or "
+            f"{list(used)[place]} of {path.name}; got {values[row, place]:g}. Correct the cell, or "
             "leave the row out."
         )
-    others = [column.name for column in table.columns if column not in used and column.name]
-    plain = [column.name for column in used] == [_DOCUMENTED[name] for name in names]
-    remarks = [*table.remarks] if plain else [*table.remarks, _describe_choice(names, used)]
-    remarks += [f"columns left out: {list_some(others)}"] if others else []
+    remarks = list(table.remarks)
+    remarks += [f"{name} from {one.name!r}" for name, one in used.items() if name != one.name]
     if remarks:
         notes.append(remark(path.name, "; ".join(remarks)))
-    return [_DOCUMENTED[name] for name in names], values, table.rows
-
-
-def _describe_choice(names: Sequence[str], used: Sequence[LogColumn]) -> str:
-    return ", ".join(
-        f"{name} from column {column.name!r}" for name, column in zip(names, used, strict=True)
-    )
-
-
-def _find_columns(table: LogTable, name: str) -> list[LogColumn]:
-    """Columns whose name, without its unit, may stand for a quantity of the profile."""
-    pattern = re.compile(_COLUMNS[name], re.IGNORECASE)
-    parted = ((column, _part_unit(column)[0]) for column in table.columns)
-    return [column for column, plain in parted if pattern.fullmatch(plain)]
-
-
-def _part_unit(column: LogColumn) -> tuple[str, str]:
-    """Name of a column without its unit, words apart, and the unit."""
-    name, unit = split_unit(column.name)
-    start, _, end = name.rpartition("_")
-    if not unit and start and end in _UNITS:
-        name, unit = start, end
-    return re.sub(r"[\s_]+", " ", name).strip(), column.unit or unit
-
-
-def _convert(column: LogColumn, unit: str, table: LogTable) -> Array:
-    """Numbers of a column in mm or um."""
-    own = _part_unit(column)[1]
-    if own not in _UNITS:
-        raise CalibrationError(
-            f"Expected the unit of column {column.name!r} of {table.file}, one of "
-            f"{', '.join(_UNITS)}; got {repr(own) if own else 'none'}. Write it behind the name, "
-            f"as {_NAMED}."
-        )
-    return column.values if own == unit else column.values * (_UNITS[own] / _UNITS[unit])
+    return list(used), values, table.rows
 
 
 def gradient_of_thickness(position: Array, thickness: Array, uncertainty: Array | None) -> Array:

@@ -99,14 +99,15 @@ def test_profiles_have_the_forms_of_logs(tmp_path, header, separator, x_scale, g
         ("x_mm,thickness_um", (1e3, 1), "x_mm spans 2000 mm, as numbers in um would"),
         ("x_mm,z_um", (1, 1), "column 'z_um' is a height of its surface. Write"),
         ("x [mm],Height [um]", (1, 1), "column 'Height [um]' is a height"),
-        ("x,gap", (1, 1), "the unit of column 'x' of p.csv, one of um, "),
-        ("x_mm,gap [inch]", (1, 1), "got 'inch'. Write it behind the name"),
-        ("x_mm,A", (1, 1), "its columns are 'x_mm', 'A'. Write one of these headers"),
-        ("gap [um],film_um", (1, 1), "'gap [um]' and 'film_um' may be meant"),
+        ("x,gap", (1, 1), "the unit of column x of p.csv, the x; got none"),
+        ("x_mm,gap [inch]", (1, 1), "got 'inch'. Give its unit: write it behind the name"),
+        ("x_mm,A", (1, 1), "its columns are 'x_mm', 'A'. Choose one: call it thickness_um"),
+        ("gap [um],film_um,x_mm", (1, 1), "'gap [um]' and 'film_um' may be meant"),
     ],
 )
 def test_what_is_no_thickness_is_named(tmp_path, header, scales, words):
     rows = [f"{x * scales[0]},{gap * scales[1]}" for x, gap in zip(X, GAP, strict=True)]
+    rows = [row + ",1" * (header.count(",") - 1) for row in rows]
     with pytest.raises(CalibrationError) as refused:
         read_profile(write_profile(tmp_path / "p.csv", rows, header))
     assert words in str(refused.value)

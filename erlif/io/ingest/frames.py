@@ -236,8 +236,7 @@ def format_notes(pairs: FramePairs) -> list[Note]:
             )
             notes.append(remark(f"camera{camera}", text))
 
-    # files of many frames are put in order by their names, which few programs write alike
-    for camera, pages in enumerate(pairs.pages, 1):
+        # files of many frames are put in order by their names, which few programs write alike
         files = dict.fromkeys(page.path.name for page in pages)
         if 1 < len(files) < len(pages):
             order = list_some(files, most=_MOST_NAMED)

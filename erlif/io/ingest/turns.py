@@ -18,8 +18,10 @@ _SIDE = 32
 # Pages whose turns are trusted at first: three of four pairs may not be exchanged.
 _FIRST = 8
 
-# Gap between the pages of two cameras, in differences of their means, below which nothing is found.
-_CLEAR = 0.2
+# Gap between the pages of two cameras, in their whole range, below which nothing is found.
+_CLEAR = 0.1
+
+_ROUNDS = 3  # until pages and direction agree
 
 
 def check_turns(
@@ -49,15 +51,12 @@ def check_turns(
     wrong = find_exchanged(images, np.array([page in mine for page in pages]))
     if not wrong:
         return
+    fault = f"{list_some((pages[k].name for k in wrong), most=4)} are exchanged"
     if wrong[-1] == len(pages) - 1:
-        place = f"from {pages[wrong[0]].name} on the cameras have changed places"
-        cause = ": a page before it is missing, or the order was reversed"
-    else:
-        place = f"{list_some((pages[k].name for k in wrong), most=4)} are exchanged"
-        cause = ""
+        fault = f"from {pages[wrong[0]].name} on they have changed places: a page may be missing"
     raise FrameError(
-        f"Expected pages of camera 1 and camera 2 in turn; {place}{cause}. Export the recording "
-        "with a file for each camera, or leave out the pairs of these pages."
+        f"Expected pages of camera 1 and camera 2 in turn; {fault}. Export the recording with a "
+        "file for each camera, or leave out the pairs of these pages."
     )
 
 
@@ -82,27 +81,20 @@ def find_exchanged(images: AnyArray, expected: Mask) -> list[int]:
     flat -= flat.mean(axis=0)
 
     # from the first pages on: the direction in which the cameras differ, and the pages along it
-    first = expected.copy()
-    first[_FIRST:] = False
-    axis = flat[first].mean(axis=0) - flat[:_FIRST][~expected[:_FIRST]].mean(axis=0)
-    for _ in range(3):
+    axis = np.where(expected, 1, -1)[:_FIRST] @ flat[:_FIRST]
+    for _ in range(_ROUNDS):
         along = flat @ axis
-        if not (along > 0).any() or (along > 0).all():
-            return []
-        is_one = along > (np.median(along[along > 0]) + np.median(along[along <= 0])) / 2
-        if not is_one.any() or is_one.all():
+        low, high = along.min(), along.max()
+        is_one = along > (low + high) / 2
+        if low == high:
             return []
         axis = flat[is_one].mean(axis=0) - flat[~is_one].mean(axis=0)
     along = flat @ axis
-    gap = along[is_one].min() - along[~is_one].max()
-    if gap < _CLEAR * (np.median(along[is_one]) - np.median(along[~is_one])):
+    if along[is_one].min() - along[~is_one].max() < _CLEAR * np.ptp(along):
         return []
 
     # a film that changes divides the pages of each camera alike; cameras change places in pairs
-    wrong = np.concatenate([[False], is_one != expected, [False]])
-    starts = np.flatnonzero(~wrong[:-1] & wrong[1:])
-    ends = np.flatnonzero(wrong[:-1] & ~wrong[1:])
-    whole = (ends - starts) % 2 == 0
-    if not whole[ends < len(expected)].all():
-        return []
-    return np.flatnonzero(wrong[1:-1]).tolist()
+    wrong = is_one != expected
+    lengths = np.diff(np.flatnonzero(np.diff(wrong, prepend=False, append=False)))[::2]
+    lengths = lengths[:-1] if wrong[-1] else lengths
+    return [] if (lengths % 2).any() else np.flatnonzero(wrong).tolist()

@@ -241,14 +241,13 @@ def open_tiff(path: Path) -> FrameFile:
     """
     file = TiffFrames(path)
     described = file.description
-    if described.frames <= 1 or described.frames == len(file.kinds):
-        return file
-    if not described.whole and len(file.kinds) > 1:
+    several = len(file.kinds) > 1
+    if described.frames in (0, 1, len(file.kinds)) or (several and not described.whole):
         return file
 
     # images follow the first one without directories, as MetaMorph and ImageJ (4 GB) write them
     file.close()
-    if len(file.kinds) > 1 or file.stack is None:
+    if several or file.stack is None:
         raise FrameError(
             f"it holds {described.frames} images, and directories for {len(file.kinds)}. Save it "
             "as an uncompressed TIFF with a directory for each image."

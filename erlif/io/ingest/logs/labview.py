@@ -37,7 +37,7 @@ def flatten_labview(text: str, path: Path) -> str:
     Raises
     ------
     EncoderError
-        If there is no row of names, channels have times of their own, or parts differ.
+        If channels have times of their own.
 
     Examples
     --------
@@ -46,21 +46,19 @@ def flatten_labview(text: str, path: Path) -> str:
     '\\nX_Value [s]\\tEncoder\\n0.1\\t20.5'
     """
     fields: dict[str, list[str]] = {}
-    lines, header = list[str](), ""
-    kept, more = [0], list[int]()
-    separator, rows = "\t", -1  # no row of names yet
+    kept, more, header, lines = [0], list[int](), "", list[str]()
+    separator, rows = "\t", 0
     for line in text.replace("\r\n", "\n").split("\n"):
         cells = [cell.strip() for cell in line.split(separator)]
         plain = ""
         if cells[0] == _NAMES:
-            kept, more, plain = _name_columns(cells, fields, separator)
-            if header not in ("", plain):
-                raise EncoderError(
-                    f"Expected the same channels in all parts of {path.name}; the names "
-                    f"{plain[:60]!r} follow {header[:60]!r}. Export each part by itself."
-                )
-            plain, header, rows = "" if header else plain, plain, 0
-        elif rows < 0 or _HEADER.fullmatch(cells[0]):
+            # of other channels in a later part the names stay, and are refused among the numbers
+            places = [k for k, cell in enumerate(cells) if cell and cell != _COMMENT]
+            more = [k for k in places[1:] if cells[k] == _NAMES]
+            kept = [k for k in places if k not in more]
+            names = separator.join(_with_unit(cells[k], fields, k) for k in kept)
+            plain, header, rows = "" if names == header else names, names, 0
+        elif not header or _HEADER.fullmatch(cells[0]):
             fields[cells[0]] = cells[1:]
             if line.startswith("Separator") and "Comma" in line:
                 separator = ","
@@ -71,39 +69,26 @@ def flatten_labview(text: str, path: Path) -> str:
                     f"Expected one time for all channels in a row of {path.name}; channels have "
                     f"times of their own, as in {line[:60]!r}. Write the file with one X column."
                 )
-            step = _number(fields, "Delta_X")
-            if step and not cells[0]:
-                cells[0] = f"{_number(fields, 'X0') + step * rows:.12g}"
-                if fields.get("Decimal_Separator", [""])[0] == ",":
-                    cells[0] = cells[0].replace(".", ",")
+            if not cells[0]:
+                cells[0] = _count_time(fields, rows)
             plain, rows = separator.join(cells[k] for k in kept), rows + 1
         lines.append(plain)
-    if rows < 0:
-        raise EncoderError(
-            f"Expected the row {_NAMES} with the names of the channels in {path.name}; there is "
-            "none. Export the whole file."
-        )
     return "\n".join(lines)
 
 
-def _name_columns(
-    cells: list[str], fields: dict[str, list[str]], separator: str
-) -> tuple[list[int], list[int], str]:
-    """Places of the columns that are kept, of further columns of times, and the header."""
-    places = [k for k, cell in enumerate(cells) if cell and cell != _COMMENT]
-    more = [k for k in places[1:] if cells[k] == _NAMES]
-    kept = [k for k in places if k not in more]
+def _with_unit(name: str, fields: dict[str, list[str]], place: int) -> str:
+    """Name of a column with its unit in brackets, where the file has one."""
     units = ["s" if fields.get("X_Dimension", ["Time"])[0] in ("Time", "") else ""]
-    units += fields.get("Y_Unit_Label", []) + [""] * len(cells)
-    names = [
-        f"{cells[k]} [{units[k]}]" if units[k] and not split_unit(cells[k])[1] else cells[k]
-        for k in kept
-    ]
-    return kept, more, separator.join(names)
+    units += fields.get("Y_Unit_Label", [])
+    unit = units[place] if place < len(units) else ""
+    return f"{name} [{unit}]" if unit and not split_unit(name)[1] else name
 
 
-def _number(fields: dict[str, list[str]], key: str) -> float:
+def _count_time(fields: dict[str, list[str]], rows: int) -> str:
+    """Time of a row by the first one and the step; empty where the file has none."""
     try:
-        return float(fields[key][0].replace(",", "."))
-    except (KeyError, IndexError, ValueError):
-        return 0.0
+        first, step = (float(fields[key][0].replace(",", ".")) for key in ("X0", "Delta_X"))
+    except (LookupError, ValueError):
+        return ""
+    decimal = fields.get("Decimal_Separator", ["."])[0]
+    return f"{first + step * rows:.12g}".replace(".", decimal or ".")
