@@ -59,8 +59,8 @@ class CameraSettings(Settings):
     """One camera: its files, its filter and its noise."""
 
     files: FileName
-    """Frames of this camera, in natural order (frame_2 before frame_10): a pattern, or one
-    multi-page file, relative to this file."""
+    """Frames of this camera in the order of stem and number (run.tif, run_2.tif, run_10.tif): a
+    pattern, or one multi-page file, relative to this file."""
     band: Band
     """Centre wavelength of the filter of this camera. Camera 1 has the shorter one, whose light dye
     2 reabsorbs."""
