@@ -330,8 +330,8 @@ ENCODER = (
 )
 
 PROFILE_TEXT = """\
-At least eight points of the fixture, in the order of these columns; or with names and
-units of their own, such as Position [mm] and Gap [um]. The file has any form of a [log](logs.md#files)."""
+At least eight points of the fixture, with these columns or with names and units of their own, such
+as Position [mm] and Gap [um]. The file has any form of a [log](logs.md#files)."""
 
 PROFILE = (
     ("x_mm", "mm", "required", "Position along the profile."),

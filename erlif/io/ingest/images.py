@@ -133,7 +133,9 @@ def match_files(directory: Path, pattern: str, *, known: Collection[str] = ()) -
 
     Hidden files are left out, and those whose names relative to the directory are `known`.
     """
+    # a folder may be called "camera1 [580 nm]"
     names = glob.glob(pattern, root_dir=directory, recursive=True)
+    names = names or glob.glob(pattern.replace("[", "[[]"), root_dir=directory, recursive=True)
     paths = (directory / name for name in names if name not in known)
     return sort_files(path for path in paths if not path.is_dir())
 

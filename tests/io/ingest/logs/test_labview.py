@@ -93,6 +93,12 @@ def test_init_sees_the_log(tmp_path):
     }
 
 
+def test_a_log_in_time_needs_no_settings(tmp_path):
+    log, _ = read_log(write_lvm(tmp_path / "a.lvm", x="No"), ColumnChoice(), frames=2)
+    np.testing.assert_allclose(log.samples["time"], TIME)
+    np.testing.assert_allclose(log.samples["angle"], ANGLE)
+
+
 @pytest.mark.parametrize(
     ("old", "new", "words"),
     [
