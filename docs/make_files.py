@@ -333,8 +333,8 @@ ENCODER = (
 )
 
 PROFILE_TEXT = """\
-At least eight points of the fixture, in the order of these columns; commas between them, or
-semicolons or tabs, with which decimal commas are read."""
+At least eight points of the fixture, with these columns or with names and units of their own, such
+as Position [mm] and Gap [um]. The file has any form of a [log](logs.md#files)."""
 
 PROFILE = (
     ("x_mm", "mm", "required", "Position along the profile."),

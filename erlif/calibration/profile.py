@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -12,18 +14,30 @@ import numpy.typing as npt
 from numpy.polynomial import legendre
 
 from erlif.core.arrays import Array
-from erlif.core.bounded import read_rows
 from erlif.core.errors import CalibrationError
 from erlif.core.notes import Note, remark, warn
+from erlif.io.ingest.logs.checks import refuse_bad_rows
+from erlif.io.ingest.logs.columns import (
+    find_unit,
+    missing_column,
+    plain_name,
+    refuse_several,
+    require_scale,
+)
+from erlif.io.ingest.logs.table import LogUse, name_patterns
+from erlif.io.ingest.logs.text import read_log_table
 
 # Fewest points of a profile: beside K, p and q, five degrees of freedom remain.
 MINIMUM_POINTS = 8
 
-# Size of a profile that is read: 32 MB hold more than 500,000 points. [byte]
-LARGEST_FILE = 2**25
-
 # Largest film of a calibration; published ranges of the method end at 400 um. [um]
 THICKEST = 1000.0
+
+# Largest film of a fixture that has none to measure: a pixel needs some tenths. [um]
+THINNEST = 0.1
+
+# Longest profile: no field of two cameras is as wide. [mm]
+LONGEST = 1000.0
 
 # Largest value of a profile: 100 m along it, or a film of 10 cm. [mm, um]
 LARGEST_VALUE = 1e5
@@ -31,9 +45,20 @@ LARGEST_VALUE = 1e5
 _LINE_DEGREE = 40  # highest of the polynomial that follows the form of a line
 _SURFACE_DEGREE = 16  # the same for a surface, in both axes together
 _POINTS_PER_TERM = 3
-_SHOWN = 60  # characters of a cell or a header that a message shows
 _SMALLEST_RESIDUAL = 1e-9  # of chi-square, so that exact data keep a finite logarithm
 _LINE = 1e-3  # extent across by extent along, below which a scan is a line
+
+
+# Names by which columns are found, and the kinds of their units by the unit of the result.
+_COLUMNS = name_patterns("profile")
+_KINDS = {"mm": "position", "um": "film"}
+
+_USE = LogUse(
+    CalibrationError,
+    column="call it {quantity}, or by a usual name with its unit, as Gap [um]",
+    unit="write it behind the name, as x_mm, thickness_um or Gap [um]",
+    bad_rows="Correct the cell, or leave the row out.",
+)
 
 
 @dataclass(frozen=True)
@@ -66,6 +91,8 @@ class Profile:
 def read_profile(path: Path) -> Profile:
     """Read a CMM profile, ``x_mm,thickness_um[,uncertainty_um]`` or with ``y_mm`` after ``x_mm``.
 
+    The file may have any form that a log may have, with names and units of its own.
+
     Points out of order are sorted and repeated ones averaged; the notes report it.
 
     A scan along x at one y (to a thousandth of its length) is a line: its position is x alone and
@@ -75,7 +102,7 @@ def read_profile(path: Path) -> Profile:
     Parameters
     ----------
     path : path
-        CSV file.
+        Text file with a header.
 
     Returns
     -------
@@ -99,10 +126,10 @@ def read_profile(path: Path) -> Profile:
     >>> profile.thickness[[0, -1]]
     array([0. , 3.5])
     """
-    header, values = _read_table(path)
-    stated = header[-1] == "uncertainty_um"
-    _check_table(header, values, path.name, stated=stated)
     notes: list[Note] = []
+    header, values, rows = _read_table(path, notes)
+    stated = header[-1] == "uncertainty_um"
+    _check_table(header, values, rows, path.name, stated=stated)
     values, axes = _find_axes(header, values, path.name, notes)
     values = _sort_and_merge(values, axes, path.name, notes, stated=stated)
 
@@ -116,12 +143,14 @@ def read_profile(path: Path) -> Profile:
     return Profile(position, values[:, axes], uncertainty, tuple(notes))
 
 
-def _check_table(header: list[str], values: Array, name: str, *, stated: bool) -> None:
-    """Refuse uncertainties that are none, and thicknesses in another unit, row by row as read."""
+def _check_table(
+    header: list[str], values: Array, rows: Sequence[int], name: str, *, stated: bool
+) -> None:
+    """Refuse uncertainties that are none, thicknesses in another unit, and heights."""
     if stated and np.any(values[:, -1] <= 0):
         raise CalibrationError(
             f"Expected positive values of uncertainty_um in {name}; row "
-            f"{int(np.argmax(values[:, -1] <= 0)) + 2} has none. Leave the column out if the "
+            f"{rows[int(np.argmax(values[:, -1] <= 0))]} has none. Leave the column out if the "
             "uncertainty is not known."
         )
     thickness = values[:, header.index("thickness_um")]
@@ -129,6 +158,16 @@ def _check_table(header: list[str], values: Array, name: str, *, stated: bool) -
         raise CalibrationError(
             f"Expected films of at most {THICKEST:g} um in {name}; half of them are thicker than "
             f"{np.median(thickness):g} um, as numbers in nm would be. Give thickness_um in um."
+        )
+    if np.median(thickness) < 0:
+        raise CalibrationError(
+            f"Expected film thicknesses in {name}; half of them are below {np.median(thickness):g} "
+            "um, as heights of a surface are. Write the distance to the window."
+        )
+    if thickness.max() < THINNEST:
+        raise CalibrationError(
+            f"Expected films above {THINNEST:g} um in {name}; the thickest has {thickness.max():g} "
+            "um, as numbers in mm would have. Give thickness_um in um."
         )
 
 
@@ -144,6 +183,11 @@ def _find_axes(header: list[str], values: Array, name: str, notes: list[Note]) -
             f"Expected x_mm to change along the profile in {name}; it is {values[0, 0]:g} at all "
             "points. Give a scan along y with y_mm as x_mm, and direction in fixture.toml turned "
             "by 90 deg."
+        )
+    if along > LONGEST:
+        raise CalibrationError(
+            f"Expected a profile of at most {LONGEST:g} mm in {name}; x_mm spans {along:g} mm, as "
+            "numbers in um would. Give x_mm in mm."
         )
     if not surface:
         return values, 1
@@ -181,40 +225,47 @@ def _sort_and_merge(
     return merged
 
 
-def _read_table(path: Path) -> tuple[list[str], Array]:
-    """Header of the CSV file, one of four, and the numbers (row, column) under it."""
-    try:
-        table = [row for _, row in read_rows(path, largest=LARGEST_FILE)]
-    except (OSError, ValueError) as error:
-        reason = error.strerror if isinstance(error, OSError) else error
+def _read_table(path: Path, notes: list[Note]) -> tuple[list[str], Array, Sequence[int]]:
+    """Names of the columns, the numbers (row, column) under them, and the numbers of the rows."""
+    table = read_log_table(path, ("x_mm", "thickness_um"), _USE)
+    found = {
+        name: [column for column in table.columns if re.fullmatch(names, plain_name(column.name))]
+        for name, names in _COLUMNS.items()
+    }
+    heights = found.pop("height")
+    if heights and not found["thickness_um"]:
         raise CalibrationError(
-            f"Expected the profile {path.name} as a CSV file; it cannot be read: {reason}. Save "
-            "the profile as CSV in UTF-8, or correct its name in fixture.toml."
-        ) from error
-
-    header = table[0] if table else []
-    required = ["x_mm", "y_mm", "thickness_um"] if "y_mm" in header else ["x_mm", "thickness_um"]
-    if header not in (required, [*required, "uncertainty_um"]):
-        raise CalibrationError(
-            "Expected the header x_mm,thickness_um[,uncertainty_um] or "
-            f"x_mm,y_mm,thickness_um[,uncertainty_um] in {path.name}; got "
-            f"{','.join(header)[:_SHOWN] or 'nothing'}. Write one of them as the first row."
+            f"Expected the film thickness of the fixture in {path.name}; column "
+            f"{heights[0].name!r} is a height of its surface. Write the distance to the window, as "
+            "thickness_um or Gap [um]."
         )
+    for name, fitting in found.items():
+        if len(fitting) > 1:
+            refuse_several(name, fitting, table)
+        if not fitting and name in ("x_mm", "thickness_um"):
+            missing_column(name, table)
 
-    values = np.empty((len(table) - 1, len(header)))
-    for n, row in enumerate(table[1:]):
-        for m, name in enumerate(header):
-            try:
-                values[n, m] = float(row[m])
-            except (ValueError, IndexError):
-                values[n, m] = math.nan
-            if not abs(values[n, m]) <= LARGEST_VALUE:
-                got = repr(row[m][:_SHOWN]) if m < len(row) else "nothing"
-                raise CalibrationError(
-                    f"Expected a number up to {LARGEST_VALUE:g} in row {n + 2}, column {name} of "
-                    f"{path.name}; got {got}. Correct the cell, or leave the row out."
-                )
-    return header, values
+    used = {name: fitting[0] for name, fitting in found.items() if fitting}
+    refuse_bad_rows(table, list(used.values()))
+    values = np.empty((len(table.rows), len(used)))
+    for n, (name, column) in enumerate(used.items()):
+        quantity, _, unit = name.partition("_")
+        own = find_unit(column, quantity, {})
+        scale = require_scale(own, quantity, _KINDS[unit], column, table)
+        values[:, n] = column.values * scale.factor
+    large = np.argwhere(np.abs(values) > LARGEST_VALUE)
+    if large.size:
+        row, place = large[0]
+        raise CalibrationError(
+            f"Expected a number up to {LARGEST_VALUE:g} in row {table.rows[row]}, column "
+            f"{list(used)[place]} of {path.name}; got {values[row, place]:g}. Correct the cell, or "
+            "leave the row out."
+        )
+    remarks = list(table.remarks)
+    remarks += [f"{name} from {one.name!r}" for name, one in used.items() if name != one.name]
+    if remarks:
+        notes.append(remark(path.name, "; ".join(remarks)))
+    return list(used), values, table.rows
 
 
 def gradient_of_thickness(position: Array, thickness: Array, uncertainty: Array | None) -> Array:

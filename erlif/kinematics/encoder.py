@@ -383,7 +383,8 @@ def _fit_zero(
         raise EncoderError(
             "Expected encoder angles within the swing of the linkage, "
             f"{math.degrees(high - low):.3f} deg; the logged angle spans {math.degrees(swing):.3f} "
-            "deg. Check the links in [mechanism], or mounted_on and units in [encoder]."
+            "deg. Check the links in [mechanism], mounted_on and units in [encoder], or whether a "
+            "counter has overflowed or was reset."
         )
 
     # a log over a whole cycle comes as near to both dead points as its steps are long

@@ -55,6 +55,70 @@ def test_profile_out_of_order_is_sorted_and_repeats_averaged(tmp_path):
     assert [(note.level, note.subject) for note in profile.notes] == [(Level.WARNING, "p.csv")] * 2
 
 
+X, GAP = np.arange(9) / 4, np.arange(9) / 2 + 1
+FORMS = {
+    "own names": ("Position [mm];Spalt [um]", ";", 1, 1),
+    "in German": ("Weg [mm]\tSchichtdicke [µm]\tUnsicherheit [nm]", "\t", 1, 1),
+    "suffixes": ("x_um,film_thickness_mm", ",", 1e3, 1e-3),
+    "metres": ("X / m,Gap / nm", ",", 1e-3, 1e3),
+    "a row of units": ("x,thickness,sigma\nmm,um,um", ",", 1, 1),
+    "blanks": ("x [mm]   gap [um]  std [um]", "   ", 1, 1),
+    "comments": ("# Calypso 2023\n% Plan: wedge\n\nx_mm,thickness_um", ",", 1, 1),
+    "a preamble": ("Profilometer 3\nOperator;Ä\nx_mm;thickness_um", ";", 1, 1),
+    "further columns": ("no,x_mm,thickness_um,note", ",", 1, 1),
+}
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "latin-1"])
+@pytest.mark.parametrize(("header", "separator", "x_scale", "gap_scale"), FORMS.values(), ids=FORMS)
+def test_profiles_have_the_forms_of_logs(tmp_path, header, separator, x_scale, gap_scale, encoding):
+    rows = []
+    for n, (x, gap) in enumerate(zip(X * x_scale, GAP * gap_scale, strict=True)):
+        cells = [f"{x:.9g}", f"{gap:.9g}"]
+        if "no," in header:
+            cells = [str(n), *cells, "end" if n == 8 else ""]
+        elif "um]  std" in header or "sigma" in header or "Unsicherheit" in header:
+            cells.append("0.1" if "nm" not in header else "100")
+        line = separator.join(cells)
+        rows.append(line.replace(".", ",") if separator == ";" else line)
+    path = tmp_path / "p.csv"
+    path.write_text("\n".join([header, *rows]) + "\n", encoding=encoding)
+    profile = read_profile(path)
+    npt.assert_allclose(profile.position, X)
+    npt.assert_allclose(profile.thickness, GAP)
+    if profile.uncertainty is not None:
+        npt.assert_allclose(profile.uncertainty, 0.1)
+
+
+@pytest.mark.parametrize(
+    ("header", "scales", "words"),
+    [
+        ("x_mm,thickness_um", (1, 1e-3), "as numbers in mm would have"),
+        ("x_mm,thickness_mm", (1, 1), "as numbers in nm would be"),
+        ("x_mm,thickness_um", (1, -1), "as heights of a surface are. Write"),
+        ("x_mm,thickness_um", (1e3, 1), "x_mm spans 2000 mm, as numbers in um would"),
+        ("x_mm,z_um", (1, 1), "column 'z_um' is a height of its surface. Write"),
+        ("x [mm],Height [um]", (1, 1), "column 'Height [um]' is a height"),
+        ("x,gap", (1, 1), "the unit of column x of p.csv, the x; got none"),
+        ("x_mm,gap [inch]", (1, 1), "got 'inch'. Give its unit: write it behind the name"),
+        ("x_mm,A", (1, 1), "its columns are 'x_mm', 'A'. Choose one: call it thickness_um"),
+        ("gap [um],film_um,x_mm", (1, 1), "'gap [um]' and 'film_um' may be meant"),
+    ],
+)
+def test_what_is_no_thickness_is_named(tmp_path, header, scales, words):
+    rows = [f"{x * scales[0]},{gap * scales[1]}" for x, gap in zip(X, GAP, strict=True)]
+    rows = [row + ",1" * (header.count(",") - 1) for row in rows]
+    with pytest.raises(CalibrationError) as refused:
+        read_profile(write_profile(tmp_path / "p.csv", rows, header))
+    assert words in str(refused.value)
+
+
+def test_a_profile_without_a_header_is_refused_with_an_example(tmp_path):
+    rows = [f"{x:.3f} {gap:.3f}" for x, gap in zip(X, GAP, strict=True)]
+    with pytest.raises(CalibrationError, match=r"Put a row such as x_mm,thickness_um above"):
+        read_profile(write_profile(tmp_path / "p.csv", rows[1:], rows[0]))
+
+
 # lines and surfaces
 
 

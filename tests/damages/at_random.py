@@ -203,6 +203,14 @@ def _write_text(rig: Path, folder: Path) -> None:
     (folder / "log.csv").write_text("\n".join(lines), encoding="utf-16")
 
 
+def _write_lvm(rig: Path, folder: Path) -> None:
+    head = ["LabVIEW Measurement", "Separator\tTab", "X_Columns\tNo", "***End_of_Header***", ""]
+    head += ["Channels\t2", "Y_Unit_Label\tdeg\tN", "X0\t0.0\t0.0", "Delta_X\t0.01\t0.01"]
+    head += ["***End_of_Header***", "X_Value\tEncoder\tForce\tComment"]
+    rows = [f"\t{angle:.4f}\t{200 + t:.3f}" for t, angle in zip(TIME, ANGLE, strict=True)]
+    (folder / "log.lvm").write_text("\r\n".join([*head, *rows]) + "\r\n", newline="")
+
+
 def _write_tdms(rig: Path, folder: Path) -> None:
     import nptdms
 
@@ -268,6 +276,7 @@ PRODUCTS: dict[str, Product] = {
     ),
     "log csv": Product(_copy("run/encoder.csv"), ("encoder.csv",), _check_log("encoder.csv")),
     "log csv in time": Product(_write_text, ("log.csv",), _check_log("log.csv")),
+    "log lvm": Product(_write_lvm, ("log.lvm",), _check_log("log.lvm")),
     "log tdms": Product(_write_tdms, ("log.tdms",), _check_log("log.tdms")),
     "log mat": Product(_write_matlab(packed=False), ("log.mat",), _check_log("log.mat")),
     "log mat packed": Product(_write_matlab(packed=True), ("log.mat",), _check_log("log.mat")),

@@ -29,8 +29,10 @@ from scenes.camera_files import (
     write_spe2,
     write_spe3,
 )
+from scenes.tiff_pages import write_stk
 
 RNG = np.random.default_rng(0)
+
 FRAMES = random_frames(RNG, frames=3, rows=5, columns=7)
 TIMES = 1_700_000_000.0 + np.arange(3.0)
 
@@ -115,6 +117,7 @@ SAMPLES: dict[str, tuple[Callable[[Path], Path], str]] = {
     "tiff tiles": (lambda d: write_tiff(d / "a.tif", tile=(16, 16), compression="zlib"), "a.tif"),
     "tiff lzw": (lambda d: write_libtiff(d / "a.tif", "tiff_lzw"), "a.tif"),
     "tiff packbits": (lambda d: write_libtiff(d / "a.tif", "packbits"), "a.tif"),
+    "stk": (lambda d: write_stk(d / "a.stk", FRAMES), "a.stk"),
     "tiff ome": (lambda d: write_tiff(d / "a.tif", ome=True, metadata={"axes": "TYX"}), "a.tif"),
     "tiff imagej": (lambda d: write_tiff(d / "a.tif", imagej=True), "a.tif"),
     "png": (lambda d: write_picture(d / "a.png", FRAMES[0]), "a.png"),

@@ -13,8 +13,9 @@ from typing import NamedTuple
 
 from erlif.core.errors import FrameError
 from erlif.core.guarded import file_stamp
-from erlif.io.ingest.images import Page, match_files, natural_key, read_headers
-from erlif.io.ingest.numbering import find_missing, name_lost, number_in
+from erlif.io.ingest.images import Page, match_files, read_headers
+from erlif.io.ingest.numbering import find_missing, name_lost
+from erlif.io.ingest.order import number_files, sort_files
 from erlif.io.ingest.selection import Selection, select_counts
 from erlif.io.settings import RunSettings
 
@@ -102,7 +103,7 @@ class _Camera:
             if not self._several:
                 self._whole.add(self._last)
                 self._last = self._name(path)
-                self._add(number_in(path) or 0, found[0], now)
+                self._add(number_files([path])[0] or 0, found[0], now)
 
         paired = len(self.pages) - len(self.alone)
         if anew := self._several and not several:
@@ -120,12 +121,12 @@ class _Camera:
             return match_files(self.directory, self.pattern, known=self._whole)
         wanted = str(self.directory / self.pattern)
         matched = (path for path in changed if path.match(wanted))
-        return sorted((p for p in matched if not p.name.startswith(".")), key=natural_key)
+        return sort_files(p for p in matched if not p.name.startswith("."))
 
     def _count_on(self, now: float) -> None:
         """Number the images of files with many images, continuously from file to file."""
         known, number = len(self.pages), 0
-        for path in sorted(self._files, key=natural_key):
+        for path in sort_files(self._files):
             pages = self._files[path]
             for n in range(max(0, known - number), len(pages)):
                 self._add(number + n, pages[n], now)
@@ -143,7 +144,7 @@ class _Camera:
 
     def named_now(self, page: Page) -> Page:
         """Return the page of the same number under the present name of its file."""
-        return page if self._several else self.pages.get(number_in(page.path) or 0, page)
+        return page if self._several else self.pages.get(number_files([page.path])[0] or 0, page)
 
     def _name(self, path: Path) -> str:
         """Name of a file as its pattern has it."""

@@ -17,6 +17,7 @@ from erlif.io.ingest.logs.resample import FEWEST_SAMPLES, ContinuousLog, unwrap_
 from erlif.io.ingest.logs.table import LogColumn, LogTable
 from erlif.io.ingest.logs.text import read_log_table
 from erlif.io.ingest.numbering import find_missing, frame_numbers, has_numbers
+from erlif.io.ingest.order import has_hyphen, number_files
 
 # The column of each quantity, and what was taken for what.
 _Found = tuple[dict[str, LogColumn], list[str]]
@@ -163,6 +164,7 @@ def check_rows(log: EncoderLog, pages: Sequence[Page], name: str) -> None:
     """
     rows, frames = log.sizes["frame"], len(pages)
     if rows == frames:
+        _check_numbers(log.number.values.tolist(), pages, name)
         return
 
     if rows > frames:
@@ -185,6 +187,22 @@ def check_rows(log: EncoderLog, pages: Sequence[Page], name: str) -> None:
     raise EncoderError(
         f"Expected one row of {name} per frame; {name} has {rows} rows, the cameras have {frames} "
         f"frames each: {extra}. {cure}."
+    )
+
+
+def _check_numbers(logged: list[int], pages: Sequence[Page], name: str) -> None:
+    """Refuse files in another order than the rows, by the numbers of both."""
+    # a camera may count from another first number, but not from one that has lost its sign
+    numbers = number_files([page.path for page in pages])
+    single = len(set(numbers)) == len(pages)
+    signed = single and logged[0] < 0 and any(has_hyphen(page.path) for page in pages)
+    if numbers == logged or not (signed or set(numbers) == set(logged)):
+        return
+    k = next(k for k, (a, b) in enumerate(zip(numbers, logged, strict=True)) if a != b)
+    raise EncoderError(
+        f"Expected the files of the frames in the order of {name}; its row of frame {logged[k]} "
+        f"meets {pages[k].name}, whose number is read as {numbers[k]}. Rename the files so that "
+        "they have one stem and the numbers of the log."
     )
 
 

@@ -12,9 +12,12 @@ import numpy as np
 import xarray as xr
 
 from erlif.core.arrays import Array, Counts
-from erlif.core.notes import Note, warn
+from erlif.core.notes import Note, list_some, remark, warn
 from erlif.core.products import Frames
 from erlif.io.ingest.images import Page, PageContent, check_depth, name_page, read_content
+
+# Files of many frames that a note names.
+_MOST_NAMED = 6
 
 
 @dataclass(frozen=True)
@@ -205,7 +208,7 @@ def _kind_of_omission(numbered: tuple[int, tuple[int, str]]) -> tuple[int, str, 
 
 
 def format_notes(pairs: FramePairs) -> list[Note]:
-    """Warnings of formats in which counts are doubtful, and of headers with fewer bits.
+    """Warnings of doubtful counts and of headers with fewer bits, and the order of several files.
 
     Argument as in `skipped_notes`.
 
@@ -224,6 +227,20 @@ def format_notes(pairs: FramePairs) -> list[Note]:
         for camera, warning in enumerate(pairs.warnings, 1)
         if warning
     ]
+
+    for camera, pages in enumerate(pairs.pages, 1):
+        if pages and pages[0].selection.array_order == "unknown":
+            text = (
+                "HDF5 taken as (frame, y, x); what MATLAB's h5write, Julia, R or Fortran wrote "
+                f'needs array_order = "column" in [camera{camera}]'
+            )
+            notes.append(remark(f"camera{camera}", text))
+
+        # files of many frames are put in order by their names, which few programs write alike
+        files = dict.fromkeys(page.path.name for page in pages)
+        if 1 < len(files) < len(pages):
+            order = list_some(files, most=_MOST_NAMED)
+            notes.append(remark(f"camera{camera}", f"frames of the files in this order: {order}"))
 
     # a header may state the bits stored in place of those of a count; the depth is then lower
     for camera, (stated, declared) in enumerate(

@@ -9,7 +9,8 @@ from pathlib import Path
 
 from erlif.core.errors import FrameError
 from erlif.core.guarded import file_stamp
-from erlif.io.ingest.images import match_files, natural_key
+from erlif.io.ingest.images import match_files
+from erlif.io.ingest.order import sort_files
 from erlif.io.ingest.recording import Fixture, Run
 
 # SHA-256 of files that are hashed already, hexadecimal.
@@ -43,7 +44,7 @@ def hash_inputs(recording: Run | Fixture, known: Digests | None = None) -> dict[
         name: _combine(paths, known) for name, paths in _files_beside_frames(recording).items()
     }
     for camera, paths in zip(recording.cameras, _files_of_frames(recording), strict=True):
-        hashes[camera.files] = _combine(sorted(paths, key=natural_key), known)
+        hashes[camera.files] = _combine(sort_files(paths), known)
 
     # names as they stand in the settings may climb out and back in: results keep the shortest
     return {

@@ -5,10 +5,9 @@ from __future__ import annotations
 import glob
 import hashlib
 import os
-import re
 from collections.abc import Collection, Iterator, Sequence
 from contextlib import closing
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import NamedTuple
 
@@ -25,6 +24,7 @@ from erlif.io.ingest.counts import (
     convert_counts,
     count_padding,
 )
+from erlif.io.ingest.order import sort_files
 from erlif.io.ingest.selection import WHOLE, Selection
 from erlif.io.readers import FrameKind, borrow_frames, open_frames
 from erlif.io.readers.base import TRUNCATED, describe_shape
@@ -128,37 +128,16 @@ class CameraFiles:
     start: float = 0.0
 
 
-def natural_key(path: Path) -> list[tuple[int, int, str]]:
-    """Sort key that puts frame_2 before frame_10.
-
-    Parameters
-    ----------
-    path : Path
-
-    Returns
-    -------
-    list of tuple
-        Numbers in the path compare as numbers, the rest as text.
-
-    Examples
-    --------
-    >>> names = [Path("frame_10.tif"), Path("frame_2.tif")]
-    >>> [path.name for path in sorted(names, key=natural_key)]
-    ['frame_2.tif', 'frame_10.tif']
-    """
-    # split puts the numbers at the odd places, where a number is compared with a number
-    parts = re.split(r"(\d+)", str(path))
-    return [(0, int(part), "") if n % 2 else (1, 0, part) for n, part in enumerate(parts)]
-
-
 def match_files(directory: Path, pattern: str, *, known: Collection[str] = ()) -> list[Path]:
     """Files that a pattern of the settings matches, in natural order.
 
     Hidden files are left out, and those whose names relative to the directory are `known`.
     """
+    # a folder may be called "camera1 [580 nm]"
     names = glob.glob(pattern, root_dir=directory, recursive=True)
+    names = names or glob.glob(pattern.replace("[", "[[]"), root_dir=directory, recursive=True)
     paths = (directory / name for name in names if name not in known)
-    return sorted((path for path in paths if not path.is_dir()), key=natural_key)
+    return sort_files(path for path in paths if not path.is_dir())
 
 
 def find_pages(
@@ -192,7 +171,22 @@ def find_pages(
             f"Expected files {pattern} of {what} in {directory}; there is none. Put them there, or "
             "correct the name in the settings."
         )
-    return read_headers(paths, selection)
+    found = read_headers(paths, selection)
+    _check_order(found, what)
+    return found
+
+
+def _check_order(found: CameraFiles, what: str) -> None:
+    """Refuse images that are not wide, where nothing shows that they are not transposed."""
+    for page, kind in zip(found.pages, found.kinds, strict=True):
+        if page.selection.array_order == "unknown" and kind.shape[0] >= kind.shape[1]:
+            table = what.split()[0]
+            raise FrameError(
+                f"Expected the order of the axes of {page.path.name}, {what}; its images are "
+                f"{describe_shape(kind.shape)}, and MATLAB's h5write, Julia, R and Fortran write "
+                f'them transposed. Give array_order = "column" in [{table}] if one of them wrote '
+                'it, else array_order = "row".'
+            )
 
 
 def read_headers(paths: Sequence[Path], selection: Selection = WHOLE) -> CameraFiles:
@@ -394,6 +388,9 @@ def depth_warning(highest: int, *, bit_depth: int, camera: int) -> Note | None:
 def _read_header(path: Path, selection: Selection) -> CameraFiles:
     """Pages of a file that belong to a camera; FrameError with the bare reason."""
     with closing(open_frames(path, dataset=selection.dataset)) as file:
+        order = file.array_order and (selection.array_order or file.array_order)
+        if order != selection.array_order:
+            selection = replace(selection, array_order=order)
         places = selection.pages(file)
         alone = len(file.kinds) == 1 and not file.companions
         kinds = [file.kinds[k] for k in places]

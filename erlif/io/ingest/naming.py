@@ -14,7 +14,8 @@ from collections import defaultdict
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
-from erlif.io.ingest.images import match_files, natural_key
+from erlif.io.ingest.images import match_files
+from erlif.io.ingest.order import split_name
 
 # Share of the frames that a way of naming must explain; the rest are other images, of a scale.
 COVERED = 0.8
@@ -123,10 +124,7 @@ def assign_in_order(
             labels = lone
         if len(set(labels.values())) != 2 or any(group.get(purpose) for group in groups.values()):
             continue
-        cameras, sets = (
-            sorted(each, key=lambda label: natural_key(Path(label)))
-            for each in (groups, set(labels.values()))
-        )
+        cameras, sets = (sorted(each, key=split_name) for each in (groups, set(labels.values())))
         for path, label in labels.items():
             groups[cameras[sets.index(label)]][purpose].append(path)
             unassigned.remove(path)

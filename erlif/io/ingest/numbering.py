@@ -5,38 +5,26 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 
 from erlif.io.ingest.frames import FramePairs
 from erlif.io.ingest.images import UNREADABLE, CameraFiles, Page
+from erlif.io.ingest.order import number_files
 
 # Ratio of the frames of two cameras above which files are wrong rather than frames lost.
 MOST_UNEQUAL = 2
 
 # The last number of a name counts: "2026-11-22_cam1_0007" is frame 7.
-_LAST_NUMBER = re.compile(r"\d+(?=\D*$)")
+_LAST_NUMBER = re.compile(r"([+-]?)(\d+)(?=\D*$)")
 
 # Share of equal steps from number to number, below which others are no gaps.
 _USUAL = 0.5
 
 
-def number_in(path: Path) -> int | None:
-    """The last number in the name of a file; None without one.
-
-    Examples
-    --------
-    >>> number_in(Path("2026-11-22_cam1_0007.tif"))
-    7
-    """
-    digits = _LAST_NUMBER.search(path.stem)
-    return int(digits[0]) if digits else None
-
-
 def frame_numbers(pages: Sequence[Page]) -> list[int]:
     """Number of each frame by its file name; its position where names do not distinguish frames."""
-    numbers = [number_in(page.path) or 0 for page in pages]
+    numbers = [number or 0 for number in number_files([page.path for page in pages])]
     return numbers if len(set(numbers)) == len(pages) else list(range(len(pages)))
 
 
@@ -50,7 +38,7 @@ def has_numbers(pages: Sequence[Page]) -> bool:
     >>> has_numbers([Page(Path("stack.tif"), 0), Page(Path("stack.tif"), 1)])
     False
     """
-    found = [number_in(page.path) for page in pages]
+    found = number_files([page.path for page in pages])
     numbers = [number for number in found if number is not None]
     files = {page.path for page in pages}
     return len(files) == len(numbers) == len(pages) and bool((np.diff(numbers) > 0).all())
@@ -83,15 +71,29 @@ def find_missing(numbers: list[int]) -> list[int]:
     return sorted(set(range(numbers[0], numbers[-1], step)) - set(numbers))
 
 
-def name_lost(page: Page, number: int) -> Page:
+def name_lost(page: Page, number: int, *, signed: bool = False) -> Page:
     """The page of a file that is missing, named as that of another frame of the camera.
+
+    Parameters
+    ----------
+    page : Page
+    number : int
+    signed : bool
+        Whether a hyphen before the number is its sign.
 
     Examples
     --------
     >>> name_lost(Page(Path("frame_0001.tif"), 0), 12).name
     'frame_0012.tif'
+    >>> name_lost(Page(Path("Img-0020.tif"), 0), 3, signed=True).name
+    'Img0003.tif'
     """
-    stem = _LAST_NUMBER.sub(lambda found: f"{number:0{len(found[0])}d}", page.path.stem)
+
+    def write(found: re.Match[str]) -> str:
+        sign = ("-" if number < 0 else "") if signed else found[1]
+        return f"{sign}{abs(number):0{len(found[2])}d}"
+
+    stem = _LAST_NUMBER.sub(write, page.path.stem)
     return replace(page, path=page.path.with_name(stem + page.path.suffix))
 
 
@@ -115,7 +117,10 @@ def add_lost_pairs(pairs: FramePairs) -> FramePairs:
     place = {number: k for k, number in enumerate(numbers)}
     known = [dict(zip(one, pages, strict=True)) for pages in pairs.pages]
     first, second = (
-        tuple(found.get(number) or name_lost(found[one[0]], number) for number in numbers)
+        tuple(
+            found.get(number) or name_lost(found[one[0]], number, signed=one[0] < 0)
+            for number in numbers
+        )
         for found in known
     )
     skipped = {place[one[k]]: reason for k, reason in pairs.skipped.items()}
@@ -131,7 +136,10 @@ def pad_lost(cameras: Sequence[CameraFiles]) -> None:
         faults = {numbers.index(n): files.faults[k] for n, k in known.items() if k in files.faults}
         lost = {k: "the file is missing" for k, n in enumerate(numbers) if n not in known}
         pages, kinds = files.pages, files.kinds
-        files.pages = [pages[known[n]] if n in known else name_lost(pages[0], n) for n in numbers]
+        files.pages = [
+            pages[known[n]] if n in known else name_lost(pages[0], n, signed=numbers[0] < 0)
+            for n in numbers
+        ]
         files.kinds = [kinds[known[n]] if n in known else UNREADABLE for n in numbers]
         files.faults = faults | lost
 

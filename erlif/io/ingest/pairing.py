@@ -24,6 +24,7 @@ from erlif.io.ingest.images import (
 )
 from erlif.io.ingest.numbering import MOST_UNEQUAL, common_numbers, frame_numbers, pad_lost
 from erlif.io.ingest.selection import WHOLE, Selection, may_share_files
+from erlif.io.ingest.turns import check_turns
 from erlif.io.readers import FrameKind
 from erlif.io.readers.base import describe_shape
 
@@ -88,6 +89,9 @@ def pair_cameras(
 
     # pixels are decoded here only where undecodable frames may be left out: it takes as long as
     # reading the whole recording
+    parts = {selection.part for selection in selections}
+    if parts == {"odd", "even"} and not faults and len({*one.kinds, *two.kinds}) == 1:
+        check_turns(one.pages, two.pages, directory, one.kinds[0].shape)
     _check_pairs(one.pages, two.pages, directory, has_log=has_log)
     if skip_bad_frames:
         faults |= _find_undecodable(directory, (one, two), faults)
@@ -159,7 +163,8 @@ def _check_kinds(
                 name = name_page(files.pages[k], directory, camera)
                 raise FrameError(
                     f"Expected frames of one size and type, {usual}; {name} is {files.kinds[k]}. "
-                    "Set the same region of interest and depth for all frames of both cameras."
+                    "Set the same region of interest and depth for all frames of both cameras, and "
+                    "take out previews."
                 )
 
     first = cameras[0].pages[good[0]].name

@@ -28,11 +28,14 @@ class Selection:
         Path of the array in a file that holds several; empty for the only one.
     shift : int
         Bits by which left-aligned counts are shifted right.
+    array_order : str
+        As in `FrameFile`: images stored column by column are transposed.
     """
 
     part: str = ""
     dataset: str = ""
     shift: int = 0
+    array_order: str = ""
 
     def pages(self, file: FrameFile) -> Sequence[int]:
         """Frames of a file that belong to this part, counted from 0.
@@ -64,11 +67,13 @@ class Selection:
 
     def crop_shape(self, shape: tuple[int, ...]) -> tuple[int, ...]:
         """Shape of the part of a frame; the middle row or column of an odd number is left out."""
+        shape = (shape[1], shape[0], *shape[2:]) if self.array_order == "column" else shape
         rows, columns = self._window(shape)
         return (len(range(shape[0])[rows]), len(range(shape[1])[columns]), *shape[2:])
 
     def crop(self, image: AnyArray) -> AnyArray:
         """The part of a frame, as a view."""
+        image = image.swapaxes(0, 1) if self.array_order == "column" else image
         return image[self._window(image.shape)]
 
     def _window(self, shape: tuple[int, ...]) -> tuple[slice, slice]:
@@ -111,12 +116,12 @@ def select_counts(camera: CameraSettings, purpose: Purpose = "frames") -> Select
     ...     alignment="left",
     ... )
     >>> select_counts(camera, "flat")
-    Selection(part='', dataset='/flat', shift=4)
+    Selection(part='', dataset='/flat', shift=4, array_order='')
     """
     own = None if purpose == "frames" else getattr(camera, f"{purpose}_dataset")
     dataset = own or camera.dataset or ""
     shift = 16 - camera.bit_depth if camera.alignment == "left" else 0
-    return Selection(camera.part or "", dataset, shift)
+    return Selection(camera.part or "", dataset, shift, camera.array_order or "")
 
 
 def may_share_files(one: Selection, two: Selection) -> bool:

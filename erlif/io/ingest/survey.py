@@ -13,7 +13,7 @@ from pathlib import Path
 from erlif.core.bounded import read_rows
 from erlif.core.errors import FrameError
 from erlif.io.ingest.depth import CountsSample, sample_counts
-from erlif.io.ingest.images import Page, natural_key, read_headers
+from erlif.io.ingest.images import Page, read_headers
 from erlif.io.ingest.logs.proposal import LOG_SUFFIXES, PROFILE
 from erlif.io.ingest.naming import (
     FIXTURE,
@@ -26,6 +26,7 @@ from erlif.io.ingest.naming import (
     lower_name,
     purpose_of,
 )
+from erlif.io.ingest.order import sort_files, split_name
 from erlif.io.ingest.selection import WHOLE, Selection
 from erlif.io.ingest.shared import SharedFile, find_cameras_in_file
 from erlif.io.readers import Format
@@ -229,7 +230,7 @@ def survey_directory(directory: Path, *, fixture: bool = False) -> Survey:
 
     read = (_read_table(path) for path in files if path.suffix.lower() == ".csv")
     tables = tuple(table for table in read if table is not None)
-    images = sorted(_find_images(files), key=natural_key)
+    images = sort_files(_find_images(files))
     names = {path: lower_name(path, directory) for path in images}
     left_out: tuple[Path, ...] = ()
     if not fixture:
@@ -244,7 +245,7 @@ def survey_directory(directory: Path, *, fixture: bool = False) -> Survey:
     wavelengths = {camera.wavelength for camera in cameras}
     if len(wavelengths) < len(cameras) or None in wavelengths:
         cameras = [replace(camera, wavelength=None) for camera in cameras]
-    cameras.sort(key=lambda camera: (camera.wavelength or 0, natural_key(Path(camera.label))))
+    cameras.sort(key=lambda camera: (camera.wavelength or 0, split_name(camera.label)))
     if len(groups) == 1:
         ((label, group),) = groups.items()
         shared = find_cameras_in_file(group["frames"][0], [table.rows for table in tables])

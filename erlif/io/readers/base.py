@@ -73,6 +73,8 @@ class FrameFile(ABC):
         Other files that hold a part of this recording, such as the header beside raw data.
     warning : str
         Why the counts of this format are doubtful, as one sentence; empty where they are not.
+    array_order : {"", "row", "column", "unknown"}
+        Order of the numbers of an image; empty for a format that has one order.
     """
 
     kinds: Sequence[FrameKind]
@@ -81,6 +83,7 @@ class FrameFile(ABC):
     channels: Sequence[int] | None = None
     companions: Sequence[Path] = ()
     warning: str = ""
+    array_order: str = ""
 
     @abstractmethod
     def read(self, index: int) -> AnyArray:

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from erlif.core.errors import FrameError
-from erlif.io.readers.base import Format, FrameFile
+from erlif.io.readers.base import Format, FrameFile, colour_camera
 from erlif.io.readers.raw import FrameLayout, RawFrames
 from erlif.io.readers.source import Source
 
@@ -49,6 +49,8 @@ def open_fits(path: Path) -> FrameFile:
             if size < 0 or place >= source.size:
                 raise FrameError("the file holds no image")
 
+    if cards.get("BAYERPAT") or cards.get("COLORTYP"):
+        raise colour_camera("image")
     bits = _whole(cards, "BITPIX")
     frames = int(np.prod(shape[2:], dtype=object))
     if bits not in _TYPES:

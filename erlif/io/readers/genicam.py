@@ -23,12 +23,15 @@ from pathlib import Path
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from erlif.core.errors import FrameError
-from erlif.io.readers.base import Format, FrameFile
+from erlif.io.readers.base import Format, FrameFile, colour_camera
 from erlif.io.readers.raw import FrameLayout, Packing, RawFrames, count_frames
 from erlif.io.readers.source import find_beside, read_text
 
 # Pixel formats that are read.
 _FORMAT = re.compile(r"Mono(8|10|12|14|16)|Mono(10|12)(p|Packed|pmsb)")
+
+# Beginnings of the names of pixel formats with colours.
+_COLOURS = ("Bayer", "RGB", "BGR", "YUV", "YCbCr")
 
 # Order of packed bits by the end of the name of a pixel format.
 _PACKINGS = {"p": "LOW", "Packed": "SPLIT", "pmsb": "HIGH"}
@@ -46,7 +49,7 @@ class _Description(BaseModel):
 
     width: int = Field(ge=0, lt=1 << 48)
     height: int = Field(ge=0, lt=1 << 48)
-    pixel_format: str = Field(pattern=f"^({_FORMAT.pattern})$")
+    pixel_format: str
     frames: int | None = Field(None, ge=0, lt=1 << 48)
     frame_rate: float | None = Field(None, ge=1e-6, le=1e9)
     header_bytes: int = Field(0, ge=0, lt=1 << 48)
@@ -67,7 +70,13 @@ def open_raw(path: Path) -> FrameFile:
     given = _read_description(beside)
     shape = given.height, given.width
     name = _FORMAT.fullmatch(given.pixel_format)
-    assert name is not None  # as the description was checked
+    if given.pixel_format.startswith(_COLOURS):
+        raise colour_camera()
+    if name is None:
+        raise FrameError(
+            f"{beside.name} cannot be read: pixel_format is {given.pixel_format[:40]!r}. Expected "
+            "Mono8 to Mono16, or Mono10 and Mono12 with p, Packed or pmsb behind it."
+        )
     plain, packed, order = name.groups()
     packing = Packing[f"{_PACKINGS[order]}_{packed}"] if packed else None
     layout = FrameLayout(shape, "|u1" if plain == "8" else "<u2", packing=packing)

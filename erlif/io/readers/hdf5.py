@@ -18,6 +18,12 @@ from erlif.io.readers.base import DEFLATED, SECONDS, Format, FrameFile, FrameKin
 # Datasets that a message lists.
 _MOST_LISTED = 8
 
+# First bytes of a file of MATLAB from version 7.3 on, whose HDF5 begins at byte 512.
+_MATLAB = b"MATLAB 7.3 MAT-file"
+
+# Order of the numbers by the beginning of the name of the last axis.
+_AXES = {"row": ("x", "col", "width"), "column": ("y", "row", "height")}
+
 # Chunks of a dataset; each takes a microsecond once.
 _MOST_CHUNKS = 2**24
 
@@ -29,7 +35,7 @@ _LARGEST_TIMES = 64 * 2**20
 
 
 class Hdf5Frames(FrameFile):
-    """The frames of one dataset, (frame, y, x) or (y, x)."""
+    """The frames of one dataset, (frame, y, x) or (y, x); MATLAB has x before y."""
 
     def __init__(self, path: Path, dataset: str = "") -> None:
         self._lock = threading.Lock()
@@ -41,6 +47,7 @@ class Hdf5Frames(FrameFile):
         try:
             self._data = self._find(dataset)
             self._check(path.stat().st_size)
+            self.array_order = _find_order(path, self._data)
         except (FrameError, ModuleNotFoundError):
             self._file.close()
             raise
@@ -124,6 +131,22 @@ class Hdf5Frames(FrameFile):
         self.times = _times(data) if data.ndim == 3 else None
 
 
+def _begins(head: bytes) -> bool:
+    """Whether a file is HDF5; MATLAB puts 512 bytes before it."""
+    return head.startswith((SIGNATURE, _MATLAB))
+
+
+def _find_order(path: Path, data: Any) -> str:
+    """`FrameFile.array_order` by what MATLAB leaves, else by the name of the last axis."""
+    with path.open("rb") as file:
+        if file.read(len(_MATLAB)) == _MATLAB or "MATLAB_class" in data.attrs:
+            return "column"
+    axis = data.dims[data.ndim - 1]
+    name = axis.label or (axis[0].name or "" if len(axis) else "")
+    plain = str(name).rpartition("/")[2].lower()
+    return next((order for order, names in _AXES.items() if plain.startswith(names)), "unknown")
+
+
 def list_datasets(path: Path) -> list[str]:
     """Paths of the arrays of an HDF5 file that may hold frames.
 
@@ -139,7 +162,7 @@ def list_datasets(path: Path) -> list[str]:
     []
     """
     with path.open("rb") as file:
-        if file.read(8) != SIGNATURE:
+        if not _begins(file.read(len(_MATLAB))):
             return []
 
     try:
@@ -160,7 +183,9 @@ def _candidates(file: Any, ndim: int) -> list[str]:
     def visit(name: str, item: object) -> bool | None:
         nonlocal visited
         visited += 1
-        if isinstance(item, h5py.Dataset) and item.ndim == ndim and item.dtype.kind in "iuf":
+        hidden = name.startswith("#")  # of MATLAB
+        fits = isinstance(item, h5py.Dataset) and item.ndim == ndim and item.dtype.kind in "iuf"
+        if fits and not hidden:
             names.append(f"/{name}")
         return True if visited > _MOST_VISITED else None
 
@@ -253,7 +278,7 @@ def _array_beside(data: Any, name: str) -> Any:
 HDF5 = Format(
     "HDF5, netCDF-4",
     (".h5", ".hdf5", ".he5", ".nc", ".nc4"),
-    lambda path, head: head[:8] == SIGNATURE,
+    lambda path, head: _begins(head),
     Hdf5Frames,
     extra="formats",
     open_dataset=Hdf5Frames,

@@ -66,6 +66,12 @@ _UNREAD: tuple[tuple[tuple[str, ...], bytes, str], ...] = (
         "16 bits.",
     ),
     (
+        (),
+        rb"MATLAB 5.0 MAT-file",
+        "it is a MATLAB file of version 5 to 7, which is not read. Save the frames with "
+        "save(..., '-v7.3').",
+    ),
+    (
         (".gz",),
         rb"\x1f\x8b",
         "it is compressed by gzip, which is not read. Expand the file with gunzip.",

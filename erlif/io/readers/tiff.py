@@ -20,10 +20,18 @@ import tifffile
 
 from erlif.core.arrays import AnyArray
 from erlif.core.errors import FrameError, reason_of
-from erlif.io.readers.base import MOST_FRAMES, TRUNCATED, Format, FrameFile, FrameKind, check_claim
+from erlif.io.readers.base import (
+    MOST_FRAMES,
+    TRUNCATED,
+    Format,
+    FrameFile,
+    FrameKind,
+    check_claim,
+    colour_camera,
+)
 from erlif.io.readers.raw import FrameLayout, RawFrames
 from erlif.io.readers.source import Source
-from erlif.io.readers.tiff_metadata import read_description
+from erlif.io.readers.tiff_metadata import Description, read_description
 
 # faults of a file are raised; without a handler Python would print what tifffile logs about them
 logging.getLogger("tifffile").addHandler(logging.NullHandler())
@@ -40,8 +48,16 @@ _MOST_UNKNOWN = 16
 # Decoded bytes per byte of a file that LZW can reach; a header that claims more is damaged.
 _DENSEST = 3000
 
-# Value of the tag PhotometricInterpretation.
-_PALETTE = 3
+# Values of the tag PhotometricInterpretation: a palette, and a colour for each pixel (Bayer).
+_PALETTE, _MOSAIC = 3, 32803
+
+# Tag that describes the colours of the pixels of a mosaic.
+_MOSAIC_COLOURS = 33421
+
+_DAY = 86400.0  # [s]
+
+# Tag of MetaMorph with six numbers for each plane of a stack that has one directory.
+_PLANES = 33629
 
 # Value of the tag PlanarConfiguration: each colour by itself.
 _SEPARATE = 2
@@ -93,9 +109,10 @@ class TiffFrames(FrameFile):
         self._places = [one.place for one in directories]
         self._lock = threading.RLock()
         try:
-            self._file = tifffile.TiffFile(path)
-            first = self._page(0)
+            with np.errstate(all="ignore"):  # of numbers in damaged tags
+                self._file = tifffile.TiffFile(path)
             self.kinds = self._read_kinds(directories, size)
+            first = self._page(0)
             self.stack = _contiguous(first, self._file.byteorder)
             bits = int(first.bitspersample)
             self.bits = bits if 8 < bits < 16 else None
@@ -103,7 +120,10 @@ class TiffFrames(FrameFile):
             self.description = read_description(
                 text if len(text) <= _LONGEST else b"", name=path.name, pages=len(self.kinds)
             )
-            if self.description.frames in (0, len(self.kinds)):
+            if _PLANES in first.tags:
+                self.description = _read_planes(path, first.tags[_PLANES], self._file.byteorder)
+            whole = len(self.kinds) == len(directories)  # without previews
+            if whole and self.description.frames in (0, len(self.kinds)):
                 self.channels, self.times = self.description.channels, self.description.times
         except (OSError, FrameError):
             self.close()
@@ -113,17 +133,21 @@ class TiffFrames(FrameFile):
             raise FrameError(f"the file is damaged or not a TIFF ({reason_of(error)})") from error
 
     def _read_kinds(self, directories: Sequence[_Directory], size: int) -> list[FrameKind]:
-        """Kinds of all pages; those whose directories are alike are read once."""
-        known: dict[bytes, FrameKind] = {}
-        kinds = []
+        """Kinds of all pages but previews; those whose directories are alike are read once."""
+        known: dict[bytes, tuple[FrameKind, bool]] = {}
+        found = []
         for k, one in enumerate(directories):
-            kind = known.get(one.alike) if one.end <= size else None
-            if kind is None:
-                kind = _kind_of(self._page(k), size)
-                if one.alike and kind != TRUNCATED:
-                    known[one.alike] = kind
-            kinds.append(kind)
-        return kinds
+            entry = known.get(one.alike) if one.end <= size else None
+            if entry is None:
+                page = self._page(k)
+                entry = _kind_of(page, size), bool(page.is_reduced)
+                if one.alike and entry[0] != TRUNCATED:
+                    known[one.alike] = entry
+            found.append(entry)
+        kept = [k for k, (_, is_preview) in enumerate(found) if not is_preview]
+        kept = kept or list(range(len(found)))
+        self._places = [self._places[k] for k in kept]
+        return [found[k][0] for k in kept]
 
     def read(self, index: int) -> AnyArray:
         """As `FrameFile.read`."""
@@ -187,8 +211,9 @@ class TiffFrames(FrameFile):
     def _page(self, index: int) -> tifffile.TiffPage:
         """Read a directory; a list of all pages would take gigabytes for a long recording."""
         assert self._file is not None
-        if index == 0:
-            page = self._file.pages.first  # read when the file was opened
+        first = self._file.pages.first  # read when the file was opened
+        if self._places[index] == first.offset:
+            page = first
         else:
             self._file.filehandle.seek(self._places[index])
             page = tifffile.TiffPage(self._file, index=index)
@@ -216,11 +241,17 @@ def open_tiff(path: Path) -> FrameFile:
     """
     file = TiffFrames(path)
     described = file.description
-    if not described.frames > 1 == len(file.kinds) or file.stack is None:
+    several = len(file.kinds) > 1
+    if described.frames in (0, 1, len(file.kinds)) or (several and not described.whole):
         return file
 
-    # images follow the first one without directories, as ImageJ writes above 4 GB
+    # images follow the first one without directories, as MetaMorph and ImageJ (4 GB) write them
     file.close()
+    if several or file.stack is None:
+        raise FrameError(
+            f"it holds {described.frames} images, and directories for {len(file.kinds)}. Save it "
+            "as an uncompressed TIFF with a directory for each image."
+        )
     layout, start = file.stack
     places = layout.in_a_row(start, described.frames)
     stack = RawFrames(path, layout, places, find_times=lambda raw: described.times)
@@ -322,6 +353,8 @@ def _kind_of(page: tifffile.TiffPage, size: int) -> FrameKind:
         raise FrameError(
             "it is a palette image, whose values are no counts. Save the raw counts as grey TIFF."
         )
+    if page.photometric == _MOSAIC or _MOSAIC_COLOURS in page.tags:
+        raise colour_camera("image")
     lossy = _LOSSY.get(int(page.compression))
     if lossy is not None:
         raise FrameError(
@@ -346,6 +379,16 @@ def _kind_of(page: tifffile.TiffPage, size: int) -> FrameKind:
     if page.is_contiguous and sum(counts) < page.nbytes:
         return TRUNCATED
     return kind
+
+
+def _read_planes(path: Path, tag: tifffile.TiffTag, order: str) -> Description:
+    """Number and times of the planes that MetaMorph writes behind one directory."""
+    planes = int(tag.count)
+    with Source(path) as source:
+        numbers = np.frombuffer(source.read(tag.valueoffset, 24 * planes), f"{order}u4")
+    _, _, day, millisecond, _, _ = numbers.reshape(-1, 6).T.astype(np.int64)
+    times = _DAY * (day - day[0]) + 1e-3 * (millisecond - millisecond[0])
+    return Description(planes, None, times if (np.diff(times) > 0).all() else None, whole=True)
 
 
 def _contiguous(page: tifffile.TiffPage, order: str) -> tuple[FrameLayout, int] | None:

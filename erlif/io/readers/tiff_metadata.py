@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -12,6 +13,8 @@ import numpy as np
 from erlif.core.arrays import Array
 from erlif.core.errors import FrameError
 from erlif.io.readers.base import MOST_FRAMES, SECONDS
+
+_SHAPE = re.compile(rb'\{"shape": \[([\d, ]{1,80})\]')
 
 
 @dataclass(frozen=True)
@@ -26,11 +29,14 @@ class Description:
         Channel of each image, counted from 1; 0 for an image without one.
     times : Array | None
         Time of each image from the first one. [s]
+    whole : bool
+        Whether the file itself is known to hold these images: a description may be a copy.
     """
 
     frames: int = 0
     channels: Sequence[int] | None = None
     times: Array | None = None
+    whole: bool = False
 
 
 def read_description(text: bytes, *, name: str, pages: int) -> Description:
@@ -48,7 +54,7 @@ def read_description(text: bytes, *, name: str, pages: int) -> Description:
     Returns
     -------
     Description
-        An empty one where the text is neither from OME nor from ImageJ.
+        An empty one where the text is from none of OME, ImageJ and tifffile.
 
     Raises
     ------
@@ -62,6 +68,10 @@ def read_description(text: bytes, *, name: str, pages: int) -> Description:
     >>> found.frames, found.channels, found.times
     (6, [1, 2, 1, 2, 1, 2], array([0.  , 0.  , 0.01, 0.01, 0.02, 0.02]))
     """
+    if text.startswith(b'{"shape":') and b'"truncated": true' in text:
+        shape = _SHAPE.match(text)  # by tifffile, of images behind one directory
+        sizes = [int(size) for size in shape[1].split(b",")] if shape else []
+        return Description(math.prod(sizes[:-2]), whole=True)
     if text.startswith(b"ImageJ="):
         return _read_imagej(text.decode("utf-8", "replace"))
     if b"<OME" in text[:4096] and pages:

@@ -59,8 +59,8 @@ class CameraSettings(Settings):
     """One camera: its files, its filter and its noise."""
 
     files: FileName
-    """Frames of this camera, in natural order (frame_2 before frame_10): a pattern, or one
-    multi-page file, relative to this file."""
+    """Frames of this camera in the order of stem and number (run.tif, run_2.tif, run_10.tif): a
+    pattern, or one multi-page file, relative to this file."""
     band: Band
     """Centre wavelength of the filter of this camera. Camera 1 has the shorter one, whose light dye
     2 reabsorbs."""
@@ -83,6 +83,10 @@ class CameraSettings(Settings):
     background_dataset: Text | None = Field(None, examples=["/camera1/background"])
     """Path of the frames of the dry joint in an HDF5 or netCDF file. Default: that of the
     frames."""
+    array_order: Literal["row", "column"] | None = None
+    """Order of the numbers of an image in HDF5: row by row, (frame, y, x), as from Python and
+    LabVIEW, or column by column, (frame, x, y), as from MATLAB's h5write, Julia, R and Fortran.
+    Default: as the file states it."""
     dark: FileName | None = Field(None, examples=["camera1_dark.tif"])
     """Dark frames: lens capped, exposure time and camera gain as in the run. Either dark or offset
     is required."""

@@ -89,6 +89,35 @@ def test_the_first_frame_without_a_row_is_named():
         check_rows(logged(0, 1), pages(1, 2, 3, 4), "log.csv")
 
 
+@pytest.mark.parametrize(
+    ("rows", "names"),
+    [
+        ([-2, -1, 0], ("Img-0002", "Img-0001", "Img0000")),
+        ([-2, -1, 0], ("f_1", "f_2", "f_3")),  # the camera counts from 1
+        ([1, 2, 3], ("f-1", "f-2", "f-3")),
+        ([4, 5, 6], ("b", "a", "c")),
+    ],
+)
+def test_numbers_of_rows_and_files_agree(rows, names):
+    check_rows(logged(*rows), [Page(Path(f"{name}.tif"), 0) for name in names], "log.csv")
+
+
+@pytest.mark.parametrize(
+    ("rows", "names", "words"),
+    [
+        # without a frame at or after the trigger the hyphen may be a separator
+        ([-2, -1], ("Img-0001", "Img-0002"), "frame -2 meets Img-0001.tif, whose number is read"),
+        ([-1, 0, 1], ("a-0002", "a-0001", "a0000"), "as -2"),
+        ([0, 1, 2], ("east_1", "north_2", "west_0"), "row of frame 0 meets east_1.tif"),
+        ([1, 2, 3], ("9h58_1", "10h01_3", "10h02_2"), "row of frame 2 meets 10h01_3.tif"),
+    ],
+)
+def test_files_in_another_order_than_the_rows_are_refused(rows, names, words):
+    with pytest.raises(EncoderError) as refused:
+        check_rows(logged(*rows), [Page(Path(f"{name}.tif"), 0) for name in names], "log.csv")
+    assert words in str(refused.value)
+
+
 # logs of other loggers
 
 

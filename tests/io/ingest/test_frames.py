@@ -12,6 +12,7 @@ from erlif.core.errors import FrameError
 from erlif.core.notes import Level
 from erlif.io.ingest import FramePairs, Page, format_notes, open_run, read_frames, read_pair
 from erlif.io.ingest.frames import skipped_notes
+from erlif.io.ingest.selection import Selection
 
 
 def recorded(lab):
@@ -40,6 +41,21 @@ def test_a_header_with_fewer_bits_than_the_settings_is_reported(stated, subjects
     for note in notes:
         assert note.level == Level.WARNING
         assert "bit_depth = 12: counts at" in note.text
+
+
+def test_an_order_of_axes_that_is_not_known_is_noted():
+    pages = tuple(Page(Path("a.h5"), k, selection=Selection(array_order="unknown")) for k in (0, 1))
+    (note,) = format_notes(replace(make_pairs(2), pages=(make_pairs(2).pages[0], pages)))
+    assert note.subject == "camera2"
+    assert 'array_order = "column" in [camera2]' in note.text
+
+
+def test_the_order_of_several_stacks_is_noted():
+    files = [("run.tif", 2), ("run (2).tif", 1)]
+    pages = tuple(Page(Path(name), k) for name, count in files for k in range(count))
+    notes = format_notes(replace(make_pairs(3), pages=(pages, make_pairs(3).pages[1])))
+    assert [(note.subject, note.level) for note in notes] == [("camera1", Level.NOTE)]
+    assert notes[0].text.endswith("in this order: run.tif, run (2).tif")
 
 
 @pytest.mark.parametrize(

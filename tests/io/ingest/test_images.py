@@ -49,6 +49,14 @@ def test_files_come_in_natural_order_without_hidden_ones_and_folders(tmp_path):
     assert [path.name for path in found] == ["f_1.tif", "f_2.tif", "f_10.tif"]
 
 
+def test_brackets_of_a_name_are_no_pattern_where_they_match_nothing(tmp_path):
+    (tmp_path / "camera1 [580nm]").mkdir()
+    for name in ("camera1 [580nm]/f_1.tif", "f_1.tif", "f_2.tif"):
+        (tmp_path / name).touch()
+    assert [p.name for p in match_files(tmp_path, "camera1 [580nm]/*.tif")] == ["f_1.tif"]
+    assert [p.name for p in match_files(tmp_path, "f_[2-9].tif")] == ["f_2.tif"]
+
+
 # headers
 
 

@@ -5,15 +5,15 @@ from pathlib import Path
 
 import pytest
 
-from erlif.io.ingest.images import natural_key
 from erlif.io.ingest.naming import assign_in_order, find_pattern, group_by_camera, lower_name
+from erlif.io.ingest.order import sort_files
 
 NAMES = tomllib.loads(Path(__file__).with_name("names.toml").read_text(encoding="utf-8"))
 
 
 def survey(directory, *names):
     """Patterns of each camera by purpose, in the order of the labels; which were assigned so."""
-    paths = sorted((directory / name for name in names), key=natural_key)
+    paths = sort_files(directory / name for name in names)
     for path in paths:
         path.parent.mkdir(parents=True, exist_ok=True)
         path.touch()

@@ -42,6 +42,7 @@ def test_an_image_may_follow_an_empty_or_another_part(tmp_path):
             fits_image(16, 80, 64, BSCALE=0.5) + unsigned(COUNTS[0]),
             "its values are scaled (BSCALE = 0.5, BZERO = 0) and no longer counts.",
         ),
+        (fits_image(16, 80, 64, BAYERPAT="RGGB") + unsigned(COUNTS[0]), "of a colour camera"),
         (fits_image(16, 80, 64, BZERO=100.0) + unsigned(COUNTS[0]), "BZERO = 100"),
         (fits_image(16, 80, 64, BZERO="none") + unsigned(COUNTS[0]), "no number"),
         (fits_header(SIMPLE="T", BITPIX=8, NAXIS=10**6), "NAXIS is 1000000"),

@@ -27,3 +27,17 @@ def test_a_missing_description_is_asked_for(tmp_path):
 def test_a_damaged_json_file_is_refused(tmp_path, text):
     (tmp_path / "a.json").write_bytes(text.encode("latin-1"))
     assert "a.json cannot be read" in refusal(tmp_path / "a.raw", bytes(100))
+
+
+@pytest.mark.parametrize(
+    ("form", "words"),
+    [
+        ("BayerRG12", "the recording is of a colour camera"),
+        ("BayerGB12Packed", "the recording is of a colour camera"),
+        ("RGB8", "the recording is of a colour camera"),
+        ("Mono12P", "pixel_format is 'Mono12P'. Expected Mono8 to Mono16, or Mono10 and Mono12"),
+    ],
+)
+def test_other_pixel_formats_are_refused_by_name(tmp_path, form, words):
+    (tmp_path / "a.toml").write_text(f'width = 8\nheight = 8\npixel_format = "{form}"\n')
+    assert words in refusal(tmp_path / "a.raw", bytes(128))

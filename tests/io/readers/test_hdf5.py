@@ -9,8 +9,11 @@ import numpy as np
 import pytest
 import xarray as xr
 from scenes.reading import read, refusal, times_of
+from scipy.io import savemat
 
 from erlif.core.errors import FrameError
+from erlif.io.ingest.images import find_pages, read_page
+from erlif.io.ingest.selection import Selection
 from erlif.io.readers import open_frames
 
 COUNTS = np.random.default_rng(5).integers(0, 4096, (4, 64, 80), dtype=np.uint16)
@@ -255,3 +258,69 @@ def test_a_frame_marked_as_plain_is_read_only_where_it_is_plain(path, packed):
         assert "not in the file" in refusal(path)
     else:
         np.testing.assert_array_equal(read(path), COUNTS)
+
+
+# order of the axes
+
+
+def write_matlab(path, images, *, version=None, axes=(), mark=False):
+    """Frames as MATLAB has them, column by column; of `save -v7.3`, or named as by ncwrite."""
+    with h5py.File(path, "w", userblock_size=512 if version else 0) as file:
+        data = file.create_dataset("frames", data=images.swapaxes(-1, -2), chunks=True)
+        if mark:
+            data.attrs["MATLAB_class"] = np.bytes_("uint16")
+        for n, name in enumerate(axes):
+            data.dims[n].label = name
+        file.create_group("#refs#").create_dataset("a", data=np.zeros((3, 4, 5)))
+    if version:
+        with path.open("r+b") as raw:
+            raw.write(f"MATLAB {version} MAT-file, Platform: PCWIN64".encode().ljust(124))
+    return path
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        {"version": "7.3"},
+        {"version": "7.3", "mark": True},
+        {"mark": True},
+        {"axes": ("frame", "x", "y")},
+        {"axes": ("time", "columns", "rows")},
+    ],
+    ids=str,
+)
+@pytest.mark.parametrize("shape", [(3, 64, 80), (3, 80, 64), (3, 64, 64), (64, 80)], ids=str)
+def test_images_of_matlab_stand_upright(tmp_path, options, shape):
+    images = np.random.default_rng(3).integers(0, 4096, shape, dtype=np.uint16)
+    options = {**options, "axes": options.get("axes", ())[-len(shape) :]}
+    path = write_matlab(tmp_path / "a.mat", images, **options)
+    found = find_pages(tmp_path, path.name, "camera1", Selection(dataset="/frames"))
+    read = [read_page(page, tmp_path, shape[-2:]) for page in found.pages]
+    np.testing.assert_array_equal(read, images.reshape(-1, *shape[-2:]))
+
+
+@pytest.mark.parametrize("what", ["camera1", "camera1 dark"])
+@pytest.mark.parametrize("shape", [(3, 64, 80), (3, 64, 64)], ids=str)
+def test_an_order_that_no_mark_shows_is_asked_for(tmp_path, shape, what):
+    """A square image may be transposed; of one that is higher than wide it is likely."""
+    images = np.random.default_rng(3).integers(0, 4096, shape, dtype=np.uint16)
+    write_matlab(tmp_path / "a.h5", images)
+    with pytest.raises(FrameError, match=r'Give array_order = "column" in \[camera1\]'):
+        find_pages(tmp_path, "a.h5", what, Selection(dataset="/frames"))
+    selection = Selection("top", "/frames", array_order="column")
+    page = find_pages(tmp_path, "a.h5", what, selection).pages[0]
+    half = images[0, : shape[1] // 2]
+    np.testing.assert_array_equal(read_page(page, tmp_path, half.shape), half)
+
+
+def test_rows_of_named_axes_are_kept(tmp_path):
+    images = np.random.default_rng(3).integers(0, 4096, (3, 80, 64), dtype=np.uint16)
+    data = xr.DataArray(images, dims=("frame", "y", "x"), name="counts").to_dataset()
+    data.assign_coords(x=np.arange(64)).to_netcdf(tmp_path / "a.nc")
+    (page, *_) = find_pages(tmp_path, "a.nc", "camera1").pages
+    np.testing.assert_array_equal(read_page(page, tmp_path, (80, 64)), images[0])
+
+
+def test_frames_of_earlier_versions_of_matlab_are_refused_by_name(tmp_path):
+    savemat(tmp_path / "a.mat", {"frames": np.zeros((64, 80, 3), np.uint16)})
+    assert "it is a MATLAB file of version 5 to 7, which is not read" in refusal(tmp_path / "a.mat")

@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 import tifffile
 from PIL import Image
-from scenes.reading import read, refusal
+from scenes.reading import read, refusal, times_of
+from scenes.tiff_pages import write_stk
 
 from erlif.core.errors import FrameError
 from erlif.io.readers.base import TRUNCATED, FrameKind
@@ -132,7 +133,66 @@ def test_an_ome_file_has_channels_and_times(tmp_path, options):
         np.testing.assert_allclose(file.times, [0, 1, 3, 0, 1, 3])
 
 
+# images without a directory of their own, and directories of previews
+
+
+@pytest.mark.parametrize("planes", [1, 2, 3])
+@pytest.mark.parametrize("strips", [1, 2, 8])
+@pytest.mark.parametrize("name", ["a.stk", "a.tif"])
+def test_all_planes_of_metamorph_are_read(tmp_path, planes, strips, name):
+    path = write_stk(tmp_path / name, GREY[:planes], strips=strips)
+    with tifffile.TiffFile(path) as file:
+        assert file.is_stk
+    np.testing.assert_array_equal(read(path), GREY[:planes])
+
+
+def test_times_of_metamorph_are_those_of_its_planes(tmp_path):
+    np.testing.assert_allclose(times_of(write_stk(tmp_path / "a.stk", GREY)), [0, 0.02, 0.04])
+    assert times_of(write_stk(tmp_path / "b.stk", GREY, step=0)) is None
+
+
+def test_a_stack_of_tifffile_with_one_directory_is_read(tmp_path):
+    path = tmp_path / "a.tif"
+    tifffile.imwrite(path, GREY, photometric="minisblack", truncate=True)
+    np.testing.assert_array_equal(read(path), GREY)
+
+
+def test_images_that_no_directory_shows_are_not_lost(tmp_path):
+    """The description of ImageJ claims them, and a compressed image does not show where they lie.
+
+    So it is with the planes of MetaMorph in a file with several directories.
+    """
+    text = "ImageJ=1.53t\nimages=3\nslices=3\n"
+    tifffile.imwrite(tmp_path / "a.tif", GREY[0], description=text, compression="zlib")
+    assert "it holds 3 images, and directories for 1. Save" in refusal(tmp_path / "a.tif")
+
+    path = write_stk(tmp_path / "b.stk", GREY)
+    content = bytearray(path.read_bytes())
+    struct.pack_into("<I", content, 8 + 2 + 12 * 12, len(content))
+    path.write_bytes(bytes(content) + content[8 : 8 + 2 + 12 * 12] + bytes(4))
+    assert "it holds 3 images, and directories for 2. Save" in refusal(path)
+
+
+@pytest.mark.parametrize("place", [0, 1, 3])
+def test_previews_are_no_frames(tmp_path, place):
+    path = tmp_path / "a.tif"
+    images = [*GREY[:place], None, *GREY[place:]]
+    with tifffile.TiffWriter(path) as file:
+        for image in images:
+            kind = {"subfiletype": int(image is None), "metadata": None, "contiguous": False}
+            file.write(GREY[0, ::4, ::4] if image is None else image, **kind)
+    np.testing.assert_array_equal(read(path), GREY)
+
+
 # what is no stack of counts
+
+
+@pytest.mark.parametrize("tags", [[(33421, 3, 2, (2, 2), True)], []], ids=["CFA", "photometric"])
+def test_the_mosaic_of_a_colour_camera_is_refused(tmp_path, tags):
+    path = tmp_path / "a.dng"
+    photometric = "minisblack" if tags else "cfa"
+    tifffile.imwrite(path, GREY[0], photometric=photometric, extratags=tags)
+    assert "image is of a colour camera" in refusal(path)
 
 
 def test_a_stack_is_not_taken_for_colours(tmp_path):

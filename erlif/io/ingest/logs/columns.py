@@ -9,7 +9,7 @@ import difflib
 import re
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import xarray as xr
@@ -17,6 +17,7 @@ import xarray as xr
 from erlif.core.arrays import Array
 from erlif.core.variables import FILM
 from erlif.io.ingest.logs.checks import refuse_bad_rows
+from erlif.io.ingest.logs.counters import count_on
 from erlif.io.ingest.logs.table import (
     CLOCK,
     NAMES,
@@ -45,6 +46,9 @@ _WITHOUT_UNIT = ("frame", "angle")
 
 # Names of quantities in films that are not their own.
 _STORED_AS = {"frame": "number", "load": "joint_load", "torque": "torque_logged"}
+
+# Quantities that counters hold: ticks, a clock, frames.
+_COUNTED = ("angle", "time", "frame")
 
 # Whole numbers above this are not exact in double precision.
 _LARGEST_EXACT = 2**53
@@ -390,7 +394,7 @@ def convert_columns(
     log : xarray.Dataset
         number, angle and the others, each with its unit.
     remarks : list of str
-        Columns that are left out because films cannot hold their names.
+        Counters that start again, and columns whose names films cannot hold.
 
     Raises
     ------
@@ -398,8 +402,15 @@ def convert_columns(
         As `convert_column`; or if a column of a log with the documented names has a name that
         cannot be used.
     """
-    log = xr.Dataset()
-    for quantity, column in columns.items():
+    log, remarks = xr.Dataset(), []
+    for quantity, found in columns.items():
+        column = found
+        if quantity in _COUNTED and (quantity != "angle" or choice.ticks_per_turn):
+            turn = (choice.ticks_per_turn or 0.0) if quantity == "angle" else 0.0
+            values, bits = count_on(column.values, turn)
+            column = replace(column, values=values)
+            if bits:
+                remarks.append(f"{column.name} is a counter of {bits} bits; it is counted on")
         values, unit = convert_column(column, quantity, table, choice)
         name = _STORED_AS.get(quantity, quantity)
         if quantity == "speed":
@@ -434,7 +445,6 @@ def convert_columns(
             left_out.append(column.name)
         else:
             log[column.name] = (dim, column.free())
-    remarks = []
     if left_out:
         listed = ", ".join(repr(name) for name in dict.fromkeys(left_out))
         remarks.append(f"columns left out because of their names: {listed}")

@@ -24,7 +24,7 @@ from erlif.io.ingest.logs.text import read_log_table
 
 # Endings of the files that loggers write.
 LOG_SUFFIXES = frozenset(
-    {".csv", ".txt", ".tsv", ".dat", ".asc", ".tdms", ".mat", ".h5", ".hdf5", ".hdf"}
+    {".csv", ".txt", ".tsv", ".dat", ".asc", ".lvm", ".tdms", ".mat", ".h5", ".hdf5", ".hdf"}
 )
 
 # Columns of the profile of a fixture, which is no log.

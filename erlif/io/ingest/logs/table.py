@@ -205,6 +205,8 @@ UNITS: dict[str, tuple[str, ...]] = {
     "temperature": get_args(TemperatureUnit),
     "speed": get_args(SpeedUnit),
     "pulse_energy": get_args(PulseEnergyUnit),
+    "position": ("mm", "um", "nm", "cm", "m"),
+    "film": ("um", "mm", "nm", "m"),
 }
 
 # Units of results as films spell them.

@@ -19,6 +19,7 @@ import numpy as np
 from erlif.core.bounded import read_bounded
 from erlif.core.errors import EncoderError
 from erlif.io.ingest.logs.binary import read_binary_table
+from erlif.io.ingest.logs.labview import LABVIEW, flatten_labview
 from erlif.io.ingest.logs.table import (
     ENCODER,
     LARGEST_FILE,
@@ -40,7 +41,10 @@ LONGEST_LINE = 2**20
 # Size from which all rows are read at once, if they hold numbers alone. [byte]
 LARGE = 2**20
 
-_SEPARATORS = {"\t": "tabs", ";": "semicolons", ",": "commas"}
+_SEPARATORS = {"\t": "tabs", ";": "semicolons", ",": "commas", " ": "blanks"}
+
+# A blank before a bracket, which belongs to a name and its unit.
+_BEFORE_UNIT = re.compile(r"\s+(?=[\[(<])")
 
 _COMMENT = ("#", "%")
 
@@ -83,9 +87,10 @@ def read_log_table(path: Path, wanted: Collection[str], use: LogUse = ENCODER) -
 def read_text_table(path: Path, wanted: Collection[str]) -> LogTable:
     """Read a text file of a data logger.
 
-    Columns are separated by commas, semicolons or tabs. Where commas do not separate, they may be
-    decimal. Rows that begin with # or % are comments, rows above the header a preamble; a row of
-    units may follow the header. The text is UTF-8, UTF-16 with a byte order mark, or Latin-1.
+    Columns are separated by commas, semicolons, tabs or blanks. Where commas do not separate, they
+    may be decimal. Rows that begin with # or % are comments, rows above the header a preamble; a
+    row of units may follow the header. The text is UTF-8, UTF-16 with a byte order mark, or
+    Latin-1.
 
     Parameters
     ----------
@@ -116,6 +121,10 @@ def read_text_table(path: Path, wanted: Collection[str]) -> LogTable:
     if b"\0" in content and not encoding.startswith("utf-16"):
         raise _no_text(path, "holds bytes of zero")
 
+    if content.startswith(LABVIEW):
+        content = flatten_labview(content.decode(encoding), path).encode()
+        encoding, spoken = "utf-8-sig", "a LabVIEW file"
+
     def text() -> io.TextIOWrapper:
         return io.TextIOWrapper(io.BytesIO(content), encoding, newline="")
 
@@ -135,14 +144,15 @@ def read_text_table(path: Path, wanted: Collection[str]) -> LogTable:
 
 def _no_text(path: Path, reason: str) -> EncoderError:
     return EncoderError(
-        f"Expected {path.name} to be a CSV text file; it {reason}. Save the log as CSV in UTF-8."
+        f"Expected {path.name} to be a CSV text file; it {reason}. Save it as CSV in UTF-8."
     )
 
 
-def _few_rows(path: Path, count: int) -> EncoderError:
+def _few_rows(path: Path, count: int, wanted: Collection[str] = ()) -> EncoderError:
+    example = f" such as {','.join(wanted)}" if wanted else ""
     return EncoderError(
-        f"Expected a header and rows of numbers in {path.name}; rows found: {count}. Export the "
-        "whole log."
+        f"Expected a header{example} and rows of numbers in {path.name}; rows found: {count}. "
+        "Export the whole table."
     )
 
 
@@ -170,8 +180,8 @@ def _read_content(path: Path) -> bytes:
         return read_bounded(path, largest=LARGEST_FILE)
     except OSError as error:
         raise EncoderError(
-            f"Expected the log {path.name}; it cannot be read: {error.strerror}. Correct its name; "
-            "for that of an encoder, file in [encoder] of run.toml."
+            f"Expected the table {path.name}; it cannot be read: {error.strerror}. Save it there, "
+            "or correct its name: file in [encoder] of run.toml, profile in fixture.toml."
         ) from error
 
 
@@ -197,9 +207,10 @@ def _rows(text: io.TextIOWrapper, separator: str, path: Path) -> Iterator[_Row]:
                     f"Expected rows of a table in {path.name}; a line has more than {LONGEST_LINE} "
                     "characters. Name the file of the log."
                 )
-            yield line
+            yield _BEFORE_UNIT.sub("", line) if separator == " " else line
 
-    for number, cells in enumerate(csv.reader(lines(), delimiter=separator), 1):
+    reader = csv.reader(lines(), delimiter=separator, skipinitialspace=separator == " ")
+    for number, cells in enumerate(reader, 1):
         stripped = [cell.strip() for cell in cells]
         if any(stripped):
             yield number, stripped
@@ -237,7 +248,7 @@ def _find_layout(text: io.TextIOWrapper, wanted: Collection[str], path: Path) ->
     rows = samples[separator]
     plain = [row for row in rows if not _is_comment(row[1])]
     if len(plain) < _FEWEST_ROWS and not (plain and len(rows) > len(plain)):
-        raise _few_rows(path, len(plain))
+        raise _few_rows(path, len(plain), wanted)
 
     first = next((n for n, row in enumerate(plain) if _is_numeric(row[1], separator)), len(plain))
     header = _choose_header(plain, first, wanted)
@@ -247,7 +258,8 @@ def _find_layout(text: io.TextIOWrapper, wanted: Collection[str], path: Path) ->
             number, cells = plain[0]
             raise EncoderError(
                 f"Expected a header with the names of the columns in {path.name}; row {number} is "
-                f"{separator.join(cells)!r}. Put a row such as time_s,load_N above the numbers."
+                f"{separator.join(cells)[:80]!r}. Put a row such as "
+                f"{','.join(wanted) or 'time_s,load_N'} above the numbers."
             )
         number, names = titles
         return _Layout(separator, names, [split_unit(name)[1] for name in names], number, number)
@@ -270,6 +282,8 @@ def _score(rows: Sequence[_Row], separator: str, wanted: Collection[str]) -> int
         if _is_numeric(cells, separator):
             pure = all(_parse(cell, separator) is not None for cell in cells if cell)
             counts[len(cells)] += 1 + pure
+    if separator == " ":  # a sentence above the header may have any word
+        wanted = ()
     known = any(set(cells) & set(wanted) for _, cells in rows if len(cells) > 1)
     return max(counts.values(), default=0) + 2 * SAMPLE * known
 
@@ -344,7 +358,7 @@ def _read_plain(
     try:
         numbers = np.loadtxt(
             rows,
-            delimiter=layout.separator,
+            delimiter=None if layout.separator == " " else layout.separator,
             comments=None,
             skiprows=layout.first_row,
             ndmin=2,
