@@ -398,6 +398,8 @@ def _verdict(
         text = f"The film follows speed over load to the power {found['power']}{strength}"
         text += f", above {found['offset'].times(1e6, 'um')}" if "offset" in found else ""
         text += ", as no theory here has it"
+    elif "viscosity" not in found:
+        text = f"The shape is that of {best.name}{strength}, outside its regime: {times[:-2]}"
     elif abs(found["viscosity"].value - oil.value) <= 2 * np.hypot(found["viscosity"].std, oil.std):
         carrier = best.name
         text = f"{_CARRIES[best.name]}{strength}: {times}{found['viscosity']}"
@@ -486,7 +488,7 @@ def _law(
     """A film of a shape (trigger,) times any factor, in one direction.
 
     Of `more`, it is to a "power" and above an "offset"; `viscous` is the power of the viscosity,
-    `known` the relative error of the formula of the shape.
+    `known` the relative error of the formula of the shape, infinite outside its regime.
     """
     journal = problem.orbits.journal
     distance, direction = _distances(problem)
@@ -514,12 +516,11 @@ def _law(
         error = found.pop("factor").std
         times = float(np.exp(value[0])) / top
         eta = journal.viscosity * times ** (1 / viscous)
-        by_formula = {
-            "factor": _about(times, times * error, "1"),
-            "viscosity": _about(eta, eta * error / viscous, "Pa s").widened(
+        by_formula = {"factor": _about(times, times * error, "1")}
+        if np.isfinite(known):  # a formula outside its regime has no viscosity
+            by_formula["viscosity"] = _about(eta, eta * error / viscous, "Pa s").widened(
                 {"formula": eta * known / viscous} if known else {}
-            ),
-        }
+            )
         if "offset" in found:
             found["offset"] = found["offset"].times(journal.clearance, "m")
         return {name: found[name] for name in more} or by_formula

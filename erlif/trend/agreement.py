@@ -13,6 +13,8 @@ from erlif.trend.exponent import LEAST_TRIGGERS
 
 _LEAST_SPREAD = 0.05  # of the logarithm of the speed, below which no correlation is determined
 _95 = 1.96  # standard deviations of a 95 % interval
+_FEWEST_COUNTED = 4.0  # triggers that count as independent, at least
+_ONE = 1 - 1e-12  # correlation whose area tangent is finite
 _MEDIAN = math.sqrt(math.pi / 2)  # std of a median over that of a mean, normal errors
 
 # Farthest triggers of a cycle that has a delay, and the largest delay looked for: |speed| has two
@@ -112,9 +114,10 @@ def film_factor(
 def correlate(film: Array, random_std: Array, speed: Array) -> Correlation:
     """Correlation of the film with a speed over the triggers.
 
-    Noise of the film lowers the coefficients (Spearman 1904). The interval is that of the true film
-    at these triggers, for which the loss is made good. It is all of -1 to 1 where the film is
-    constant within its noise.
+    Noise of the film lowers the coefficients (Spearman 1904). The interval of 95 % is that of the
+    true film, for which the loss is made good, over other triggers of the same motion (Fisher
+    1921): neighbours that are alike count as fewer (Bartlett 1935). It is all of -1 to 1 where the
+    film is constant within its noise.
 
     Parameters
     ----------
@@ -153,8 +156,18 @@ def correlate(film: Array, random_std: Array, speed: Array) -> Correlation:
     share = noise / true
     middle = min(max(log * math.sqrt(variance / true), -1.0), 1.0)
     spread = _95 * math.sqrt((share * (1 - middle**2) + 0.5 * (middle * share) ** 2) / len(y))
-    low, high = max(middle - spread, -1.0), min(middle + spread, 1.0)
+    alike = max(_lag_one(x) * _lag_one(y), 0.0)
+    count = max(len(y) * (1 - alike) / (1 + alike), _FEWEST_COUNTED)
+    about, reach = math.atanh(max(min(middle, _ONE), -_ONE)), _95 / math.sqrt(count - 3)
+    low = max(min(middle - spread, math.tanh(about - reach)), -1.0)
+    high = min(max(middle + spread, math.tanh(about + reach)), 1.0)
     return Correlation(rank, log, low, high)
+
+
+def _lag_one(values: Array) -> float:
+    """Correlation of neighbours."""
+    away = values - values.mean()
+    return float(away[1:] @ away[:-1] / (away @ away))
 
 
 def _ranks(values: Array) -> Array:

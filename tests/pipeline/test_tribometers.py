@@ -256,6 +256,12 @@ def test_film_of_a_ball_is_that_of_reynolds_equation(tmp_path):
     npt.assert_allclose(film.film_min, film.film_theory, atol=error + 0.015 * true)
     npt.assert_allclose(film.film_parameter, film.film_min / 0.05)
 
+    # surfaces that roll shear the film by the difference of their speeds, 0 to all of the faster
+    for ratio in (0.0, 0.1):
+        stated = BALL.replace("[oil]", f"slide_to_roll = {ratio}\n\n[oil]")
+        drag = lab.process_copy(f"rolls_{ratio}", add=stated).film_drag
+        npt.assert_allclose(drag, film.film_drag * ratio / (1 + ratio / 2), rtol=1e-6)
+
     # the formula of the other regime is named by what it is
     label = "Hamrock-Dowson, elliptical"
     formula = film.film_hamrock_dowson

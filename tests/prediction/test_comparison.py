@@ -204,3 +204,18 @@ def test_viscosity_that_falls_within_the_run_is_fitted():
     assert abs(drift.value + 0.12) < 3 * drift.std < 0.03
     assert abs(viscosity.value - orbits.VISCOSITY) < 3 * viscosity.std
     assert f"The viscosity changes by {drift.times(100, '%')} within the run." in found.verdict
+
+
+def test_a_formula_outside_its_regime_gives_a_shape_and_no_viscosity():
+    film = 1.8 * STEADY["film_hamrock_dowson"]
+    found = compare(
+        measure(np.stack([STATED.clearance - film, 0 * film], axis=1), 5),
+        STATED,
+        steady=STEADY,
+        sideways=["free"],
+        formula_errors={"film_hamrock_dowson": np.inf},
+    )
+    assert found.carrier is None
+    assert set(found.candidates[0].estimates) == {"factor"}
+    shape = "The shape is that of Hamrock-Dowson, line contact (2.65) (very strong), outside its"
+    assert found.verdict.startswith(f"{shape} regime: 1.8")

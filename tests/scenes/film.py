@@ -364,7 +364,11 @@ def registration_group() -> xr.Dataset:
     overlap[:, :3] = False
     camera_map = CameraMap(zero, zero, zero + 0.01, overlap, nowhere, 0.97, MapKind.SURFACE)
     return camera_map.to_dataset().assign_attrs(
-        blur_difference=[0.0, 0.0], blur_difference_std=[0.0, 0.0]
+        blur_difference=[0.0, 0.0],
+        blur_difference_std=[0.0, 0.0],
+        camera_gain=[4.4, 4.4],
+        camera_read_noise=[9.0, 9.0],
+        camera_response_spread=[0.01, 0.01],
     )
 
 

@@ -33,6 +33,7 @@ def has_numbers(pages: Sequence[Page]) -> bool:
 
     Examples
     --------
+    >>> from pathlib import Path
     >>> has_numbers([Page(Path(name), 0) for name in ("f_1.tif", "f_3.tif")])
     True
     >>> has_numbers([Page(Path("stack.tif"), 0), Page(Path("stack.tif"), 1)])
@@ -83,6 +84,7 @@ def name_lost(page: Page, number: int, *, signed: bool = False) -> Page:
 
     Examples
     --------
+    >>> from pathlib import Path
     >>> name_lost(Page(Path("frame_0001.tif"), 0), 12).name
     'frame_0012.tif'
     >>> name_lost(Page(Path("Img-0020.tif"), 0), 3, signed=True).name

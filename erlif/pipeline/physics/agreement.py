@@ -81,6 +81,8 @@ def _compare_with_theories(film: xr.Dataset, settings: RunSettings, speed: str) 
         if contact is not None and theory != "film_predicted_min":
             error = film[theory].attrs.get("formula_error", math.nan)
             attrs |= {"formula_error": error}
+            if "formula_of" in film[theory].attrs:
+                attrs |= {"formula_of": film[theory].attrs["formula_of"]}
             attrs |= _match_viscosity(film, contact, theory, speed, factor.std, error)
         ratios[name] = FILM[name].fill(ratio, **attrs)
         ratios[f"{name}_std"] = FILM[f"{name}_std"].fill(std)
@@ -135,10 +137,11 @@ def _follow_speed(film: xr.Dataset, name: str) -> dict[str, Any]:
     if "joint_load" in film:
         against["speed over load"] = speed / film["joint_load"].values
     part = film.share_beyond_range.values > LARGEST_BEYOND
+    moved = "geometry" in film.get("speed_exponent_mean", xr.DataArray()).attrs
     names = ("film_min", "film_mean", "film_gap_mean")
     rows = []
     for one in names:
-        values = np.where(part & (one == "film_mean"), np.nan, film[one].values)
+        values = np.where((part | moved) & (one == "film_mean"), np.nan, film[one].values)
         random = film[f"{one}_std_random"].values
         rows.append([correlate(values, random, each) for each in against.values()])
 

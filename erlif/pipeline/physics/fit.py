@@ -197,7 +197,7 @@ def _compare_models(
     if journal.axial_shape is not None:
         sideways = ["free"]
     steady = {name: film[name].values * 1e-6 for name in STEADY if name in film}
-    # without a bound, outside the regime of a formula, its shape alone is compared
+    # infinite outside the regime of a formula, where its shape alone is compared
     errors = {name: float(film[name].attrs.get("formula_error", 0.0)) for name in steady}
     regime = str(film["film_theory"].attrs.get("regime", "")) if "film_theory" in film else ""
     drives = "rocker_speed" in film and "joint_load" in film
@@ -210,7 +210,7 @@ def _compare_models(
         motion,
         trigger=np.where(frames.used.values, frames.trigger.values, -1),
         steady=steady,
-        formula_errors={name: one for name, one in errors.items() if np.isfinite(one)},
+        formula_errors=errors,
         regime=regime or "isoviscous-rigid",
         drive=(film["rocker_speed"] / film["joint_load"]).values if drives else None,
         viscosity_std=joint_and_oil(settings)[1].viscosity_std,

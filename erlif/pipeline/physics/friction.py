@@ -55,6 +55,9 @@ def describe_friction(
     stated = float(oil.viscosity_std or 0.0) / float(viscosity.mean())
     relative = math.hypot(stated, reading_error(settings, film))
     sides, speed = (plane.region.rows, plane.region.columns), film.sliding_speed.values
+    if settings.contact is not None:  # that of the faster surface; the film is sheared by both
+        rolling = float(settings.contact.slide_to_roll)
+        speed = speed * rolling / (1 + rolling / 2)
     found = find_drag(
         [one.statistics for one in results],
         viscosity * speed,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -288,6 +289,9 @@ def try_prediction(plane: ObjectPlane, film: xr.Dataset, frames: xr.Dataset) -> 
         )
 
 
+_STRAIGHT = "of a straight bore"
+
+
 def predict_theory(settings: RunSettings, film: xr.Dataset) -> xr.Dataset:
     """Films by theory, and the film parameter, as far as tables and log allow.
 
@@ -309,7 +313,11 @@ def predict_theory(settings: RunSettings, film: xr.Dataset) -> xr.Dataset:
     """
     contact = describe_contact(settings)
     if contact is not None and "sliding_speed" in film and "joint_load" in film:
-        return predict_film(film, contact)
+        steady = predict_film(film, contact)
+        if settings.joint is not None and settings.joint.bore is not None:
+            for name in ("film_hamrock_dowson", "film_theory"):
+                steady[name].attrs |= {"formula_error": math.inf, "formula_of": _STRAIGHT}
+        return steady
     if not settings.surfaces or "film_min" not in film:
         return xr.Dataset()
     one, other = settings.surfaces

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -13,7 +14,7 @@ from erlif.show.report.layout import decimals
 # Rank, logarithms, and the ends of their interval.
 _CORRELATION = [f"speed_correlation{part}" for part in ("_rank", "", "_low", "_high")]
 
-_OTHERS = {"film_over_theory": "regime map", "film_over_predicted": "transient film"}
+_OTHERS = {"film_over_theory": "regime map", "film_over_predicted": "transient film, start fitted"}
 
 
 def describe_theory(film: xr.Dataset) -> str:
@@ -39,7 +40,10 @@ def describe_friction(film: xr.Dataset) -> str:
     top = film.isel(trigger=fastest_trigger(film))
     torque, std = float(top.friction_torque), float(top.friction_torque_std)
     digits = decimals(std, 2)
-    text = f"{torque:.{digits}f} ± {std:.{digits}f} N m, coefficient {top.friction_coefficient:.3g}"
+    text = (
+        f"{torque:.{digits}f} ± {std:.{digits}f} N m at the viscosity of [oil], "
+        f"coefficient {top.friction_coefficient:.3g}"
+    )
     rest = top.get("torque_not_film")
     return text if rest is None else f"{text}; logged {float(torque + rest):.{digits}f} N m"
 
@@ -60,32 +64,37 @@ def describe_factor(film: xr.Dataset) -> str:
     return (
         f"{value:.{digits}f} ± {random:.{digits}f} ± {shared:.{digits}f} × "
         f"{formula_label(film)}{_describe_error(attrs)}; {low} to {high}{strokes}"
-        f"{_describe_viscosity(attrs)}"
+        f"{_describe_viscosity(attrs)}{_describe_map(film, attrs)}"
     )
 
 
-def _describe_error(attrs: Mapping[str, float]) -> str:
+def _describe_map(film: xr.Dataset, attrs: Mapping[str, float]) -> str:
+    """Factor over the regime map where the formula does not hold."""
+    factor = film["film_over_theory"].attrs["factor"] if "film_over_theory" in film else np.nan
+    outside = np.isinf(attrs.get("formula_error", np.nan)) and np.isfinite(factor)
+    return f"; {factor:.3g} × regime map" if outside else ""
+
+
+def _describe_error(attrs: Mapping[str, Any]) -> str:
     """Error of a formula itself, or that it does not hold; empty where it is not known."""
     error = attrs.get("formula_error", np.nan)
     if np.isinf(error):
-        return ", not its regime"
+        return f", {attrs.get('formula_of', 'not its regime')}"
     return f" ± {100 * error:.0f} %" if np.isfinite(error) else ""
 
 
 def _describe_viscosity(attrs: Mapping[str, float]) -> str:
     """Viscosity that makes a factor 1, beside that of [oil]; empty where it is not known.
 
-    Its error contains that of the formula; outside the regime of the formula it has none.
+    Its error contains that of the formula; outside the regime of the formula there is none.
     """
     viscosity, std = attrs.get("viscosity", np.nan), attrs.get("viscosity_std", np.nan)
-    if not np.isfinite([viscosity, std]).all():
-        return ""
-    of = f"of {attrs['viscosity_given']:.2g} Pa s"
-    if np.isinf(attrs.get("formula_error", np.nan)):
-        return f"; takes {viscosity:.2g} {of}"
     std = np.hypot(std, attrs.get("viscosity_std_formula", 0.0))
-    digits = decimals(std, 1)
-    return f"; takes {viscosity:.{digits}f} ± {std:.{digits}f} {of}"
+    if not np.isfinite([viscosity, std]).all() or np.isinf(attrs.get("formula_error", np.nan)):
+        return ""
+    given, digits = attrs["viscosity_given"], decimals(std, 1)
+    oil = f"oil {given:.{max(digits, decimals(given, 2))}f}"
+    return f"; takes {viscosity:.{digits}f} ± {std:.{digits}f}, {oil} Pa s"
 
 
 def describe_other_factors(film: xr.Dataset) -> str:

@@ -307,6 +307,9 @@ def _describe_trend(film: xr.Dataset) -> str:
             return "not determined: speed over load is constant"
         return f"not determined: {used} of {all_of} triggers usable, {LEAST_TRIGGERS} needed"
     minimum, mean = _power(film, "speed_exponent"), _power(film, "speed_exponent_mean")
+    of_gap = float(film.get("speed_exponent_gap_mean", np.nan))
+    if np.isfinite(of_gap) and not np.isfinite(float(film.speed_exponent_mean)):
+        mean = f"of the gap {_power(film, 'speed_exponent_gap_mean')}"
     return f"minimum {minimum}, mean {mean}"
 
 

@@ -68,6 +68,10 @@ def test_minimum_film_and_pin_are_those_of_the_rig(lab, film):
     error = film.pin_displacement.values - true
     assert within_two(error, std[:, :2]) > EXPECTED_WITHIN
     assert within_two(film.pin_tilt.values, std[:, 2:]) > EXPECTED_WITHIN
+    # the formulas are those of a straight bore, which this one is not
+    for name in ("film_over_hamrock_dowson", "film_over_theory"):
+        assert np.isinf(film[name].attrs["formula_error"])
+        assert film[name].attrs["formula_of"] == "of a straight bore"
 
 
 @pytest.mark.slow

@@ -34,8 +34,8 @@ def test_each_theory_has_a_line_with_its_viscosity():
     viscosity = {"viscosity": 0.25, "viscosity_std": 0.02, "viscosity_given": 0.12}
     film = with_ratio("film_over_theory", **viscosity).merge(with_ratio("film_over_predicted"))
     assert describe_other_factors(film).splitlines() == [
-        "regime map: 2.000 ± 0.022, 1.9 to 2.1; takes 0.25 ± 0.02 of 0.12 Pa s",
-        "transient film: 2.000 ± 0.022, 1.9 to 2.1",
+        "regime map: 2.000 ± 0.022, 1.9 to 2.1; takes 0.25 ± 0.02, oil 0.12 Pa s",
+        "transient film, start fitted: 2.000 ± 0.022, 1.9 to 2.1",
     ]
 
 
@@ -46,13 +46,19 @@ def test_the_error_of_the_formula_stands_beside_it_and_is_part_of_the_viscosity(
     film = with_ratio("film_over_hamrock_dowson", **known).assign(film_hamrock_dowson=1.0)
     text = describe_factor(film)
     assert "× Hamrock-Dowson, line contact (2.65) ± 20 %; 1.9 to 2.1" in text
-    assert text.endswith("; takes 0.2 ± 0.2 of 0.12 Pa s")
+    assert text.endswith("; takes 0.2 ± 0.2, oil 0.12 Pa s")
     other = describe_other_factors(with_ratio("film_over_theory", **known))
     assert other.startswith("regime map ± 20 %: 2.000 ± 0.022, 1.9 to 2.1; takes")
     outside = known | {"formula_error": np.inf, "viscosity_std_formula": np.inf}
     film = with_ratio("film_over_hamrock_dowson", **outside).assign(film_hamrock_dowson=1.0)
     assert "(2.65), not its regime; 1.9 to 2.1" in describe_factor(film)
-    assert describe_factor(film).endswith("; takes 0.25 of 0.12 Pa s")
+    assert "take" not in describe_factor(film)
+    both = film.merge(with_ratio("film_over_theory", **known))
+    assert describe_factor(both).endswith("; 2 × regime map")
+    lobed = with_ratio("film_over_hamrock_dowson", **outside, formula_of="of a straight bore")
+    assert ", of a straight bore; 1.9 to 2.1" in describe_factor(
+        lobed.assign(film_hamrock_dowson=1.0)
+    )
 
 
 def test_correlations_and_delay_that_are_not_known_are_left_out():

@@ -148,7 +148,7 @@ def test_film_over_hamrock_dowson_and_its_correlation_are_stated(film):
     text = " ".join(summarise_briefly(with_agreement(film)).split())
     factor = "1.235 ± 0.012 ± 0.046 × Hamrock-Dowson, line contact (2.65) ± 20 %"
     assert f"{factor}; 1.23 to 1.23, out 1.23, back 1.23" in text
-    assert "back 1.23; takes 0.12 ± 0.03 of 0.12 Pa s" in text
+    assert "back 1.23; takes 0.12 ± 0.03, oil 0.12 Pa s" in text
     assert "correlation -0.12 (-0.12 to -0.12), rank -0.12; of the mean -0.12" in text
     assert "n = 0.600 ± 0.010, mean n = 0.400 ± 0.010; 12 ± 2° early" in text
     whole = summarise(with_agreement(film))
