@@ -177,8 +177,8 @@ VARIABLE_ATTRIBUTES = (
     Attribute(
         "formula_error",
         "Of film_hamrock_dowson, film_theory and the ratios to them: relative standard deviation "
-        "of the formula itself in the regime of most triggers [1]; infinite outside its regime, and "
-        "over a bore that is not straight, where formula_of names whose formula it is.",
+        "of the formula itself in the regime of most triggers [1]; infinite outside its regime, "
+        "and over a bore that is not straight, where formula_of names whose formula it is.",
     ),
     Attribute("formula_error_source", "Of film_hamrock_dowson and film_theory: where it is from."),
     Attribute("reason", "Of film_theory and film_predicted_min: why this one was selected."),
