@@ -19,6 +19,9 @@ from erlif.io.settings.values import FileName, Length, Places, Points, Settings
 # Columns of a profile, and the sign by which the second one becomes a depth.
 _HEADERS = {("axial_mm", "depth_um"): 1.0, ("axial_mm", "height_um"): -1.0}
 
+# Depth below which a profile changes no film. [um]
+_LEAST_DEPTH = 0.1
+
 # Size of a profile that is read [byte], and points of it: more are finer than any film is solved.
 _LARGEST_FILE, _MOST_POINTS = 2**20, 4000
 
@@ -88,6 +91,11 @@ class BoreSettings(Settings):
                 f"the profile of bore must reach from end to end, {-half * 1e3:g} to "
                 f"{half * 1e3:g} mm from the middle of the joint; its places are {first:g} to "
                 f"{last:g} mm. Correct its zero or its unit, or add the ends"
+            )
+        if 0 < (most := max(abs(depth) for _, depth in self.points)) < _LEAST_DEPTH:
+            yield (
+                f"the profile of bore departs from bushing_radius by {most:.3g} um at most, as "
+                "numbers in mm would. Write it in um, or leave it out"
             )
         if -least >= clearance * 1e6:
             yield (

@@ -240,7 +240,8 @@ def film_over_theory(film: xr.Dataset, *, ax: Axes = style.NEW) -> list[Artist]:
     """Draw the minimum film thickness over each theory against the size of the speed.
 
     Bars are one standard deviation of the film, random and shared. Lines are the medians, which
-    the legend states. Triggers below a tenth of the highest speed are left out.
+    the legend states. Triggers below a tenth of the highest speed are left out, and theories that
+    are off by more than a factor of three beside one that is not.
 
     Parameters
     ----------
@@ -267,16 +268,21 @@ def film_over_theory(film: xr.Dataset, *, ax: Axes = style.NEW) -> list[Artist]:
     ax.set(yscale="log")
     ax.axhline(1.0, color=style.MUTED, linewidth=pt(0.5))
     artists: list[Artist] = []
-    for ratio, (colour, title) in _RATIOS.items():
-        values = film[ratio].values if ratio in film else np.empty(0)
-        if not np.isfinite(values).any():
+    known = [one for one in _RATIOS if one in film and np.isfinite(film[one].values).any()]
+    off = {one: abs(math.log(float(film[one].attrs["factor"]))) for one in known}
+    for ratio in known:
+        (colour, title), values = _RATIOS[ratio], film[ratio].values
+        attrs = film[ratio].attrs
+        ends = [float(np.min(x[np.isfinite(values)])), float(np.max(x[np.isfinite(values)]))]
+        label = f"over {title or formula_label(film)}: {attrs['factor']:.3g}"
+        if np.isinf(attrs.get("formula_error", 0.0)):
+            label += f", {attrs.get('formula_of', 'not its regime')}"
+        if off[ratio] > math.log(_REACH) >= min(off.values()):
+            style.draw_line(ax, [], [], colour, form="--", label=f"{label}, beyond the axis")
             continue
         std = film[f"{ratio}_std"].values
         artists += draw_strokes(ax, film, x, values, std, which=np.isfinite(values), colour=colour)
-        factor = float(film[ratio].attrs["factor"])
-        ends = [float(np.min(x[np.isfinite(values)])), float(np.max(x[np.isfinite(values)]))]
-        label = f"over {title or formula_label(film)}: {factor:.3g}"
-        style.draw_line(ax, ends, [factor, factor], colour, form="--", label=label)
+        style.draw_line(ax, ends, [float(attrs["factor"])] * 2, colour, form="--", label=label)
     units = {"rocker_speed": "|ω| [rad s⁻¹]", "sliding_speed": "sliding speed [m s⁻¹]"}
     ax.set(xlabel=units[name], ylabel="minimum film over theory")
     style.plain_log_ticks(ax)

@@ -52,6 +52,7 @@ def test_results_keep_the_points(tmp_path):
         ("axial_mm,depth_um\n-20,1\n20,1\n", "from end to end, -118.5 to 118.5 mm .* -20 to 20 mm"),
         (f"axial_mm,depth_um\n-{ENDS},1\n0,1\n0,2\n{ENDS},1\n", "rising places. Sort them"),
         (f"axial_mm,depth_um\n-{ENDS},0\n{ENDS},-231\n", "clearance, 230 um, .* 231 um into the"),
+        (f"axial_mm,depth_um\n-{ENDS},0\n{ENDS},0.02\n", "by 0.02 um at most, as numbers in mm"),
     ],
 )
 def test_profiles_of_no_use_are_refused(tmp_path, profile, words):

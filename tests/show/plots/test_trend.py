@@ -133,3 +133,18 @@ def test_a_film_without_a_ratio_has_no_panel(film, ratios):
     assert has_ratio(ratios)
     assert not has_ratio(film)
     assert not has_ratio(ratios.assign(film_over_theory=ratios.film_over_theory * np.nan))
+
+
+def test_a_theory_that_is_far_off_leaves_the_axis_to_one_that_is_not(ratios):
+    std = ratios.film_over_theory_std
+    far = (0.01 * ratios.film_over_theory).assign_attrs(factor=0.005, formula_error=np.inf)
+    both = ratios.assign(
+        film_over_hamrock_dowson=ratios.film_over_theory.assign_attrs(factor=0.5),
+        film_over_hamrock_dowson_std=std,
+        film_over_theory=far,
+    )
+    points = film_over_theory(both)
+    drawn = np.concatenate([one.get_ydata() for one in points])
+    assert drawn.min() > 0.3
+    labels = points[0].axes.get_legend_handles_labels()[1]
+    assert "over regime map: 0.005, not its regime, beyond the axis" in labels
