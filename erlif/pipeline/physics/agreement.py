@@ -27,11 +27,12 @@ from erlif.trend import (
     viscosity_at,
 )
 
-# Ratios, and the theory that each is over.
-_THEORIES = {
-    "film_over_hamrock_dowson": "film_hamrock_dowson",
-    "film_over_theory": "film_theory",
-    "film_over_predicted": "film_predicted_min",
+# Ratios, the film of each, and the theory that it is over.
+_RATIOS = {
+    "film_over_hamrock_dowson": ("film_min", "film_hamrock_dowson"),
+    "film_over_theory": ("film_min", "film_theory"),
+    "film_over_predicted": ("film_min", "film_predicted_min"),
+    "film_gap_mean_over_predicted": ("film_gap_mean", "film_predicted_mean"),
 }
 _WIDEST = 7.0  # largest logarithm of the viscosity that a film would take over that of [oil]
 _STEP = 0.01  # of this logarithm, for a derivative
@@ -58,18 +59,18 @@ def describe_agreement(film: xr.Dataset, settings: RunSettings) -> dict[str, Any
 
 
 def _compare_with_theories(film: xr.Dataset, settings: RunSettings, speed: str) -> dict[str, Any]:
-    """Ratios of the minimum film to the films of theory that there are."""
+    """Ratios of the films to those of theory that there are."""
     fast = fast_triggers(film[speed].values)
     stroke = film.stroke.values if "stroke" in film else None
     contact = describe_contact(settings)
     ratios: dict[str, Any] = {}
-    for name, theory in _THEORIES.items():
+    for name, (measured, theory) in _RATIOS.items():
         if theory not in film:
             continue
         expected = np.where(fast & (film[theory].values > 0), film[theory].values, np.nan)
         ratio, std, random = (
             film[one].values / expected
-            for one in ("film_min", "film_min_std", "film_min_std_random")
+            for one in (measured, f"{measured}_std", f"{measured}_std_random")
         )
         factor = film_factor(ratio, random, std, stroke=stroke)
         attrs = {
@@ -78,7 +79,7 @@ def _compare_with_theories(film: xr.Dataset, settings: RunSettings, speed: str) 
             "factor_std_shared": factor.std_shared,
             **{key: getattr(factor, key) for key in ("low", "high", "outward", "back")},
         }
-        if contact is not None and theory != "film_predicted_min":
+        if contact is not None and "predicted" not in theory:
             error = film[theory].attrs.get("formula_error", math.nan)
             attrs |= {"formula_error": error}
             if "formula_of" in film[theory].attrs:

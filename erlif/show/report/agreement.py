@@ -14,7 +14,11 @@ from erlif.show.report.layout import decimals
 # Rank, logarithms, and the ends of their interval.
 _CORRELATION = [f"speed_correlation{part}" for part in ("_rank", "", "_low", "_high")]
 
-_OTHERS = {"film_over_theory": "regime map", "film_over_predicted": "transient film, start fitted"}
+_OTHERS = {
+    "film_over_theory": "regime map",
+    "film_over_predicted": "transient film, start fitted",
+    "film_gap_mean_over_predicted": "mean of the gap over that of the transient film",
+}
 
 
 def describe_theory(film: xr.Dataset) -> str:

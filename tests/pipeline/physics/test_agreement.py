@@ -82,3 +82,20 @@ def test_a_film_without_theory_is_still_correlated_with_its_speed():
     assert not any(name.startswith("film_over") for name in found)
     assert found.correlated_with.values.tolist() == ["speed"]
     assert describe_agreement(film.drop_vars("sliding_speed"), run_settings()) == {}
+
+
+def test_the_mean_of_the_gap_is_compared_with_that_of_the_transient_film():
+    film = a_film(1.0)
+    film["film_predicted_mean"] = 4.0 * film.film_gap_mean
+    ratio = xr.Dataset(describe_agreement(film, run_settings())).film_gap_mean_over_predicted
+    npt.assert_allclose(ratio.attrs["factor"], 0.25, rtol=1e-12)
+    npt.assert_allclose(ratio.attrs["factor_std_shared"], 0.02 * 0.25, rtol=1e-9)
+    assert "viscosity" not in ratio.attrs
+
+
+def test_a_mean_that_its_place_changes_has_no_correlation():
+    film = a_film(1.0)
+    film["speed_exponent_mean"] = ((), np.nan, {"geometry": -0.27, "fitted": -0.27})
+    found = xr.Dataset(describe_agreement(film, run_settings()))
+    known = np.isfinite(found.speed_correlation.values).all(axis=1)
+    npt.assert_array_equal(known, found.correlated_film.values != "film_mean")
