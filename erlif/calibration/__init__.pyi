@@ -19,5 +19,6 @@ from .storage import open_calibration as open_calibration
 from .storage import record_calibration as record_calibration
 from .storage import save_calibration as save_calibration
 from .systematics import NO_SYSTEMATICS as NO_SYSTEMATICS
+from .systematics import USUAL_LEVEL as USUAL_LEVEL
 from .systematics import Systematics as Systematics
 from .wall import change_wall as change_wall

@@ -313,21 +313,17 @@ def compare_models(
         shown = {name: fit.estimates[name] for name in _SHOWN if name in fit.estimates}
         fitted.append(_weigh(HELD[held], problem, fit.minimum, predicted, shown))
 
-    # closed forms take no time beside the transient films
-    powers = {n: POWERS[regime if n == "film_theory" else LINE] for n in steady or {}}
-    simple = [
-        (
-            STEADY[n],
-            _law(problem, film, viscous=powers[n], known=(formula_errors or {}).get(n, 0.0)),
-        )
-        for n, film in (steady or {}).items()
-    ]
+    # closed forms take no time beside the transient films; that of squeeze is of a straight bore
+    forms = [(CONSTANT, _constant(problem))]
+    if journal.axial_shape is None:
+        forms.append((SQUEEZE, _squeeze(problem)))
+    for name, film in (steady or {}).items():
+        viscous = POWERS[regime if name == "film_theory" else LINE]
+        known = (formula_errors or {}).get(name, 0.0)
+        forms.append((STEADY[name], _law(problem, film, viscous=viscous, known=known)))
     if drive is not None:
         laws = ("power",), ("power", "offset")
-        simple += [(n, _law(problem, drive, *law)) for n, law in zip(POWER, laws, strict=True)]
-    forms = [(CONSTANT, _constant(problem)), *simple]
-    if journal.axial_shape is None:
-        forms.insert(1, (SQUEEZE, _squeeze(problem)))
+        forms += [(name, _law(problem, drive, *law)) for name, law in zip(POWER, laws, strict=True)]
     for done, (name, closed) in enumerate(forms, len(transient)):
         progress("fit", done, total)
         # laws without a theory are for films that no theory describes to their errors
@@ -393,13 +389,14 @@ def _verdict(
     strength = f" ({strengths[0]})" if strengths else ""
     found = best.estimates
     carrier = None
-    times = f"{found['factor']} times it, " if "factor" in found else ""
+    factor = f"{found['factor']} times it" if "factor" in found else ""
+    times = f"{factor}, " if factor else ""
     if best.name in POWER:
         text = f"The film follows speed over load to the power {found['power']}{strength}"
         text += f", above {found['offset'].times(1e6, 'um')}" if "offset" in found else ""
         text += ", as no theory here has it"
     elif "viscosity" not in found:
-        text = f"The shape is that of {best.name}{strength}, outside its regime: {times[:-2]}"
+        text = f"The shape is that of {best.name}{strength}, outside its regime: {factor}"
     elif abs(found["viscosity"].value - oil.value) <= 2 * np.hypot(found["viscosity"].std, oil.std):
         carrier = best.name
         text = f"{_CARRIES[best.name]}{strength}: {times}{found['viscosity']}"

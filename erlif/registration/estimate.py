@@ -16,12 +16,7 @@ from erlif.registration.camera_map import CameraMap
 from erlif.registration.coarse import coarse_binning, find_start
 from erlif.registration.drift import DriftSearch
 from erlif.registration.interpolation import laid_over
-from erlif.registration.matching import (
-    beyond_chance,
-    cell_sums,
-    coefficients_of,
-    correlation,
-)
+from erlif.registration.matching import beyond_chance, cell_sums, coefficients_of, correlation
 from erlif.registration.pairs import Pair, Pairs, PairSeries, open_series, textures
 from erlif.registration.selection import (
     FINE_LADDER,

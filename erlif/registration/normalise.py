@@ -285,12 +285,18 @@ def _local_parabola(cells: Image, weight: Image, sigma: float) -> Image:
 
 @lru_cache(maxsize=16)
 def _parabola_weights(count: int, sigma: float) -> Image:
-    """Row i: the weights with which the values along an axis enter the parabola at i."""
+    """Row i: the weights with which the values along an axis enter the parabola at i.
+
+    The first row of the inverse of the normal matrix gives its value in the middle, at the edges of
+    the image as well, where a mean alone would leave the slope.
+    """
     away = (np.arange(count) - np.arange(count)[:, None]) / sigma
     near = np.exp(-0.5 * away**2)
     terms = away[..., None] ** np.arange(DEGREE + 1)
-    square = np.einsum("ij,ija,ijb->iab", near, terms, terms)
-    return np.asarray(near * (terms @ np.linalg.inv(square)[:, 0, :, None])[..., 0], np.float32)
+
+    normal = np.einsum("ij,ija,ijb->iab", near, terms, terms)
+    middle = np.linalg.inv(normal)[:, 0]
+    return np.asarray(near * np.einsum("ija,ia->ij", terms, middle), np.float32)
 
 
 def _gaussian_average(cells: Image, weight: Image, sigma: float) -> Image:

@@ -96,10 +96,12 @@ def flag_beyond_maximum(log_ratio: Image, flags: FlagImage, calibration: RatioCu
     # films beyond the maximum have the ratio of an endless one, or more
     end = endless + top - float(ratios.max())
     thin = touched[scipy.ndimage.minimum(mean, islands, touched) < end - width]
-    among = thin if thin.size else np.flatnonzero(size)
-    other = touched[touched != among[np.argmax(size[among])]]
+    least = end - width if thin.size else end
+    if not thin.size:
+        thin = np.array([np.argmax(size)])
+    other = np.setdiff1d(touched, thin)
     if not other.size:
         return
     middle = np.atleast_1d(scipy.ndimage.median(mean, islands, other))
-    beyond = np.isin(islands, other[middle > end - (width if thin.size else 0.0)])
+    beyond = np.isin(islands, other[middle > least])
     flags[beyond.ravel()[cells] & sound] |= _ABOVE

@@ -117,6 +117,11 @@ class LubricatedContact:
     stroke: float = math.inf
     entrainment: float = 0.5
 
+    @property
+    def sliding(self) -> float:
+        """Difference of both surface speeds over the faster one: 1 where one rests. [1]"""
+        return 2 * (1 - self.entrainment)
+
     def films(self, speed: Array, load: Array, viscosity: Array) -> ContactFilm:
         """Films at surface speeds [m/s], loads [N] and viscosities [Pa s] of one shape."""
         shared: dict[str, Any] = {

@@ -61,3 +61,21 @@ def test_a_larger_part_beyond_the_maximum_is_not_taken_for_the_thin_one():
     assert (film > 20).mean() > 0.7
     assert (flags[film > 20] == 0).mean() < 0.01
     assert (flags[film < 10] != 0).mean() < 0.05
+
+
+def test_two_thin_parts_with_a_ridge_between_them_are_both_thin():
+    """Two balls side by side: each part has films without doubt thin."""
+    calibration = replace(
+        example_calibration(),
+        attenuation_laser=0.2,
+        reflectance=0.3,
+        covariance=1e-6 * np.eye(5),
+        thickness_range=(0.5, 12.0),
+    )
+    y, x = np.indices((256, 320))
+    near = np.minimum((x - 80) ** 2, (x - 250) ** 2)
+    film = 3.0 + (near + (y - 128) ** 2) / 350.0
+    flags = np.zeros(film.shape, np.uint16)
+    flag_beyond_maximum(calibration.predict_log(film).astype(np.float32), flags, calibration)
+    assert (flags[film < 10] != 0).mean() < 0.05
+    assert (flags[film > 20] == 0).mean() < 0.01

@@ -8,6 +8,7 @@ from .contents import driven_link as driven_link
 from .contents import fastest_trigger as fastest_trigger
 from .contents import flag_shares as flag_shares
 from .contents import formula_label as formula_label
+from .contents import formula_scope as formula_scope
 from .contents import has_identity as has_identity
 from .contents import motion_of as motion_of
 from .contents import region_of as region_of

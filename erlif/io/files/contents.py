@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -310,6 +313,28 @@ def formula_label(film: xr.Dataset) -> str:
     # films of before the formula was stated are those of a line contact
     attrs = film.film_hamrock_dowson.attrs
     return str(attrs["long_name"]) if "formula" in attrs else HAMROCK_DOWSON_LINE
+
+
+def formula_scope(attrs: Mapping[str, Any]) -> str:
+    """Why a formula does not hold for a film: its regime, or a bore that is not straight.
+
+    Parameters
+    ----------
+    attrs : mapping
+        Of a ratio to the formula.
+
+    Returns
+    -------
+    str
+        Empty where it holds, or no error of the formula is known.
+
+    Examples
+    --------
+    >>> formula_scope({"formula_error": float("inf")}), formula_scope({"formula_error": 0.2})
+    ('not its regime', '')
+    """
+    outside = math.isinf(attrs.get("formula_error", 0.0))
+    return str(attrs.get("formula_of", "not its regime")) if outside else ""
 
 
 @takes(film="part of a film")

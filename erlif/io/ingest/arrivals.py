@@ -50,6 +50,11 @@ class Arrival(NamedTuple):
     time: float
 
 
+def _number(path: Path) -> int:
+    """Number of a frame by the name of its file; 0 without one."""
+    return number_files([path])[0] or 0
+
+
 @dataclass
 class _Camera:
     """Files and images that one camera has written so far.
@@ -103,7 +108,7 @@ class _Camera:
             if not self._several:
                 self._whole.add(self._last)
                 self._last = self._name(path)
-                self._add(number_files([path])[0] or 0, found[0], now)
+                self._add(_number(path), found[0], now)
 
         paired = len(self.pages) - len(self.alone)
         if anew := self._several and not several:
@@ -144,7 +149,7 @@ class _Camera:
 
     def named_now(self, page: Page) -> Page:
         """Return the page of the same number under the present name of its file."""
-        return page if self._several else self.pages.get(number_files([page.path])[0] or 0, page)
+        return page if self._several else self.pages.get(_number(page.path), page)
 
     def _name(self, path: Path) -> str:
         """Name of a file as its pattern has it."""

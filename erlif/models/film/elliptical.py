@@ -217,9 +217,9 @@ def elliptical_contact_film(
         gV, gE = G * W**3 / U**2, W ** (8 / 3) / U**2
         excess = sum((one / film) ** _JOIN for one in choice) ** (1 / _JOIN) - 1
         # up to 0.5 GPa solutions of hard bodies reach the film of Barus and rigid ones
-        beyond = np.maximum(viscous / film - 1, 0) / 2 * (dry.pressure <= BARUS_LIMIT)
+        rigid_excess = np.maximum(viscous / film - 1, 0) / 2 * (dry.pressure <= BARUS_LIMIT)
+    error = np.hypot(np.hypot(error, excess), rigid_excess)
     films = rigid, viscous, soft, hard.minimum
-    error = np.hypot(np.hypot(error, excess), beyond)
     return ContactFilm(film, central, error, regime, *films, gV=gV, gE=gE, notes=notes)
 
 

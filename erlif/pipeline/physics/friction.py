@@ -14,7 +14,7 @@ from erlif.models.shear import shear_heating
 from erlif.pipeline.engines.results import TriggerResult
 from erlif.pipeline.physics.bore import departure
 from erlif.pipeline.physics.fit import given_errors, reading_error
-from erlif.pipeline.physics.joint import describe_viscosity
+from erlif.pipeline.physics.joint import describe_contact, describe_viscosity
 from erlif.pipeline.physics.prediction import build_journal
 from erlif.pipeline.plane import ObjectPlane
 from erlif.prediction import find_drag, find_friction
@@ -54,10 +54,9 @@ def describe_friction(
     viscosity = viscosity_at(film[[*needed]], describe_viscosity(oil))
     stated = float(oil.viscosity_std or 0.0) / float(viscosity.mean())
     relative = math.hypot(stated, reading_error(settings, film))
-    sides, speed = (plane.region.rows, plane.region.columns), film.sliding_speed.values
-    if settings.contact is not None:  # that of the faster surface; the film is sheared by both
-        rolling = float(settings.contact.slide_to_roll)
-        speed = speed * rolling / (1 + rolling / 2)
+    sides, contact = (plane.region.rows, plane.region.columns), describe_contact(settings)
+    # the speed is that of the faster surface; the film is sheared by the difference of both
+    speed = film.sliding_speed.values * (1.0 if contact is None else contact.sliding)
     found = find_drag(
         [one.statistics for one in results],
         viscosity * speed,

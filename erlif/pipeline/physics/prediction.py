@@ -35,6 +35,9 @@ from erlif.trend import LubricatedJoint, compare_with_roughness, predict_film, v
 # Regime whose surfaces keep their shape, as the transient prediction takes them.
 _RIGID = "isoviscous-rigid"
 
+# Whose the steady formulas are over a bore with a shape.
+_STRAIGHT = "of a straight bore"
+
 
 class Prediction(NamedTuple):
     """The transient prediction of a run.
@@ -287,9 +290,6 @@ def try_prediction(plane: ObjectPlane, film: xr.Dataset, frames: xr.Dataset) -> 
         return NO_PREDICTION._replace(
             notes=[warn("[prediction]", f"the film over the cycle is not predicted: {error}")]
         )
-
-
-_STRAIGHT = "of a straight bore"
 
 
 def predict_theory(settings: RunSettings, film: xr.Dataset) -> xr.Dataset:

@@ -9,8 +9,7 @@ from dataclasses import replace
 import numpy as np
 import xarray as xr
 
-from erlif.calibration import NO_SYSTEMATICS, Calibration, RunCurve, Systematics
-from erlif.calibration.systematics import USUAL_LEVEL
+from erlif.calibration import NO_SYSTEMATICS, USUAL_LEVEL, Calibration, RunCurve, Systematics
 from erlif.core.arrays import Array
 from erlif.core.terms import CONSTANT, RISE, TERMS
 from erlif.io.settings import LightOptions, RunSettings

@@ -7,6 +7,7 @@ cameras are not registered anew, so that the ratio is the one that the map was i
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -103,7 +104,7 @@ class _Stored:
     settings: RunSettings  # settings of the run
     camera_map: CameraMap  # camera map, with the mean drift taken up
     blur: BlurDifference  # difference of sharpness. [px2]
-    noise: tuple[CameraNoise, CameraNoise]
+    noise: Sequence[CameraNoise]  # of both cameras, as it was in use
     trigger_of: npt.NDArray[np.int64]  # (frame,): trigger of each frame
     # (frame, axis x y): drift on top of the camera map; NaN where it is not known. [px]
     drift: Array
@@ -124,8 +125,8 @@ def _read_stored(film_path: Path, trigger: int) -> _Stored:
         try:
             difference = registration.attrs["blur_difference"]
             std = registration.attrs["blur_difference_std"]
-            # a film of an earlier version has none taken out
             numbers = [registration.attrs[f"camera_{name}"] for name in CAMERA_NOISE]
+            # a film of an earlier version has none taken out
             excess = [registration.attrs.get(f"ratio_excess{end}", 0.0) for end in ("", "_std")]
         except KeyError as missing:
             raise OutputError(
@@ -154,7 +155,7 @@ def _read_stored(film_path: Path, trigger: int) -> _Stored:
         settings,
         camera_map,
         blur,
-        (noise[0], noise[1]),
+        noise,
         trigger_of,
         drift,
         energies,

@@ -13,7 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
 from erlif.core.arrays import Array
-from erlif.io.files import formula_label
+from erlif.io.files import formula_label, formula_scope
 from erlif.show.plots import style
 from erlif.show.plots.style import MEAN, MINIMUM, MUTED, OUTWARD, RETURN, AnyFigure, pt, styled
 from erlif.show.plots.triggers import (
@@ -275,8 +275,8 @@ def film_over_theory(film: xr.Dataset, *, ax: Axes = style.NEW) -> list[Artist]:
         attrs = film[ratio].attrs
         ends = [float(np.min(x[np.isfinite(values)])), float(np.max(x[np.isfinite(values)]))]
         label = f"over {title or formula_label(film)}: {attrs['factor']:.3g}"
-        if np.isinf(attrs.get("formula_error", 0.0)):
-            label += f", {attrs.get('formula_of', 'not its regime')}"
+        if scope := formula_scope(attrs):
+            label += f", {scope}"
         if off[ratio] > math.log(_REACH) >= min(off.values()):
             style.draw_line(ax, [], [], colour, form="--", label=f"{label}, beyond the axis")
             continue

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from erlif.io.files import applicable_theory, fastest_trigger, formula_label
+from erlif.io.files import applicable_theory, fastest_trigger, formula_label, formula_scope
 from erlif.show.report.layout import decimals
 
 # Rank, logarithms, and the ends of their interval.
@@ -75,15 +75,14 @@ def describe_factor(film: xr.Dataset) -> str:
 def _describe_map(film: xr.Dataset, attrs: Mapping[str, float]) -> str:
     """Factor over the regime map where the formula does not hold."""
     factor = film["film_over_theory"].attrs["factor"] if "film_over_theory" in film else np.nan
-    outside = np.isinf(attrs.get("formula_error", np.nan)) and np.isfinite(factor)
-    return f"; {factor:.3g} × regime map" if outside else ""
+    return f"; {factor:.3g} × regime map" if formula_scope(attrs) and np.isfinite(factor) else ""
 
 
 def _describe_error(attrs: Mapping[str, Any]) -> str:
     """Error of a formula itself, or that it does not hold; empty where it is not known."""
+    if scope := formula_scope(attrs):
+        return f", {scope}"
     error = attrs.get("formula_error", np.nan)
-    if np.isinf(error):
-        return f", {attrs.get('formula_of', 'not its regime')}"
     return f" ± {100 * error:.0f} %" if np.isfinite(error) else ""
 
 
@@ -94,7 +93,7 @@ def _describe_viscosity(attrs: Mapping[str, float]) -> str:
     """
     viscosity, std = attrs.get("viscosity", np.nan), attrs.get("viscosity_std", np.nan)
     std = np.hypot(std, attrs.get("viscosity_std_formula", 0.0))
-    if not np.isfinite([viscosity, std]).all() or np.isinf(attrs.get("formula_error", np.nan)):
+    if not np.isfinite([viscosity, std]).all() or formula_scope(attrs):
         return ""
     given, digits = attrs["viscosity_given"], decimals(std, 1)
     oil = f"oil {given:.{max(digits, decimals(given, 2))}f}"
