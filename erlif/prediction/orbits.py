@@ -12,7 +12,8 @@ import numpy as np
 from erlif.core.arrays import Array
 from erlif.core.errors import ModelError
 from erlif.models.reynolds import Journal, Motion, Mount, solve_journal
-from erlif.models.reynolds.full_film import THINNEST, FullFilm, follow_full_film
+from erlif.models.reynolds.full_film import FullFilm, follow_full_film
+from erlif.models.reynolds.squeeze_tables import THINNEST
 from erlif.prediction.motion import scaled_time
 
 # Cells of the transient film round the joint and along half of its length, for derivatives. What
