@@ -46,8 +46,10 @@ def table(film, rng, **changes):
     return {**LAW, "film_table": tuple(np.asarray(film, float)), **changes}
 
 
-RIGHT = {"rocking": "The pin rocks"}
-"""Sentences that no film of `KINDS` has."""
+_SHAPE = "The shape is that of Hamrock-Dowson, line contact (2.65)"
+RIGHT = {"rocking": "The pin rocks", "formula": _SHAPE, "formula x 5": _SHAPE}
+"""Sentences of photographed films that are not those of `KINDS`: the acrylic joint of the rig is
+isoviscous-rigid, where 2.65 is a shape and no theory."""
 
 _NUMBER = r"([0-9.]+) ± ([0-9.]+)"
 PATTERN = {
