@@ -11,9 +11,9 @@ shares of errors within one and two standard deviations, and the scatter of the 
 work among processes.
 
 ``python benchmarks/real_rigs.py --target "1 %"`` draws ten such rigs (``--rigs``). Each is
-photographed, `erlif.budget` gives the shortest list of means for the target, and the rig is
+photographed, `erlif.budget` gives the shortest list of remedies for the target, and the rig is
 photographed again with them: frames of the dry joint, a patch whose film is off by 0.02 um, a
-fixture after the run, and other errors drawn from the widths that the means leave and state.
+fixture after the run, and other errors drawn from the widths that the remedies leave and state.
 A row has the list, the stated standard deviation of films near the median film in the middle third
 of the run, and their error; the last line counts the rigs. ``--without patch`` looks for lists
 without a patch.
@@ -36,7 +36,7 @@ import xarray as xr
 
 import erlif
 from erlif.core.errors import ErlifError
-from erlif.core.means import MEANS
+from erlif.core.remedies import REMEDIES
 from erlif.core.terms import TERMS
 from erlif.rig import RigSettings, simulate
 
@@ -213,9 +213,9 @@ def photograph(out: Path, seed: int, rig: RigSettings, origin: float, size: floa
 
 
 def with_means(out: Path, seed: int, keys: list[str], median: float) -> float:
-    """Photograph a rig once more with some means; the film of its patch. [um]"""
+    """Photograph a rig once more with some remedies; the film of its patch. [um]"""
     rng = np.random.default_rng([77, seed])
-    leaves = {term: left for key in keys for term, left in MEANS[key].leaves.items()}
+    leaves = {term: left for key in keys for term, left in REMEDIES[key].leaves.items()}
     stated = {term: left for term, left in leaves.items() if not isinstance(left, str)}
     widths = WIDTHS | {term: left / 100 for term, left in stated.items()}
     if "mark" in keys:
@@ -244,12 +244,12 @@ def with_means(out: Path, seed: int, keys: list[str], median: float) -> float:
 
 
 def reach_target(seed: int, *, target: str) -> tuple[str, float, float, float, float]:
-    """The means of a drawn rig; film, wanted and stated standard deviation, and error. [um]"""
+    """The remedies of a drawn rig; film, wanted and stated standard deviation, and error. [um]"""
     with tempfile.TemporaryDirectory() as scratch:
         bare, better = Path(scratch) / "bare", Path(scratch) / "better"
         photograph(bare, seed, *draw_rig(np.random.default_rng([77, seed])))
         table = erlif.budget(bare / "run", target=target).target_std
-        keys, median = table["mean"].values[1:].tolist(), float(table.target_film[-1])
+        keys, median = table["remedy"].values[1:].tolist(), float(table.target_film[-1])
         with_means(better, seed, keys, median)
         film = erlif.process(better / "run")
         with xr.open_dataset(better / "truth.nc", engine="h5netcdf") as truth:
@@ -308,15 +308,15 @@ def main() -> None:
     parser.add_argument("--coverage", type=int, help="rigs drawn from the default widths")
     parser.add_argument("--first", type=int, default=0, help="first of these rigs")
     parser.add_argument("--report", action="store_true", help="leave in what the gap shows")
-    parser.add_argument("--target", help='for example "1 %%": with the means that reach it')
+    parser.add_argument("--target", help='for example "1 %%": with the remedies that reach it')
     parser.add_argument("--rigs", type=int, default=10, help="rigs of --target")
-    parser.add_argument("--without", nargs="*", default=[], help="means that a list may not have")
+    parser.add_argument("--without", nargs="*", default=[], help="remedies that no list has")
     parser.add_argument("--seeds", type=int, nargs="+", default=[1, 2, 3])
     parser.add_argument("--only", help="faults whose name contains this text")
     parser.add_argument("--workers", type=int, default=2)
     options = parser.parse_args()
     for key in options.without:  # before the processes of the pool copy the table
-        del MEANS[key]
+        del REMEDIES[key]
     with ProcessPoolExecutor(options.workers) as pool:
         if options.target is not None:
             rigs, pulls = range(options.first, options.first + options.rigs), []

@@ -1,8 +1,8 @@
 """Renew the tables of errors: ``python docs/make_budget.py``.
 
 In docs/uncertainty.md the budget of the sample run, in docs/limits.md the errors that frames do not
-show, the means and their list for a rig that states nothing. Tests hold the first two tables and
-the means to what erlif computes.
+show, the remedies and their list for a rig that states nothing. Tests hold the first two tables and
+the remedies to what erlif computes.
 """
 
 from __future__ import annotations
@@ -14,11 +14,11 @@ from pathlib import Path
 import erlif
 from erlif.calibration import NO_SYSTEMATICS, Systematics
 from erlif.commands.lines import wrap
-from erlif.core.means import MEANS
+from erlif.core.remedies import REMEDIES
 from erlif.core.terms import SOURCES, TERMS
 from erlif.rig import RigSettings, simulate
 from erlif.show.report import print_budget
-from erlif.show.report.means import print_means
+from erlif.show.report.remedies import print_remedies
 
 ROOT = Path(__file__).parents[1]
 FILMS = (1.0, 3.0, 6.0, 10.0)
@@ -61,10 +61,10 @@ def limits() -> str:
     return head + "".join(rows) + f"| **all** | | {total} | |\n"
 
 
-def means() -> str:
-    """The means of docs/limits.md."""
-    rows = [f"| `{key}`: {mean.what} | {mean.why} |\n" for key, mean in MEANS.items()]
-    return "| mean | how it enters, and what it leaves |\n|---|---|\n" + "".join(rows)
+def remedies() -> str:
+    """The remedies of docs/limits.md."""
+    rows = [f"| `{key}`: {remedy.what} | {remedy.why} |\n" for key, remedy in REMEDIES.items()]
+    return "| remedy | how it enters, and what it leaves |\n|---|---|\n" + "".join(rows)
 
 
 def list_of_means() -> str:
@@ -73,7 +73,7 @@ def list_of_means() -> str:
         rig = RigSettings(width=160, height=128, spacing=2.0, fixture_frames=6, bubbles=0)
         simulate(Path(scratch) / "rig", seed=1, rig=replace(rig, write_systematics=False))
         budget = erlif.budget(Path(scratch) / "rig" / "run", target="1 %")
-    text = wrap(print_means(budget.target_std, "the median film of the run"))
+    text = wrap(print_remedies(budget.target_std, "the median film of the run"))
     return f"```text\n{text}\n```\n"
 
 
@@ -90,8 +90,8 @@ def main() -> None:
     budget = erlif.budget(ROOT / "data_samples" / "straight_bushing")
     renew("uncertainty.md", "budget", f"```text\n{print_budget(budget)}\n```\n")
     renew("limits.md", "limits", limits())
-    renew("limits.md", "list of means", means())
-    renew("limits.md", "means", list_of_means())
+    renew("limits.md", "list of remedies", remedies())
+    renew("limits.md", "remedies", list_of_means())
 
 
 if __name__ == "__main__":

@@ -30,7 +30,7 @@ from erlif.core.speed.imports import large_imports
 @click.option(
     "--target",
     metavar="SHARE|LENGTH",
-    help='List the fewest means to reach it, "1 %" or "50 nm".',
+    help='List the fewest remedies to reach it, "1 %" or "50 nm".',
 )
 @SKIP_BAD_FRAMES
 @ALLOW_OUTSIDE

@@ -3,7 +3,7 @@
 The widths of the errors are those of the plan. A joint whose radii are known shows part of them
 in the curvature of its gap; what it leaves follows from the equations of `erlif.trend.rigidity`,
 which need no measured value. A constant error of all films remains: it is a displacement of the
-pin. The error of the calibration and the position of the fixture are not part of a plan. Means
+pin. The error of the calibration and the position of the fixture are not part of a plan. Remedies
 lower the widths (`erlif.planning.target`).
 """
 

@@ -101,7 +101,7 @@ def plan(source: Path | str | PlanSettings, *, folder: Path | None = None) -> xr
         Over ``tolerance``: the effect of each tolerance, the largest first. Over ``limit`` and
         ``limit_film``: errors that no frame shows, by their widths and with the gap of the joint.
         With a bore in [joint], ``bore_length`` and ``bore_thickest`` of the films over it.
-        Over ``mean`` and ``target_film``: what the shortest list of means leaves of them.
+        Over ``remedy`` and ``target_film``: what the shortest list of remedies leaves of them.
 
     Raises
     ------
@@ -408,7 +408,7 @@ def _describe_tolerances(design: Design, film: WantedFilm, settings: PlanSetting
 def _describe_limit(design: Design, film: WantedFilm, settings: PlanSettings) -> xr.Dataset:
     """Dataset of the systematic errors, without and with the known gap of a joint."""
     widths = {key: width / 100 for key, width in settings.systematics}
-    had = frozenset(key for key, has in settings.means if has)
+    had = frozenset(key for key, has in settings.remedies if has)
     systematics, covariance, errors = attainable_errors(design, film, widths, settings.joint)
     errors = replace(errors, covariance=errors.lowered(had), had=had)
     terms = list(dict.fromkeys(systematics.terms))

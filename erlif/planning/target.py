@@ -1,6 +1,6 @@
-"""The shortest list of means with which the films of a run reach a wanted standard deviation.
+"""The shortest list of remedies with which the films of a run reach a wanted standard deviation.
 
-All errors are those of `Systematics`, linear and in the middle of a run. A mean lowers the widths
+All errors are those of `Systematics`, linear and in the middle of a run. A remedy lowers the widths
 of some of them; a patch of known film leaves the differences to the errors of its film. What the
 gap of a joint shows is a measurement of all errors together, which holds for smaller widths too.
 """
@@ -18,7 +18,7 @@ import xarray as xr
 from erlif.calibration import Systematics
 from erlif.core.arrays import Array
 from erlif.core.errors import ConfigError
-from erlif.core.means import MEANS
+from erlif.core.remedies import REMEDIES
 from erlif.core.statistics import covariance_root
 from erlif.core.units import parse_quantity
 
@@ -79,7 +79,7 @@ def information_of(prior: Array, posterior: Array) -> Array:
 
 @dataclass(frozen=True)
 class FilmErrors:
-    """Errors of some films in the middle of a run, and what means leave of them.
+    """Errors of some films in the middle of a run, and what remedies leave of them.
 
     Attributes
     ----------
@@ -99,9 +99,9 @@ class FilmErrors:
     shares : mapping of str to float
         Widths of the sources of error. [1]
     had : frozenset[str]
-        Means that the run has; the covariance contains the widths that they leave.
+        Remedies that the run has; the covariance contains the widths that they leave.
     noise : float
-        Error of the logarithm of the ratio that no mean lowers. [1]
+        Error of the logarithm of the ratio that no remedy lowers. [1]
     patch_std : float
         [um]
     """
@@ -117,14 +117,14 @@ class FilmErrors:
     noise: float = 0.0
     patch_std: float = PATCH_STD
 
-    def has_gap(self, means: Collection[str]) -> bool:
-        """Whether the gap of the joint takes errors out beside these means."""
-        alone = any(MEANS[key].without_gap for key in {*self.had, *means})
+    def has_gap(self, remedies: Collection[str]) -> bool:
+        """Whether the gap of the joint takes errors out beside these remedies."""
+        alone = any(REMEDIES[key].without_gap for key in {*self.had, *remedies})
         return self.information is not None and not alone
 
-    def std(self, means: Collection[str] = ()) -> Array:
-        """Standard deviation of all films but the patch with some means. [um]"""
-        return np.asarray(np.sqrt(sum(self.split(means).values())))
+    def std(self, remedies: Collection[str] = ()) -> Array:
+        """Standard deviation of all films but the patch with some remedies. [um]"""
+        return np.asarray(np.sqrt(sum(self.split(remedies).values())))
 
     @property
     def terms(self) -> tuple[str, ...]:
@@ -132,26 +132,26 @@ class FilmErrors:
         own = len(self.acts) - len(self.systematics.terms)
         return ("calibration",) * own + self.systematics.terms
 
-    def split(self, means: Collection[str] = ()) -> dict[str, Array]:
+    def split(self, remedies: Collection[str] = ()) -> dict[str, Array]:
         """Variance of these films by source of error; errors that compensate lower it. [um2]"""
         acts, scale = self.acts[:, :-1], self.slope[:-1] ** -2.0
         parts = {"noise": scale * self.noise**2}
-        if any(MEANS[key].to_patch for key in {*self.had, *means}):
+        if any(REMEDIES[key].to_patch for key in {*self.had, *remedies}):
             # changes over the field are independent at both places
             placed = len(acts) - len(self.systematics.terms) + self.systematics.placed
             both, acts = np.hypot(acts, self.acts[:, -1:]), acts - self.acts[:, -1:]
             acts[placed] = both[placed]
             parts["patch"] = scale * (self.slope[-1] * self.patch_std) ** 2
-        for term, part in zip(self.terms, acts * (self._covariance(means) @ acts), strict=True):
+        for term, part in zip(self.terms, acts * (self._covariance(remedies) @ acts), strict=True):
             parts[term] = parts.get(term, 0.0) + scale * part
         return parts
 
-    def lowered(self, means: Collection[str]) -> Array:
-        """Covariance of all errors with the widths that some means leave, without the gap."""
+    def lowered(self, remedies: Collection[str]) -> Array:
+        """Covariance of all errors with the widths that some remedies leave, without the gap."""
         std, terms = np.sqrt(np.diag(self.covariance)), np.array(self.terms)
         left, grown = np.ones((2, std.size))
         grown[std.size - len(self.systematics.terms) :] = self.systematics.weight_at(0.5)
-        for term, width in (one for key in means for one in MEANS[key].leaves.items()):
+        for term, width in (one for key in remedies for one in REMEDIES[key].leaves.items()):
             if isinstance(width, str):  # of what has grown until the end
                 share = float(self.shares.get(width, width)) / grown
             else:
@@ -159,10 +159,10 @@ class FilmErrors:
             left = np.where(terms == term, np.minimum(left, share), left)
         return left[:, None] * self.covariance * left
 
-    def _covariance(self, means: Collection[str]) -> Array:
-        """Covariance of all errors with some means."""
-        covariance = self.lowered(means)
-        if self.information is None or not self.has_gap(means):
+    def _covariance(self, remedies: Collection[str]) -> Array:
+        """Covariance of all errors with some remedies."""
+        covariance = self.lowered(remedies)
+        if self.information is None or not self.has_gap(remedies):
             return covariance
         root = covariance_root(covariance)
         inner = np.eye(root.shape[1]) + root.T @ self.information @ root
@@ -170,7 +170,7 @@ class FilmErrors:
 
 
 def shortest_list(errors: FilmErrors, target: tuple[float, float]) -> xr.DataArray:
-    """Find the fewest means with which the film that decides reaches a target.
+    """Find the fewest remedies with which the film that decides reaches a target.
 
     Of lists of one length, that of the smallest standard deviation is taken. Where none reaches it,
     the list is the shortest that comes within 2 % of the best.
@@ -184,10 +184,10 @@ def shortest_list(errors: FilmErrors, target: tuple[float, float]) -> xr.DataArr
     Returns
     -------
     xarray.DataArray
-        Standard deviation (mean, target_film) with each mean and those before it, the most
+        Standard deviation (remedy, target_film) with each remedy and those before it, the most
         effective first; the first row is that of the run as it is. [um]
     """
-    free = [key for key in MEANS if key not in errors.had]
+    free = [key for key in REMEDIES if key not in errors.had]
     wanted = target[0] * errors.films[:-1] + target[1]
     lists = (each for size in range(len(free) + 1) for each in combinations(free, size))
     ends = {each: float(errors.std(each)[-1]) for each in lists}
@@ -201,8 +201,8 @@ def shortest_list(errors: FilmErrors, target: tuple[float, float]) -> xr.DataArr
     steps = [order[:n] for n in range(len(order) + 1)]
     parts = {term: float(part[-1]) for term, part in errors.split(order).items()}
     largest = max(parts, key=lambda term: parts[term])
-    coords = {"mean": ["", *order], "target_film": errors.films[:-1]}
+    coords = {"remedy": ["", *order], "target_film": errors.films[:-1]}
     attrs = {"target": wanted, "largest": largest, "largest_std": parts[largest] ** 0.5}
-    attrs |= {"long_name": "standard deviation of a film with this mean and those before it"}
+    attrs |= {"long_name": "standard deviation of a film with this remedy and those before it"}
     attrs |= {"units": "um", "gap": [int(errors.has_gap(step)) for step in steps]}
     return xr.DataArray([errors.std(step) for step in steps], coords, attrs=attrs)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import zip_longest
 from pathlib import Path
 
@@ -26,11 +26,11 @@ from erlif.pipeline.fixture import find_calibration
 from erlif.pipeline.physics.clock import fit_start
 from erlif.pipeline.physics.joint import locate_run
 from erlif.pipeline.physics.light import measure_lights
-from erlif.pipeline.physics.systematics import has_dry_joint
 from erlif.pipeline.physics.texture import with_texture
-from erlif.pipeline.recording.prepare import PreparedRun, prepare_run
-from erlif.planning import target as planned
+from erlif.pipeline.recording.prepare import prepare_run
+from erlif.planning.target import read_target, shortest_list
 from erlif.ratio import PairRatio, RatioSum
+from erlif.review.target import errors_of_run
 from erlif.thickness import flag_beyond_maximum, measure_thickness
 from erlif.trend import FilmStatistics, summarise_film
 
@@ -115,7 +115,7 @@ def budget(
         Film thicknesses for whose pixels the budget is made; default: the 10th, 50th and 90th
         percentile of the map. [um]
     target : str, optional
-        Standard deviation that the shortest list of means is to reach at the median film of the
+        Standard deviation that the shortest list of remedies is to reach at the median film of the
         run, "1 %" or "50 nm".
     skip_bad_frames, allow_outside : bool
         As for `erlif.process`.
@@ -129,8 +129,8 @@ def budget(
         value (quantity), the film thickness itself [um]. The quantities are single pixels of the
         given films, the mean and the minimum film thickness of the region of interest. The sums
         among the terms are in quadrature. The attribute declared_zero names the terms whose key in
-        [systematics] is 0. With a target, target_std (mean, target_film): what the means leave,
-        each with those before it. [um]
+        [systematics] is 0. With a target, target_std (remedy, target_film): what the remedies
+        leave, each with those before it. [um]
 
     Raises
     ------
@@ -144,7 +144,7 @@ def budget(
     >>> table["std"].sel(term="total", quantity="mean film")  # doctest: +SKIP
     """
     progress = choose_progress(progress)
-    goal = None if target is None else planned.read_target(target)
+    goal = None if target is None else read_target(target)
     run = open_run(
         Path(run_dir),
         skip_bad_frames=skip_bad_frames,
@@ -206,42 +206,8 @@ def budget(
     table.attrs["declared_zero"] = [key for key, share in shares.items() if share == 0]
     if goal is not None:
         noise = statistics.mean.random_std * float(measuring.slope(statistics.mean.value))
-        table["target_std"] = planned.shortest_list(_errors_of(ready, whole, noise), goal)
+        table["target_std"] = shortest_list(errors_of_run(ready, whole, noise), goal)
     return table
-
-
-def _errors_of(ready: PreparedRun, curve: RunCurve, noise: float) -> planned.FilmErrors:
-    """Errors of films in the middle of a run, and the means that it has.
-
-    Where the gap of the joint took errors out, its information holds for smaller widths as well.
-    """
-    settings, middle, before = ready.run.settings, curve.at(0.5), curve.systematics.without_run
-    covariance = before.anywhere(before.extend(curve.fitted_covariance))
-    information = None
-    if curve.follows_run:
-        information = planned.information_of(covariance, middle.anywhere_covariance)
-        # nothing is taken out of a change over the field, which the gap may show to be larger
-        left = np.diag(middle.anywhere_covariance)
-        np.fill_diagonal(covariance, np.maximum(np.diag(covariance), left))
-
-    # the shares of the light are those of its median film, before the scale of a patch
-    scale = ready.light.scale
-    shift = 0.0 if scale is None else float(scale.course @ (1.0, 0.5))
-    median = float(middle.inverse.look_up(np.diff(np.log(before.light)) - shift)[0])
-    films = np.array([*planned.FILMS, median, median if scale is None else scale.film])
-    patch_std = planned.PATCH_STD if scale is None else scale.film_std
-    has = {
-        "patch": scale is not None,
-        "dry_frames": has_dry_joint(settings),
-        "fixture_after": curve.later is not None,
-        "temperature_log": settings.temperature.coefficient is not None,
-    }
-    had = frozenset(key for key in has if has[key])
-    low, high = middle.covered_range
-    acts = np.where((films < low) | (films > high), np.nan, middle.gradient(films))
-    errors = planned.FilmErrors(films, acts, middle.slope(films), before, covariance, information)
-    widths = settings.systematics.shares
-    return replace(errors, shares=widths, had=had, noise=noise, patch_std=patch_std)
 
 
 def _choose_trigger(

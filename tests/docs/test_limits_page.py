@@ -19,5 +19,5 @@ def test_the_table_of_limits_is_the_computed_one():
     assert stated("limits") == expected, "python docs/make_budget.py"
 
 
-def test_the_means_are_those_of_their_table():
-    assert stated("list of means") == load_script(DOCS / "make_budget.py").means()
+def test_the_remedies_are_those_of_their_table():
+    assert stated("list of remedies") == load_script(DOCS / "make_budget.py").remedies()

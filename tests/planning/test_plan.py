@@ -290,15 +290,15 @@ def test_bores_without_a_place_in_the_plan_are_refused(old, new, words):
         settings_of(('width = "19.2 mm"\n', (BORE + LOBE + "\n").replace(old, new)))
 
 
-def test_means_of_the_plan_are_those_that_its_list_would_add():
+def test_remedies_of_the_plan_are_those_that_its_list_would_add():
     """1 % of 4.5 um: a patch and flats of the day, or a rig that has both."""
     settings = tomllib.loads(example_plan())
     settings["film"]["uncertainty"] = 0.01
     bare = plan(PlanSettings.model_validate(settings)).target_std
-    assert set(bare["mean"].values) == {"", "patch", "flats"}
-    settings["means"] = dict.fromkeys(["patch", "flats"], True)
+    assert set(bare["remedy"].values) == {"", "patch", "flats"}
+    settings["remedies"] = dict.fromkeys(["patch", "flats"], True)
     has = plan(PlanSettings.model_validate(settings)).target_std
-    assert has["mean"].values.tolist() == [""]
+    assert has["remedy"].values.tolist() == [""]
     npt.assert_allclose(has[0], bare[-1], rtol=1e-9)
     settings["systematics"] = {"field": "0 %"}
     without = plan(PlanSettings.model_validate(settings)).target_std

@@ -1,4 +1,4 @@
-"""The shortest list of means: closed forms of single terms, and targets that nothing reaches."""
+"""The shortest list of remedies: closed forms of single terms, and targets that nothing reaches."""
 
 import numpy as np
 import numpy.testing as npt
@@ -87,18 +87,18 @@ def test_an_error_without_a_width_has_no_information():
 def test_the_shortest_list_names_what_is_needed_and_no_more():
     """1 % of 4 um, 40 nm: lag alone makes more than that, linearity less."""
     found = shortest_list(errors_of(patch_std=1.0, lag=0.01, linearity=0.0005), (0.01, 0.0))
-    assert list(found["mean"].values) == ["", "dark_after_light"]
+    assert list(found["remedy"].values) == ["", "dark_after_light"]
     assert found[0, -1] > 0.04 >= found[1, -1]
 
 
 def test_where_the_run_reaches_the_target_nothing_is_listed():
-    assert shortest_list(errors_of(lag=0.01), (0.5, 0.0)).sizes["mean"] == 1
+    assert shortest_list(errors_of(lag=0.01), (0.5, 0.0)).sizes["remedy"] == 1
 
 
 def test_a_target_that_nothing_reaches_leaves_the_largest_term():
-    """Noise has no mean: the list is what lowers the rest, and the noise is named."""
+    """Noise has no remedy: the list is what lowers the rest, and the noise is named."""
     found = shortest_list(errors_of(0.01, patch_std=1.0, lag=0.01), (0.0, 0.001))
-    assert list(found["mean"].values) == ["", "dark_after_light"]
+    assert list(found["remedy"].values) == ["", "dark_after_light"]
     assert found.attrs["largest"] == "noise"
     npt.assert_allclose(found.attrs["largest_std"], 0.01 / slope_at(np.array(MEDIAN)), rtol=1e-6)
 

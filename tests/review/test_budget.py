@@ -9,7 +9,6 @@ import numpy as np
 import numpy.testing as npt
 import pytest
 import tifffile
-import xarray as xr
 
 import erlif
 from erlif.calibration import Systematics
@@ -110,7 +109,7 @@ def test_terms_of_width_zero_are_named(lab):
     assert "Declared to be 0 % in [systematics]: " in print_budget(budget)
 
 
-def test_means_begin_with_the_errors_of_the_run(lab):
+def test_remedies_begin_with_the_errors_of_the_run(lab):
     """Without systematics, the calibration and the noise of the mean remain."""
     _, _, out, calibration = lab
     budget = erlif.budget(out / "run", trigger=2, calibration=calibration, target="5 %")
@@ -121,36 +120,8 @@ def test_means_begin_with_the_errors_of_the_run(lab):
     expected = calibration.thickness_std(films[inside])
     assert (table.values[0][inside] >= expected).all()
     npt.assert_allclose(table.values[0][inside], expected, rtol=0.2)
-    assert table.sizes["mean"] == 1
+    assert table.sizes["remedy"] == 1
     assert "Target: " in print_budget(budget)
-
-
-@pytest.mark.parametrize("patch", [0.0, 6.5])
-def test_the_run_as_it_is_has_the_errors_of_its_maps(tmp_path, patch):
-    """With the gap of the joint, and with a patch that has the scale of the ratio taken out."""
-    rig = RigSettings(width=160, height=128, spacing=2.0, fixture_frames=6, bubbles=0)
-    changes = {"brightness": (1.0, 1.03 if patch else 1.01), "reference": patch}
-    rig = replace(rig, write_systematics=False, **changes)
-    simulate(tmp_path / "rig", seed=72, rig=rig)
-    run = tmp_path / "rig" / "run"
-    if patch:
-        settings = run / "run.toml"
-        text = settings.read_text(encoding="utf-8")
-        settings.write_text(f'{text}\n[light]\nratio = "correct"\n', encoding="utf-8")
-    table, film = erlif.budget(run, target="1 %").target_std, erlif.process(run)
-    median, middle = float(table.target_film[-1]), film.sizes["trigger"] // 2
-    with xr.open_dataset(tmp_path / "rig" / "truth.nc", engine="h5netcdf") as truth:
-        npt.assert_allclose(median, truth.film.median(), rtol=0.1)
-    near = np.abs(film.thickness.values[middle] / median - 1) < 0.02
-    shared = film.thickness_std_shared.values[middle][near & (film["flags"].values[middle] == 0)]
-    npt.assert_allclose(table[0, -1], np.median(shared), rtol=0.15)
-    assert table.attrs["gap"][0] == (not patch)
-    assert "patch" not in table["mean"].values or not patch
-
-
-def test_an_unreadable_target_is_refused_before_the_run_is_read(tmp_path):
-    with pytest.raises(erlif.ErlifError, match='"50 nm"; got "1 kg"'):
-        erlif.budget(tmp_path, target="1 kg")
 
 
 def numbers(table):

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal
 from annotated_types import Ge, Gt, Le
 from pydantic import Field, create_model
 
-from erlif.core.means import MEANS
+from erlif.core.remedies import REMEDIES
 from erlif.io.settings.bore import BoreSettings
 from erlif.io.settings.tables import with_widths
 from erlif.io.settings.values import (
@@ -284,14 +284,14 @@ class SystematicsOfPlan(with_widths("run", "fixture", leave_out="position")):  #
     planned."""
 
 
-_MEANS: dict[str, Any] = {
-    key: (bool, Field(False, strict=True, description=f"{mean.what}. {mean.why}"))
-    for key, mean in MEANS.items()
-    if "position" not in mean.leaves
+_REMEDIES: dict[str, Any] = {
+    key: (bool, Field(False, strict=True, description=f"{remedy.what}. {remedy.why}"))
+    for key, remedy in REMEDIES.items()
+    if "position" not in remedy.leaves
 }
 
 
-class MeansOfPlan(create_model("_Means", __base__=Settings, **_MEANS)):  # type: ignore[misc]
+class RemediesOfPlan(create_model("_Remedies", __base__=Settings, **_REMEDIES)):  # type: ignore[misc]
     """What the laboratory does about these errors. `erlif plan` prints what to add."""
 
 
@@ -321,7 +321,7 @@ class PlanSettings(Settings):
     optimum: OptimumOptions = OptimumOptions()
     tolerances: ToleranceOptions = ToleranceOptions()
     systematics: SystematicsOfPlan = SystematicsOfPlan()
-    means: MeansOfPlan = MeansOfPlan()
+    remedies: RemediesOfPlan = RemediesOfPlan()
 
     @property
     def name(self) -> str:

@@ -7,7 +7,7 @@ import xarray as xr
 
 from erlif.core.units import count_of
 from erlif.show.report.layout import print_columns
-from erlif.show.report.means import print_means
+from erlif.show.report.remedies import print_remedies
 
 
 def print_budget(budget: xr.Dataset) -> str:
@@ -62,7 +62,7 @@ def print_budget(budget: xr.Dataset) -> str:
     if zero := attrs.get("declared_zero"):
         lines += ["", f"Declared to be 0 % in [systematics]: {', '.join(zero)}."]
     if "target_std" in budget:
-        lines += ["", print_means(budget.target_std, "the median film of the run")]
+        lines += ["", print_remedies(budget.target_std, "the median film of the run")]
     return "\n".join(lines)
 
 

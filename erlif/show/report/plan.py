@@ -15,7 +15,7 @@ from erlif.io.conversion import table_csv
 from erlif.io.files import refuse_existing, replacing_set
 from erlif.io.settings import PlanSettings, to_toml
 from erlif.show.report.layout import TABLES, print_columns, render_text
-from erlif.show.report.means import print_means
+from erlif.show.report.remedies import print_remedies
 
 # Files of a plan's directory.
 WRITTEN = ("plan.png", "plan.pdf", "films.csv", "tolerances.csv", "plan.toml", "optimum.toml")
@@ -81,7 +81,7 @@ def summarise_plan(plan: xr.Dataset) -> str:
         tolerances=_tolerance_table(plan),
         limit=_limit_table(plan),
         gap="limit_std_gap" in plan,
-        means=print_means(plan.target_std, "the middle of the wanted range"),
+        remedies=print_remedies(plan.target_std, "the middle of the wanted range"),
     )
 
 

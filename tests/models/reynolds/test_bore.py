@@ -84,17 +84,6 @@ def test_dampings_of_a_full_film_are_those_of_plain_differences(name):
     npt.assert_allclose(found, [damping(film, joint, SHAPES[name]) for film in films], rtol=1e-3)
 
 
-def test_full_film_of_a_level_shape_is_that_of_the_straight_bore():
-    """Of two solvers: all cells, and harmonics along the axis; 2 and 5 um of 230 by 3e-4."""
-    films, force = np.array([1.0, 0.5, 0.1, 0.03, 0.01]), np.ones((5, 2))
-    level, straight = (
-        FullFilm.of(replace(STRAIGHT, axial_shape=one)) for one in (np.zeros(3), None)
-    )
-    npt.assert_allclose(level.damping(films), straight.damping(films), rtol=3e-4)
-    pressures = (one.lowest_pressure(films, force) for one in (level, straight))
-    npt.assert_allclose(*pressures, rtol=3e-4)
-
-
 @pytest.mark.parametrize("name", SHAPES)
 def test_cells_lie_where_a_bore_is_curved(name):
     """Twice as many cells change the film of a few um by less than a hundredth."""

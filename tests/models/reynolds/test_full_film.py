@@ -6,26 +6,10 @@ from scenes.orbits import RIG, SPEED
 from scenes.orbits import STATED as JOINT
 
 from erlif.models.reynolds import Journal, Motion, crank_motion, solve_journal
-from erlif.models.reynolds.full_film import FullFilm, follow_full_film
-from erlif.rig.orbit import Mobility, RigidBearing
+from erlif.models.reynolds.full_film import follow_full_film
 
 LONG = Journal(0.03336, 0.03359, length=0.237, viscosity=0.12, long=True)
 FILMS = np.array([1.0, 0.7, 0.2, 0.05, 0.01, 0.002])
-
-
-def test_dampings_of_a_long_film_are_those_of_booker():  # Booker (1965)
-    eccentricity, film = 1 - FILMS, FullFilm.of(LONG)
-    along, across = (film.damping(FILMS) * LONG.clearance / LONG.squeeze_constant).T
-    npt.assert_allclose(along, (1 - eccentricity**2) ** -1.5, rtol=2e-6)
-    npt.assert_allclose(
-        across, 2 / ((2 + eccentricity**2) * np.sqrt(1 - eccentricity**2)), rtol=2e-6
-    )
-
-
-def test_dampings_of_a_finite_film_are_those_of_chebyshev_collocation():
-    found = FullFilm.of(JOINT).damping(FILMS)
-    rig = Mobility(RigidBearing(JOINT.radius, JOINT.clearance, JOINT.length, JOINT.viscosity))
-    npt.assert_allclose(found, [rig.damping(1 - film) for film in FILMS], rtol=1e-4)
 
 
 def test_orbit_and_transient_film_agree_where_nothing_ruptures():
@@ -44,12 +28,3 @@ def test_long_joint_under_a_spring_creeps_to_its_rest():  # an exponential at sm
         LONG, unloaded, start=np.zeros((1, 2)), stiffness=LONG.squeeze_constant, rest=1e-9
     )[0, :, 1]
     npt.assert_allclose(found, 1e-9 * -np.expm1(-time * LONG.clearance), rtol=1e-4, atol=1e-15)
-
-
-def test_lowest_pressure_is_that_of_the_film():
-    motion = Motion(np.array([0.0, 1e-3]), angle=np.zeros(2), load=222.4)
-    for start in (0.0, 115e-6, 200e-6):
-        solved = solve_journal(JOINT, motion, start=(start, 0.0), cells=(256, 32), maps=[1])
-        film = 1 - solved.displacement_load.values[-1:] / JOINT.clearance
-        bound = FullFilm.of(JOINT).lowest_pressure(film, np.array([[222.4, 0.0]]))[0]
-        npt.assert_allclose(float(solved.pressure.min()), bound, rtol=0.01)

@@ -1,24 +1,24 @@
-"""Means and the terms that they lower."""
+"""Remedies and the terms that they lower."""
 
-from erlif.core.means import MEANS
+from erlif.core.remedies import REMEDIES
 from erlif.core.terms import SOURCES, TERMS
 
 
 def test_a_fixture_after_the_run_lowers_what_lies_between_both():
     between = {key for key, term in TERMS.items() if term.between}
-    assert set(MEANS["fixture_after"].leaves) == between
+    assert set(REMEDIES["fixture_after"].leaves) == between
 
 
 def test_each_term_that_a_file_states_has_a_mean():
     stated = {key for key, term in TERMS.items() if term.file and not term.of_two}
-    assert {key for mean in MEANS.values() for key in mean.leaves} == stated
+    assert {key for remedy in REMEDIES.values() for key in remedy.leaves} == stated
 
 
 def test_what_remains_is_a_width_a_source_or_a_share():
-    for mean in MEANS.values():
-        for left in mean.leaves.values():
+    for remedy in REMEDIES.values():
+        for left in remedy.leaves.values():
             assert left in SOURCES or 0 <= float(left) < 1
 
 
 def test_texts_fit_the_table_of_the_terminal():
-    assert max(len(mean.what) for mean in MEANS.values()) <= 40
+    assert max(len(remedy.what) for remedy in REMEDIES.values()) <= 40

@@ -1,17 +1,17 @@
-"""The shortest list of means for a target, as a table and in sentences."""
+"""The shortest list of remedies for a target, as a table and in sentences."""
 
 from __future__ import annotations
 
 import numpy as np
 import xarray as xr
 
-from erlif.core.means import MEANS
+from erlif.core.remedies import REMEDIES
 from erlif.core.terms import SOURCES
 from erlif.show.report.layout import print_columns
 
 
-def print_means(table: xr.DataArray, which: str) -> str:
-    """Write a list of means for the terminal, with what each leaves in nanometres.
+def print_remedies(table: xr.DataArray, which: str) -> str:
+    """Write a list of remedies for the terminal, with what each leaves in nanometres.
 
     Parameters
     ----------
@@ -28,10 +28,10 @@ def print_means(table: xr.DataArray, which: str) -> str:
     --------
     >>> table = xr.DataArray(
     ...     [[0.2, 0.1], [0.02, 0.01]],
-    ...     {"mean": ["", "walls"], "target_film": [1.0, 4.0]},
+    ...     {"remedy": ["", "walls"], "target_film": [1.0, 4.0]},
     ...     attrs={"target": [0.01, 0.04], "gap": [0, 0], "largest": "size", "largest_std": 0.01},
     ... )
-    >>> print(print_means(table, "the median film of the run"))
+    >>> print(print_remedies(table, "the median film of the run"))
     Target: 1 % of 4 um, the median film of the run: 40 nm
     <BLANKLINE>
     standard deviation in nm        1 um  4 um
@@ -41,10 +41,10 @@ def print_means(table: xr.DataArray, which: str) -> str:
     Reached at 4 um; not at 1 um.
     1 One measurement. As wall in [optics] of run.toml and fixture.toml. Leaves 0.5 %, the difference of parts of one finish.
     """  # noqa: E501
-    attrs, means = table.attrs, [MEANS[key] for key in table["mean"].values[1:]]
+    attrs, remedies = table.attrs, [REMEDIES[key] for key in table["remedy"].values[1:]]
     films = [f"{film:.3g} um" for film in table.target_film.values]
     rows = [("standard deviation in nm", *films)]
-    titles = ["as it is", *(f"{n} {mean.what}" for n, mean in enumerate(means, 1))]
+    titles = ["as it is", *(f"{n} {remedy.what}" for n, remedy in enumerate(remedies, 1))]
     for title, std, gap in zip(titles, table.values, attrs["gap"], strict=True):
         cells = ("-" if np.isnan(one) else f"{1e3 * one:.0f}" for one in std)
         rows.append((title + " *" * gap, *cells))
@@ -61,4 +61,5 @@ def print_means(table: xr.DataArray, which: str) -> str:
         lines.append(f"No list reaches it: {1e3 * left[-1]:.0f} nm are left, most of it by {most}.")
     if any(attrs["gap"]):
         lines.append("* With what the gap takes out. A patch or a later fixture takes its place.")
-    return "\n".join([*lines, *(f"{n} {one.effort}. {one.why}" for n, one in enumerate(means, 1))])
+    lines += [f"{n} {one.effort}. {one.why}" for n, one in enumerate(remedies, 1)]
+    return "\n".join(lines)

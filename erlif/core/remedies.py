@@ -1,7 +1,7 @@
 """What a laboratory can do about the errors that frames do not show, and what each leaves.
 
-`means.toml` is the list, with the meaning of its fields. The keys of a plan, the shortest list of
-means for a target and its texts are made from it.
+`remedies.toml` is the list, with the meaning of its fields. The keys of a plan, the shortest list
+of remedies for a target and its texts are made from it.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from erlif.core.tables import read_table
 
 
 @dataclass(frozen=True)
-class Mean:
+class Remedy:
     """One thing to photograph, to log or to measure.
 
     Attributes
@@ -40,8 +40,8 @@ class Mean:
     without_gap: bool = False
 
 
-MEANS = {
-    key: Mean(effort=effort, **row)
-    for effort, rows in read_table("erlif.core", "means.toml").items()
+REMEDIES = {
+    key: Remedy(effort=effort, **row)
+    for effort, rows in read_table("erlif.core", "remedies.toml").items()
     for key, row in rows.items()
 }
