@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -16,15 +15,8 @@ from numpy.polynomial import legendre
 from erlif.core.arrays import Array
 from erlif.core.errors import CalibrationError
 from erlif.core.notes import Note, remark, warn
-from erlif.io.ingest.logs.checks import refuse_bad_rows
-from erlif.io.ingest.logs.columns import (
-    find_unit,
-    missing_column,
-    plain_name,
-    refuse_several,
-    require_scale,
-)
-from erlif.io.ingest.logs.table import LogUse, name_patterns
+from erlif.io.ingest.logs.profiles import find_columns, read_columns
+from erlif.io.ingest.logs.table import LogUse
 from erlif.io.ingest.logs.text import read_log_table
 
 # Fewest points of a profile: beside K, p and q, five degrees of freedom remain.
@@ -49,9 +41,8 @@ _SMALLEST_RESIDUAL = 1e-9  # of chi-square, so that exact data keep a finite log
 _LINE = 1e-3  # extent across by extent along, below which a scan is a line
 
 
-# Names by which columns are found, and the kinds of their units by the unit of the result.
-_COLUMNS = name_patterns("profile")
-_KINDS = {"mm": "position", "um": "film"}
+# Columns without which there is no profile.
+_NEEDED = ("x_mm", "thickness_um")
 
 _USE = LogUse(
     CalibrationError,
@@ -227,11 +218,8 @@ def _sort_and_merge(
 
 def _read_table(path: Path, notes: list[Note]) -> tuple[list[str], Array, Sequence[int]]:
     """Names of the columns, the numbers (row, column) under them, and the numbers of the rows."""
-    table = read_log_table(path, ("x_mm", "thickness_um"), _USE)
-    found = {
-        name: [column for column in table.columns if re.fullmatch(names, plain_name(column.name))]
-        for name, names in _COLUMNS.items()
-    }
+    table = read_log_table(path, _NEEDED, _USE)
+    found = find_columns(table, "profile")
     heights = found.pop("height")
     if heights and not found["thickness_um"]:
         raise CalibrationError(
@@ -239,33 +227,20 @@ def _read_table(path: Path, notes: list[Note]) -> tuple[list[str], Array, Sequen
             f"{heights[0].name!r} is a height of its surface. Write the distance to the window, as "
             "thickness_um or Gap [um]."
         )
-    for name, fitting in found.items():
-        if len(fitting) > 1:
-            refuse_several(name, fitting, table)
-        if not fitting and name in ("x_mm", "thickness_um"):
-            missing_column(name, table)
+    columns, remarks = read_columns(table, found, _NEEDED)
+    if remarks:
+        notes.append(remark(path.name, "; ".join(remarks)))
 
-    used = {name: fitting[0] for name, fitting in found.items() if fitting}
-    refuse_bad_rows(table, list(used.values()))
-    values = np.empty((len(table.rows), len(used)))
-    for n, (name, column) in enumerate(used.items()):
-        quantity, _, unit = name.partition("_")
-        own = find_unit(column, quantity, {})
-        scale = require_scale(own, quantity, _KINDS[unit], column, table)
-        values[:, n] = column.values * scale.factor
+    values = np.column_stack(list(columns.values()))
     large = np.argwhere(np.abs(values) > LARGEST_VALUE)
     if large.size:
         row, place = large[0]
         raise CalibrationError(
             f"Expected a number up to {LARGEST_VALUE:g} in row {table.rows[row]}, column "
-            f"{list(used)[place]} of {path.name}; got {values[row, place]:g}. Correct the cell, or "
-            "leave the row out."
+            f"{list(columns)[place]} of {path.name}; got {values[row, place]:g}. Correct the cell, "
+            "or leave the row out."
         )
-    remarks = list(table.remarks)
-    remarks += [f"{name} from {one.name!r}" for name, one in used.items() if name != one.name]
-    if remarks:
-        notes.append(remark(path.name, "; ".join(remarks)))
-    return list(used), values, table.rows
+    return list(columns), values, table.rows
 
 
 def gradient_of_thickness(position: Array, thickness: Array, uncertainty: Array | None) -> Array:

@@ -12,18 +12,14 @@ import numpy as np
 from pydantic import Field
 
 from erlif.core.arrays import Array
-from erlif.core.bounded import read_rows
 from erlif.core.errors import ConfigError
 from erlif.io.settings.values import FileName, Length, Places, Points, Settings
-
-# Columns of a profile, and the sign by which the second one becomes a depth.
-_HEADERS = {("axial_mm", "depth_um"): 1.0, ("axial_mm", "height_um"): -1.0}
 
 # Depth below which a profile changes no film. [um]
 _LEAST_DEPTH = 0.1
 
-# Size of a profile that is read [byte], and points of it: more are finer than any film is solved.
-_LARGEST_FILE, _MOST_POINTS = 2**20, 4000
+# Points of a profile that is read: more are finer than any film is solved.
+_MOST_POINTS = 4000
 
 
 class BoreSettings(Settings):
@@ -42,9 +38,9 @@ class BoreSettings(Settings):
     edge_depth: Length | None = Field(None, examples=["20 um"])
     """Depth of the relief at the ends."""
     profile: FileName | None = Field(None, examples=["bore.csv"])
-    """Measured profile from end to end, in place of lobes and edges: CSV file beside this one, with
-    the columns axial_mm, from the middle of the joint, and depth_um or height_um, by which the bore
-    is wider or narrower than bushing_radius."""
+    """Measured profile from end to end, in place of lobes and edges: text file beside this one, of
+    any form that a log may have, with the columns axial_mm, from the middle of the joint, and
+    depth_um or height_um, by which the bore is wider or narrower than bushing_radius."""
     points: Points = ()
     """Points of the profile, [place in mm, depth in um], as results keep them. Default: those of
     the file profile."""
@@ -170,36 +166,31 @@ cannot be read: No such file or directory. Save it as CSV in UTF-8, or correct p
 
 def _read_points(path: Path) -> list[list[float]]:
     """Places [mm] and depths [um] of a profile, in the order of the places."""
-    try:
-        rows = read_rows(path, largest=_LARGEST_FILE)
-    except (OSError, ValueError) as error:
+    # settings alone load no reader of tables
+    from erlif.io.ingest.logs.profiles import find_columns, read_columns
+    from erlif.io.ingest.logs.table import LogUse
+    from erlif.io.ingest.logs.text import read_log_table
+
+    use = LogUse(
+        ConfigError,
+        column="call it {quantity}, or by a usual name with its unit, as Depth [um]",
+        unit="write it behind the name, as axial_mm, depth_um or Depth [um]",
+        bad_rows="Correct the cell, or leave the row out.",
+    )
+    table = read_log_table(path, ("axial_mm", "depth_um"), use)
+    found = find_columns(table, "bore")
+    name, sign = ("height_um", -1.0) if found["height_um"] else ("depth_um", 1.0)
+    columns, _ = read_columns(table, found, ("axial_mm", name))
+    if "depth_um" in columns and "height_um" in columns:
         raise ConfigError(
-            f"Expected the profile of the bore as a CSV file at {path}; it cannot be read: "
-            f"{getattr(error, 'strerror', None) or error}. Save it as CSV in UTF-8, or correct "
-            "profile in [joint.bore]."
-        ) from error
-    head = tuple(rows[0][1]) if rows else ()
-    if head not in _HEADERS:
-        raise ConfigError(
-            f"Expected the header axial_mm,depth_um or axial_mm,height_um in {path}; got "
-            f"{','.join(head)[:60] or 'nothing'}. Convert the columns to mm and um, and write it "
-            "as the first row."
+            f"Expected either the depth or the height of the bore in {path.name}; it has both. "
+            "Leave one of them out."
         )
-    points = []
-    for number, row in rows[1:]:
-        try:
-            place, depth = map(float, row)
-        except ValueError:
-            place = depth = math.nan
-        if not math.isfinite(place) or not math.isfinite(depth):
-            raise ConfigError(
-                f"Expected two numbers in row {number} of {path}; got {','.join(row)[:60]!r}. "
-                "Correct the row, or leave it out."
-            )
-        points.append([place, _HEADERS[head] * depth])
-    if not 2 <= len(points) <= _MOST_POINTS:
+
+    points = sorted(zip(columns["axial_mm"].tolist(), (sign * columns[name]).tolist(), strict=True))
+    if len(points) > _MOST_POINTS:
         raise ConfigError(
-            f"Expected 2 to {_MOST_POINTS} points of the bore in {path}; got {len(points)}. "
-            "Measure it from end to end, or average neighbours."
+            f"Expected up to {_MOST_POINTS} points of the bore in {path.name}; got {len(points)}. "
+            "Average neighbours."
         )
-    return sorted(points)
+    return [list(one) for one in points]

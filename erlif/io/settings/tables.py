@@ -20,6 +20,7 @@ from erlif.io.settings.surfaces import (
 )
 from erlif.io.settings.values import (
     Angle,
+    AngleUnit,
     Band,
     CalibrationNames,
     CavitationPressure,
@@ -29,6 +30,7 @@ from erlif.io.settings.values import (
     Electrons,
     FileName,
     Force,
+    ForceUnit,
     Frequency,
     Gain,
     Interval,
@@ -36,18 +38,23 @@ from erlif.io.settings.values import (
     PixelPitch,
     Place,
     Pressure,
+    PulseEnergyUnit,
     Reflectance,
     Settings,
     Share,
     Sideways,
     Speed,
+    SpeedUnit,
     Start,
     StartFilm,
     Temperature,
     TemperatureCoefficient,
     TemperatureCoefficientStd,
     TemperatureStd,
+    TemperatureUnit,
     Text,
+    TimeUnit,
+    TorqueUnit,
 )
 
 _Channel = Literal["channel 1", "channel 2", "channel 3", "channel 4"]
@@ -152,16 +159,6 @@ class OpticsSettings(Settings):
     def reflectance(self) -> float | None:
         """Share of the light that the wall behind the film returns; None where not stated. [1]"""
         return None if self.wall is None else self.wall / 100
-
-
-# units of a log; the first of a quantity is that of films
-AngleUnit = Literal["deg", "rad", "mrad", "turn", "tick"]
-TimeUnit = Literal["s", "ms", "us", "ns", "min", "h"]
-ForceUnit = Literal["N", "kN", "mN", "lbf", "kgf"]
-TemperatureUnit = Literal["degC", "K", "degF"]
-TorqueUnit = Literal["N m", "kN m", "N mm", "lbf ft", "lbf in"]
-SpeedUnit = Literal["rad/s", "rpm", "deg/s", "rev/s", "m/s", "mm/s"]
-PulseEnergyUnit = Literal["mJ", "J", "uJ", "V", "1"]
 
 
 class ColumnUnits(Settings):

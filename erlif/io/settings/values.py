@@ -184,6 +184,15 @@ ColumnName = Annotated[
     str, Field(min_length=1, pattern=NO_CONTROL_CHARACTERS), Form("column", "Encoder [deg]")
 ]
 
+# Units of the columns of a log; the first of a quantity is that of films.
+AngleUnit = Literal["deg", "rad", "mrad", "turn", "tick"]
+TimeUnit = Literal["s", "ms", "us", "ns", "min", "h"]
+ForceUnit = Literal["N", "kN", "mN", "lbf", "kgf"]
+TemperatureUnit = Literal["degC", "K", "degF"]
+TorqueUnit = Literal["N m", "kN m", "N mm", "lbf ft", "lbf in"]
+SpeedUnit = Literal["rad/s", "rpm", "deg/s", "rev/s", "m/s", "mm/s"]
+PulseEnergyUnit = Literal["mJ", "J", "uJ", "V", "1"]
+
 
 class Settings(BaseModel):
     """A table of a settings file: frozen, and closed to keys it does not know."""

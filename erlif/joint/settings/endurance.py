@@ -8,8 +8,19 @@ from typing import Annotated
 from pydantic import Field
 
 from erlif.io.settings.reading import read_named
-from erlif.io.settings.tables import ForceUnit, TemperatureUnit, TimeUnit, TorqueUnit
-from erlif.io.settings.values import ColumnName, FileName, Form, Length, Settings, Text, quantity
+from erlif.io.settings.values import (
+    ColumnName,
+    FileName,
+    ForceUnit,
+    Form,
+    Length,
+    Settings,
+    TemperatureUnit,
+    Text,
+    TimeUnit,
+    TorqueUnit,
+    quantity,
+)
 
 Tare = Annotated[float, *quantity("force", "0 N", "N")]
 ColumnNames = Annotated[tuple[ColumnName, ...], Form("list of columns", ("Cell 1", "Cell 2"))]

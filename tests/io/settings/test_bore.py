@@ -34,8 +34,14 @@ def test_profile_is_read_in_its_order_and_sign(tmp_path, head, sign):
     npt.assert_allclose(bore.shape(axial, 0.237), expected, atol=1e-15)
 
 
+def test_profile_may_have_names_and_units_of_its_own(tmp_path):
+    rows = f"# scan of 3 May\nPosition (mm)\tTiefe [nm]\n-{ENDS}\t0\n0\t2500\n{ENDS}\t0\n"
+    bore = run_with(tmp_path, rows).joint.bore
+    npt.assert_allclose(bore.points, [(-118.5, 0), (0, 2.5), (118.5, 0)], rtol=1e-12)
+
+
 def test_results_keep_the_points(tmp_path):
-    settings = run_with(tmp_path, f"axial_mm;depth_um\n-{ENDS};0\n1,5;-2,5\n{ENDS};0\n")
+    settings = run_with(tmp_path, "axial_mm;depth_um\n-118,5;0\n1,5;-2,5\n118,5;0\n")
     assert settings.joint.bore.points[1] == (1.5, -2.5)
     assert read_settings(to_toml(settings)) == settings  # without the file
 
@@ -43,12 +49,14 @@ def test_results_keep_the_points(tmp_path):
 @pytest.mark.parametrize(
     ("profile", "words"),
     [
-        ("", "header axial_mm,depth_um or axial_mm,height_um in .*bore.csv; got nothing"),
-        ("z_mm,depth_um\n0,1\n", "got z_mm,depth_um. Convert the columns to mm and um"),
-        ("axial_mm,depth_um\n0,1\n", "2 to 4000 points .*; got 1. Measure it from end to end"),
-        ("axial_mm,depth_um\n0,1\n1,none\n", "two numbers in row 3 of .*; got '1,none'. Correct"),
-        ("axial_mm,depth_um\n0,1\n1,nan\n", "two numbers in row 3"),
-        ("axial_mm,depth_um\n0,1\n1\n", "two numbers in row 3"),
+        ("", "header such as axial_mm,depth_um and rows of numbers in bore.csv; rows found: 0"),
+        ("place,depth_um\n0,1\n2,1\n", "Expected the unit of column place of bore.csv"),
+        ("axial_mm,gap_um\n0,1\n2,1\n", "Expected a column for the depth_um in bore.csv"),
+        ("axial_mm,depth_um,height_um\n0,1,1\n2,1,1\n", "it has both. Leave one of them out"),
+        ("axial_mm,depth_um\n0,1\n", "from end to end, -118.5 to 118.5 mm"),
+        ("axial_mm,depth_um\n0,1\n1,none\n", "row 3.*none.*Correct the cell"),
+        ("axial_mm,depth_um\n0,1\n1,nan\n", "row 3.*nan.*Correct the cell"),
+        ("axial_mm,depth_um\n0,1\n1\n", "2 values in row 3 of bore.csv.* has 1. Correct the row"),
         ("axial_mm,depth_um\n-20,1\n20,1\n", "from end to end, -118.5 to 118.5 mm .* -20 to 20 mm"),
         (f"axial_mm,depth_um\n-{ENDS},1\n0,1\n0,2\n{ENDS},1\n", "rising places. Sort them"),
         (f"axial_mm,depth_um\n-{ENDS},0\n{ENDS},-231\n", "clearance, 230 um, .* 231 um into the"),

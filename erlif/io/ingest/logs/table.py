@@ -16,7 +16,7 @@ from erlif.core.arrays import AnyArray, Array
 from erlif.core.errors import EncoderError, ErlifError
 from erlif.core.tables import read_table
 from erlif.core.units import convert
-from erlif.io.settings.tables import (
+from erlif.io.settings.values import (
     AngleUnit,
     ForceUnit,
     PulseEnergyUnit,
