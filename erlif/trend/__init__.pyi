@@ -13,6 +13,8 @@ from .blocks import Region as Region
 from .blocks import find_region as find_region
 from .blocks import sum_blocks as sum_blocks
 from .bore import AxialShape as AxialShape
+from .contact import ContactChoice as ContactChoice
+from .contact import choose_contact as choose_contact
 from .course import CourseChange as CourseChange
 from .course import find_ratio_change as find_ratio_change
 from .course import find_shift as find_shift
@@ -29,13 +31,11 @@ from .form import SIGNIFICANT as SIGNIFICANT
 from .form import Cause as Cause
 from .form import GapForm as GapForm
 from .form import judge_form as judge_form
-from .gap import ContactChoice as ContactChoice
-from .gap import FilmNumber as FilmNumber
 from .gap import GapMinimum as GapMinimum
 from .gap import GapShape as GapShape
-from .gap import choose_contact as choose_contact
 from .gap import find_gap_minima as find_gap_minima
 from .gap import find_gap_minimum as find_gap_minimum
+from .number import FilmNumber as FilmNumber
 from .position import PARAMETERS as PARAMETERS
 from .position import FittedNumbers as FittedNumbers
 from .position import PinPosition as PinPosition

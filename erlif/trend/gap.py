@@ -8,8 +8,7 @@ point contact in both directions. A bore that is not straight adds its known sha
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Sequence
 from enum import StrEnum
 from typing import NamedTuple
 
@@ -20,6 +19,7 @@ from erlif.trend.block_fit import BlockFit, BlockMeans, average_blocks, fit_bloc
 from erlif.trend.blocks import BLOCK, BlockSums, Region
 from erlif.trend.bore import AxialShape
 from erlif.trend.curve import FilmCurve
+from erlif.trend.number import FilmNumber
 
 # Variance of a map by smooth departures from its gap, over that by noise and marks, from which the
 # gap does not describe the map. [1]
@@ -30,9 +30,6 @@ _TOLERATED, _TOLERATED_SHARE = 0.1, 0.1
 
 # Negative minimum from which it is none. [std]
 _BELOW_ZERO = 3.0
-
-# Curvature from which a gap is curved. [std]
-_CURVED = 3.0
 
 _DEGREE = 4  # of the polynomials that are smooth departures
 _FEWEST = 60  # blocks that distinguish them from marks
@@ -55,53 +52,6 @@ def gap_shapes(along: Array, across: Array, contact: GapShape) -> Array:
     """Shapes whose sum is the gap, (shape, place), at places from -1 to 1 over the region."""
     shapes = [np.ones_like(along), along, across, along**2, across**2]
     return np.stack(shapes[: _SHAPES[contact]])
-
-
-class FilmNumber(NamedTuple):
-    """A number of the film of one trigger, with the parts of its standard deviation.
-
-    Attributes
-    ----------
-    value : float
-        [um]
-    random_std : float
-        From the noise of the ratio, new at every trigger. [um]
-    surface_std : float
-        From marks and waviness of the surfaces about a smooth gap, the same at every trigger. [um]
-    gradient : Array
-        Change with the parameters of the calibration, (parameter,), in the order of
-        `RatioCurve.full_covariance`.
-    """
-
-    value: float
-    random_std: float
-    surface_std: float
-    gradient: Array
-
-    def std(self, covariance: Array) -> float:
-        """Return the standard deviation by all parts, with a covariance of the parameters. [um]"""
-        shared = float(self.gradient @ covariance @ self.gradient)
-        return math.sqrt(self.random_std**2 + self.surface_std**2 + shared)
-
-    def scaled(self, by: float) -> FilmNumber:
-        """Return this number times another."""
-        value, random, surface, gradient = self
-        return FilmNumber(by * value, by * random, by * surface, by * gradient)
-
-    def plus(self, other: FilmNumber) -> FilmNumber:
-        """Return the sum with a number from the same pixels, whose errors add up."""
-        value, random, surface, gradient = other
-        return FilmNumber(
-            self.value + value,
-            self.random_std + random,
-            self.surface_std + surface,
-            self.gradient + gradient,
-        )
-
-    @classmethod
-    def unknown(cls, parameters: int) -> FilmNumber:
-        """Make the number of a film that has none."""
-        return cls(math.nan, math.nan, math.nan, np.full(parameters, math.nan))
 
 
 class GapMinimum(NamedTuple):
@@ -334,80 +284,6 @@ def find_gap_minima(
         contact: _fit_gap(blocks, missing, curve, region, contact, bore, **options)
         for contact in contacts
     }
-
-
-def choose_contact(triggers: Sequence[Mapping[GapShape, GapMinimum]]) -> GapShape:
-    """The simplest gap that the curvatures of all triggers of a run allow.
-
-    Noise is new at every trigger, marks of the surfaces are taken as common to all.
-
-    Parameters
-    ----------
-    triggers : sequence of mapping of GapShape to GapMinimum
-        With the gap of a point contact.
-
-    Returns
-    -------
-    GapShape
-        A point contact where the mean curvature across sliding is above three standard deviations,
-        a line contact where only that along sliding is, else a plane. A line contact where no
-        trigger has a gap.
-
-    Examples
-    --------
-    >>> small, none = np.full(2, 1e-4), np.zeros(2)
-    >>> film = FilmNumber(1.0, 0.1, 0.1, none)
-    >>> bent = GapMinimum(film, film, film, none, 0.0, np.array([3.0, 2.0]), small, small)
-    >>> str(choose_contact([{GapShape.POINT: bent}]))
-    'point'
-    >>> bent = bent._replace(bend=np.array([3.0, 0.01]))
-    >>> str(choose_contact([{GapShape.POINT: bent}]))
-    'line'
-    """
-    choice = ContactChoice()
-    for one in triggers:
-        choice.add(one[GapShape.POINT])
-    return choice.contact
-
-
-@dataclass
-class ContactChoice:
-    """Sums over the triggers of a run, from which `choose_contact` takes its choice.
-
-    Attributes
-    ----------
-    weight : Array
-        Sum of the weights of the curvatures along and across sliding, (direction,). [1/um2]
-    value : Array
-        Of the weighted curvatures. [1/um]
-    random_var : Array
-        Of their variances by noise, with the square of the weight. [1/um2]
-    surface_std : Array
-        Of their standard deviations by the surfaces, which all triggers share. [1/um]
-    """
-
-    weight: Array = field(default_factory=lambda: np.zeros(2))
-    value: Array = field(default_factory=lambda: np.zeros(2))
-    random_var: Array = field(default_factory=lambda: np.zeros(2))
-    surface_std: Array = field(default_factory=lambda: np.zeros(2))
-
-    def add(self, gap: GapMinimum) -> None:
-        """Add the gap of a point contact at one more trigger."""
-        if np.isfinite(gap.bend).all():
-            weight = 1 / (gap.bend_random_var + gap.bend_surface_var)
-            self.weight += weight
-            self.value += weight * gap.bend
-            self.random_var += weight**2 * gap.bend_random_var
-            self.surface_std += weight * np.sqrt(gap.bend_surface_var)
-
-    @property
-    def contact(self) -> GapShape:
-        """The contact that the triggers so far allow."""
-        if not self.weight.any():
-            return GapShape.LINE
-        variance = self.random_var + self.surface_std**2
-        along, across = np.abs(self.value) > _CURVED * np.sqrt(variance)
-        return GapShape.POINT if across else GapShape.LINE if along else GapShape.PLANE
 
 
 def _lowest_place(slope: float, bend: float) -> float:

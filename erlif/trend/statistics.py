@@ -12,15 +12,10 @@ from erlif.calibration import RatioCurve
 from erlif.core.arrays import Array
 from erlif.core.products import RatioImages, ThicknessMaps, require
 from erlif.trend.blocks import BLOCK, BlockSums, Region, sum_blocks
+from erlif.trend.contact import choose_contact
 from erlif.trend.curve import FilmCurve
-from erlif.trend.gap import (
-    MISFIT,
-    FilmNumber,
-    GapMinimum,
-    GapShape,
-    choose_contact,
-    find_gap_minima,
-)
+from erlif.trend.gap import MISFIT, GapMinimum, GapShape, find_gap_minima
+from erlif.trend.number import FilmNumber
 
 _LEAST_PIXELS = 64  # measurable pixels of a mean, at least
 _WHOLE = 0.9  # share of its pixels from which a block shows the slope of the film

@@ -21,8 +21,8 @@ from scenes.gap import (
 from erlif.core.products import RatioImages
 from erlif.rig import RigSettings
 from erlif.rig.film import Gap, draw_marks
-from erlif.trend import FilmCurve, Region, sum_blocks
-from erlif.trend.gap import MISFIT, GapShape, choose_contact, find_gap_minima, find_gap_minimum
+from erlif.trend import FilmCurve, Region, choose_contact, sum_blocks
+from erlif.trend.gap import MISFIT, GapShape, find_gap_minima, find_gap_minimum
 
 S, Z = np.linspace(-1, 1, X.size)[None, :], np.linspace(-1, 1, Y.size)[:, None]
 PLACE = np.array([0.1 * 0.5 + 0.5, -0.2 * 0.5 + 0.5]) * [X.size - 1, Y.size - 1]
@@ -38,13 +38,6 @@ def fit(ratios, *, calibration=None, region=WHOLE, **options):
 def ball(minimum, *, bend=(3.0, 2.0)):
     """Gap of a ball that touches off the middle; its curvatures along and across. [um]"""
     return minimum + bend[0] * (S - 0.1) ** 2 + bend[1] * (Z + 0.2) ** 2
-
-
-def choose(*films, noise=0.0135):
-    """The gap that films of one run choose."""
-    rng = np.random.default_rng(11)
-    triggers = [noisy_ratios(film, noise, rng) for film in films]
-    return choose_contact([{GapShape.POINT: fit(one, contact=GapShape.POINT)} for one in triggers])
 
 
 @pytest.mark.parametrize("minimum", [1.0, 3.0, 8.0])
@@ -194,26 +187,6 @@ def test_minimum_of_a_plane_lies_in_its_lowest_corner():
     found = fit(exact_ratios(3.0 + 0.2 * S - 0.3 * Z), contact=GapShape.PLANE)
     npt.assert_allclose(found.minimum.value, 2.5, atol=1e-3)
     npt.assert_allclose(found.place, [0, Y.size - 1])
-
-
-def test_gap_is_chosen_by_the_curvatures_that_the_films_have():
-    assert choose(ball(1.1), ball(2.0)) is GapShape.POINT
-    assert choose(ball(2.0, bend=(0.0, 2.0))) is GapShape.POINT
-    assert choose(known_gap(1.1), known_gap(2.0)) is GapShape.LINE
-    assert choose(1.1 + 0.2 * S + 0.1 * Z, 2.0 + 0.2 * S + 0 * Z) is GapShape.PLANE
-    assert choose(np.full((Y.size, X.size), 60.0)) is GapShape.LINE
-
-
-def test_noise_averages_out_over_the_triggers_of_a_run_and_marks_do_not():
-    """A curvature of one standard deviation in each of sixteen triggers is four of the mean."""
-    one = fit(exact_ratios(ball(3.0)), contact=GapShape.POINT)
-    one = one._replace(bend=np.array([0.0, 0.1]))
-    small, large = np.full(2, 1e-8), np.full(2, 0.01)
-    noisy = one._replace(bend_random_var=large, bend_surface_var=small)
-    marked = one._replace(bend_random_var=small, bend_surface_var=large)
-    assert choose_contact([{GapShape.POINT: noisy}] * 16) is GapShape.POINT
-    assert choose_contact([{GapShape.POINT: noisy}] * 8) is GapShape.PLANE
-    assert choose_contact([{GapShape.POINT: marked}] * 16) is GapShape.PLANE
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,89 @@
+"""Which contact the surfaces of a run have: the simplest gap that its curvatures allow."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from erlif.core.arrays import Array
+from erlif.trend.gap import GapMinimum, GapShape
+
+# Curvature from which a gap is curved. [std]
+_CURVED = 3.0
+
+
+def choose_contact(triggers: Sequence[Mapping[GapShape, GapMinimum]]) -> GapShape:
+    """The simplest gap that the curvatures of all triggers of a run allow.
+
+    Noise is new at every trigger, marks of the surfaces are taken as common to all.
+
+    Parameters
+    ----------
+    triggers : sequence of mapping of GapShape to GapMinimum
+        With the gap of a point contact.
+
+    Returns
+    -------
+    GapShape
+        A point contact where the mean curvature across sliding is above three standard deviations,
+        a line contact where only that along sliding is, else a plane. A line contact where no
+        trigger has a gap.
+
+    Examples
+    --------
+    >>> from erlif.trend import FilmNumber
+    >>> small, none = np.full(2, 1e-4), np.zeros(2)
+    >>> film = FilmNumber(1.0, 0.1, 0.1, none)
+    >>> bent = GapMinimum(film, film, film, none, 0.0, np.array([3.0, 2.0]), small, small)
+    >>> str(choose_contact([{GapShape.POINT: bent}]))
+    'point'
+    >>> bent = bent._replace(bend=np.array([3.0, 0.01]))
+    >>> str(choose_contact([{GapShape.POINT: bent}]))
+    'line'
+    """
+    choice = ContactChoice()
+    for one in triggers:
+        choice.add(one[GapShape.POINT])
+    return choice.contact
+
+
+@dataclass
+class ContactChoice:
+    """Sums over the triggers of a run, from which `choose_contact` takes its choice.
+
+    Attributes
+    ----------
+    weight : Array
+        Sum of the weights of the curvatures along and across sliding, (direction,). [1/um2]
+    value : Array
+        Of the weighted curvatures. [1/um]
+    random_var : Array
+        Of their variances by noise, with the square of the weight. [1/um2]
+    surface_std : Array
+        Of their standard deviations by the surfaces, which all triggers share. [1/um]
+    """
+
+    weight: Array = field(default_factory=lambda: np.zeros(2))
+    value: Array = field(default_factory=lambda: np.zeros(2))
+    random_var: Array = field(default_factory=lambda: np.zeros(2))
+    surface_std: Array = field(default_factory=lambda: np.zeros(2))
+
+    def add(self, gap: GapMinimum) -> None:
+        """Add the gap of a point contact at one more trigger."""
+        if np.isfinite(gap.bend).all():
+            weight = 1 / (gap.bend_random_var + gap.bend_surface_var)
+            self.weight += weight
+            self.value += weight * gap.bend
+            self.random_var += weight**2 * gap.bend_random_var
+            self.surface_std += weight * np.sqrt(gap.bend_surface_var)
+
+    @property
+    def contact(self) -> GapShape:
+        """The contact that the triggers so far allow."""
+        if not self.weight.any():
+            return GapShape.LINE
+        variance = self.random_var + self.surface_std**2
+        along, across = np.abs(self.value) > _CURVED * np.sqrt(variance)
+        return GapShape.POINT if across else GapShape.LINE if along else GapShape.PLANE
