@@ -13,7 +13,6 @@ from erlif.calibration import RunCurve
 from erlif.core.arrays import AnyArray, Array
 from erlif.core.notes import Note, remark, warn
 from erlif.core.products import References
-from erlif.core.terms import TERMS
 from erlif.core.variables import FILM
 from erlif.io.ingest import FramePairs, Run
 from erlif.io.settings import LightOptions, ReferenceSettings
@@ -33,13 +32,13 @@ from erlif.pipeline.physics.systematics import (
     with_scale_of_patch,
     without_background,
 )
+from erlif.pipeline.physics.texture import describe_texture
 from erlif.pipeline.plane import ObjectPlane
 from erlif.ratio import LightCells, cell_places
 from erlif.trend import (
     BackgroundEstimate,
     CourseChange,
     Region,
-    Texture,
     Trend,
     estimate_background,
     find_ratio_change,
@@ -386,7 +385,8 @@ def find_light(
 
     # the gap shows errors where nothing else stands still in the image
     errors = None
-    beyond = bool(darks) or texture is not None  # darks: a background beyond its width
+    # darks that are wrong are a background beyond its width
+    beyond = bool(darks) or texture is not None
     beyond |= is_beyond_widths(calibration, background, bleaching, course, triggers.size)
     if not options.corrects_light and not beyond:
         errors = find_errors(lights, calibration, plane, pairs=triggers.size)
@@ -464,20 +464,6 @@ def describe_course(course: CourseChange | None, calibration: RunCurve) -> list[
         "process the frames before and after as two runs"
     )
     return [warn("course", text)]
-
-
-def describe_texture(texture: Texture | None, calibration: RunCurve) -> list[Note]:
-    """A warning of what stands still in the image."""
-    if texture is None:
-        return []
-    size, shift = 100 * texture.size, texture.size / float(calibration.slope(texture.film))
-    text = (
-        "while the film moves, a pattern of the ratio stands still in the image: "
-        f"{size:.2g} ± {100 * texture.std:.1g} %, {1e3 * shift:.0f} nm at {texture.film:.1f} um, "
-        f"correlated over {texture.length:.0f} px. Likely: dust on a window, a flat that is off, "
-        f"or a wall that reflects unevenly. The error bars include it. {TERMS['texture'].cure}"
-    )
-    return [warn("texture", text)]
 
 
 def correct_light(

@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from erlif.calibration import RunCurve
+from erlif.core.notes import Note, warn
 from erlif.core.terms import CONSTANT, TERMS
 from erlif.io.files import MapStore
 from erlif.pipeline.engines.results import TriggerResult
@@ -58,3 +59,17 @@ def widen_maps(maps: MapStore, triggers: int, curve: RunCurve) -> None:
     for trigger in range(triggers):
         film, std = maps.read(trigger, "thickness"), maps.read(trigger, name)
         maps.revise(trigger, name, np.hypot(std, np.interp(film, films, added)))
+
+
+def describe_texture(texture: Texture | None, calibration: RunCurve) -> list[Note]:
+    """Make the warning of what stands still in the image; none where nothing does."""
+    if texture is None:
+        return []
+    size, shift = 100 * texture.size, texture.size / float(calibration.slope(texture.film))
+    text = (
+        "while the film moves, a pattern of the ratio stands still in the image: "
+        f"{size:.2g} ± {100 * texture.std:.1g} %, {1e3 * shift:.0f} nm at {texture.film:.1f} um, "
+        f"correlated over {texture.length:.0f} px. Likely: dust on a window, a flat that is off, "
+        f"or a wall that reflects unevenly. The error bars include it. {TERMS['texture'].cure}"
+    )
+    return [warn("texture", text)]
