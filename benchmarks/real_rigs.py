@@ -62,6 +62,14 @@ FAULTS: dict[str, dict[str, Any]] = {
     "wall of the joint alone reflects 5 %": {"wall": (0.0, 0.05)},
     "wall of the joint 30 %, of the fixture 10 %, stated": {"wall": (0.1, 0.3)},
     "wall of the joint alone reflects 5 %, stated": {"wall": (0.0, 0.05)},
+    "walls reflect 10 %, texture of 50 % over 1 mm": {
+        "wall": (0.1, 0.1),
+        "wall_texture": (0.5, 1.0),
+    },
+    "walls reflect 10 %, texture of 50 % over 3 mm": {
+        "wall": (0.1, 0.1),
+        "wall_texture": (0.5, 3.0),
+    },
     "camera 2 2 % brighter than at calibration": {"brightness": (1.0, 1.02)},
     "camera 2 2 % brighter, patch of 6 um": {"brightness": (1.0, 1.02), "reference": 6.0},
     "dyes bleach, patch of 6 um": {
