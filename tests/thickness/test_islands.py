@@ -17,6 +17,15 @@ RIG = small_rig(
 )
 """Films of 4 um in the middle of the image to 28 um at its ends; no ratio exceeds that of 12 um."""
 
+REFLECTING = replace(
+    example_calibration(),
+    attenuation_laser=0.2,
+    reflectance=0.3,
+    covariance=1e-6 * np.eye(5),
+    thickness_range=(0.5, 12.0),
+)
+"""Its ratio is highest at 13.6 um; without end it is that of 8 to 10 um."""
+
 
 def test_films_beyond_the_maximum_are_not_taken_for_thin_ones(tmp_path):
     """Without their surroundings, 87 % of those of 18 to 22 um would be 12 um too thin."""
@@ -45,19 +54,12 @@ def test_a_black_wall_has_no_maximum(film):
 
 def test_a_larger_part_beyond_the_maximum_is_not_taken_for_the_thin_one():
     """A ball on a disc: 3 um in the middle, 47 um in the median, of the ratio of 8 to 10 um."""
-    calibration = replace(
-        example_calibration(),
-        attenuation_laser=0.2,
-        reflectance=0.3,
-        covariance=1e-6 * np.eye(5),
-        thickness_range=(0.5, 12.0),
-    )
     y, x = np.indices((256, 320))
     film = 3.0 + ((x - 150) ** 2 + (y - 120) ** 2) / 350.0
     flags = np.zeros(film.shape, np.uint16)
-    ratio = calibration.predict_log(film)
+    ratio = REFLECTING.predict_log(film)
     ratio += 0.01 * np.random.default_rng(3).standard_normal(film.shape)
-    flag_beyond_maximum(ratio.astype(np.float32), flags, calibration)
+    flag_beyond_maximum(ratio.astype(np.float32), flags, REFLECTING)
     assert (film > 20).mean() > 0.7
     assert (flags[film > 20] == 0).mean() < 0.01
     assert (flags[film < 10] != 0).mean() < 0.05
@@ -65,17 +67,10 @@ def test_a_larger_part_beyond_the_maximum_is_not_taken_for_the_thin_one():
 
 def test_two_thin_parts_with_a_ridge_between_them_are_both_thin():
     """Two balls side by side: each part has films without doubt thin."""
-    calibration = replace(
-        example_calibration(),
-        attenuation_laser=0.2,
-        reflectance=0.3,
-        covariance=1e-6 * np.eye(5),
-        thickness_range=(0.5, 12.0),
-    )
     y, x = np.indices((256, 320))
     near = np.minimum((x - 80) ** 2, (x - 250) ** 2)
     film = 3.0 + (near + (y - 128) ** 2) / 350.0
     flags = np.zeros(film.shape, np.uint16)
-    flag_beyond_maximum(calibration.predict_log(film).astype(np.float32), flags, calibration)
+    flag_beyond_maximum(REFLECTING.predict_log(film).astype(np.float32), flags, REFLECTING)
     assert (flags[film < 10] != 0).mean() < 0.05
     assert (flags[film > 20] == 0).mean() < 0.01
