@@ -24,7 +24,7 @@ REFLECTING = replace(
     covariance=1e-6 * np.eye(5),
     thickness_range=(0.5, 12.0),
 )
-"""Its ratio is highest at 13.6 um; without end it is that of 8 to 10 um."""
+"""Its ratio is highest at 13.6 um; a film without end has that of 6.8 um."""
 
 
 def test_films_beyond_the_maximum_are_not_taken_for_thin_ones(tmp_path):
@@ -53,7 +53,7 @@ def test_a_black_wall_has_no_maximum(film):
 
 
 def test_a_larger_part_beyond_the_maximum_is_not_taken_for_the_thin_one():
-    """A ball on a disc: 3 um in the middle, 47 um in the median, of the ratio of 8 to 10 um."""
+    """A ball on a disc: 3 um in the middle, 47 um in the median, of the ratio of 7 um."""
     y, x = np.indices((256, 320))
     film = 3.0 + ((x - 150) ** 2 + (y - 120) ** 2) / 350.0
     flags = np.zeros(film.shape, np.uint16)

@@ -194,9 +194,10 @@ def _compare_models(
         )
     motion = build_motion(settings, frames)
     journal = build_journal(settings, motion.viscosity)
-    if journal.axial_shape is not None:
+    shaped = journal.axial_shape is not None
+    if shaped:
         sideways = ["free"]
-    steady = {name: film[name].values * 1e-6 for name in STEADY if name in film}
+    steady = {name: film[name].values * 1e-6 for name in STEADY if name in film and not shaped}
     # infinite outside the regime of a formula, where its shape alone is compared
     errors = {name: float(film[name].attrs.get("formula_error", 0.0)) for name in steady}
     regime = str(film["film_theory"].attrs.get("regime", "")) if "film_theory" in film else ""
@@ -219,9 +220,10 @@ def _compare_models(
         given=given,
         progress=progress,
     )
-    if journal.axial_shape is not None:
-        held = {HELD[one]: "the bore is not straight" for one in ("guided", "spring")}
-        found = replace(found, not_fitted={**found.not_fitted, **held})
+    if shaped:
+        others = HELD["guided"], HELD["spring"], *(STEADY[name] for name in STEADY if name in film)
+        straight = dict.fromkeys(others, "the bore is not straight")
+        found = replace(found, not_fitted={**found.not_fitted, **straight})
     rocking = _rocking(film)
     if not rocking:
         return found
