@@ -49,6 +49,7 @@ _USE = LogUse(
     column="call it {quantity}, or by a usual name with its unit, as Gap [um]",
     unit="write it behind the name, as x_mm, thickness_um or Gap [um]",
     bad_rows="Correct the cell, or leave the row out.",
+    name="profile in fixture.toml",
 )
 
 

@@ -153,9 +153,8 @@ def read_bore(table: dict[str, Any], folder: Path) -> None:
     >>> read_bore({"joint": {"bore": {"profile": "none.csv"}}}, Path())
     Traceback (most recent call last):
         ...
-    erlif.core.errors.ConfigError: Expected the profile of the bore as a CSV file at none.csv; it \
-cannot be read: No such file or directory. Save it as CSV in UTF-8, or correct profile in \
-[joint.bore].
+    erlif.core.errors.ConfigError: Expected the table none.csv; it cannot be read: No such file \
+or directory. Save it there, or correct profile in [joint.bore].
     """
     joint = table.get("joint")
     bore = joint.get("bore") if isinstance(joint, dict) else None
@@ -176,6 +175,7 @@ def _read_points(path: Path) -> list[list[float]]:
         column="call it {quantity}, or by a usual name with its unit, as Depth [um]",
         unit="write it behind the name, as axial_mm, depth_um or Depth [um]",
         bad_rows="Correct the cell, or leave the row out.",
+        name="profile in [joint.bore]",
     )
     table = read_log_table(path, ("axial_mm", "depth_um"), use)
     found = find_columns(table, "bore")

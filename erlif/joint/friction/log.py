@@ -55,6 +55,7 @@ TORQUE_LOG = LogUse(
     column="--column {quantity}={choice!r}",
     unit="--unit {quantity}={choice!r}",
     bad_rows="Correct them, or leave these rows out with --skip-bad-rows.",
+    name="the path of the log",
 )
 
 

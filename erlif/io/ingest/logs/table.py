@@ -53,12 +53,15 @@ class LogUse:
         How its unit is chosen, with the same fields.
     bad_rows : str
         What can be done about rows without a number.
+    name : str
+        Where the name of the file is given.
     """
 
     error: type[ErlifError]
     column: str
     unit: str
     bad_rows: str
+    name: str
 
 
 # The log of the encoder of a run.
@@ -68,6 +71,7 @@ ENCODER = LogUse(
     unit='units = {{ {quantity} = "{choice}" }} in [encoder] of run.toml',
     bad_rows="Correct the value, or take the row and its frame of both cameras out and number the "
     "rows anew.",
+    name="file in [encoder] of run.toml",
 )
 
 

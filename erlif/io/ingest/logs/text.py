@@ -78,13 +78,13 @@ def read_log_table(path: Path, wanted: Collection[str], use: LogUse = ENCODER) -
         That of `use`, if the file cannot be read or is no table.
     """
     try:
-        table = read_binary_table(path) or read_text_table(path, wanted)
+        table = read_binary_table(path) or read_text_table(path, wanted, use)
     except EncoderError as error:
         raise use.error(str(error)) from error
     return replace(table, use=use)
 
 
-def read_text_table(path: Path, wanted: Collection[str]) -> LogTable:
+def read_text_table(path: Path, wanted: Collection[str], use: LogUse = ENCODER) -> LogTable:
     """Read a text file of a data logger.
 
     Columns are separated by commas, semicolons, tabs or blanks. Where commas do not separate, they
@@ -97,6 +97,8 @@ def read_text_table(path: Path, wanted: Collection[str]) -> LogTable:
     path : Path
     wanted : collection of str
         Names by which the header is recognised.
+    use : LogUse
+        For what the table is read.
 
     Returns
     -------
@@ -116,7 +118,7 @@ def read_text_table(path: Path, wanted: Collection[str]) -> LogTable:
     >>> [(column.name, column.unit, column.values.tolist()) for column in table.columns]
     [('Zeit', 's', [0.5, 0.6]), ('Winkel', 'deg', [1.25, 1.5])]
     """
-    content = _read_content(path)
+    content = _read_content(path, use)
     encoding, spoken = _find_encoding(content)
     if b"\0" in content and not encoding.startswith("utf-16"):
         raise _no_text(path, "holds bytes of zero")
@@ -175,13 +177,13 @@ def _make_table(
 # bytes to rows
 
 
-def _read_content(path: Path) -> bytes:
+def _read_content(path: Path, use: LogUse) -> bytes:
     try:
         return read_bounded(path, largest=LARGEST_FILE)
     except OSError as error:
         raise EncoderError(
             f"Expected the table {path.name}; it cannot be read: {error.strerror}. Save it there, "
-            "or correct its name: file in [encoder] of run.toml, profile in fixture.toml."
+            f"or correct {use.name}."
         ) from error
 
 

@@ -8,7 +8,9 @@ from erlif.io.ingest.logs.profiles import find_columns, read_columns
 from erlif.io.ingest.logs.table import LogUse
 from erlif.io.ingest.logs.text import read_log_table
 
-USE = LogUse(CalibrationError, column="call it {quantity}", unit="write it", bad_rows="Correct it.")
+USE = LogUse(
+    CalibrationError, "call it {quantity}", "write it", "Correct it.", "profile in fixture.toml"
+)
 
 
 def columns_of(tmp_path, text, profile, needed):
@@ -48,3 +50,9 @@ def test_a_column_that_is_missing_doubtful_or_without_unit_is_refused(tmp_path, 
     rows = "\n".join(",".join("1" for _ in head.split(",")) for _ in range(3))
     with pytest.raises(CalibrationError, match=words):
         columns_of(tmp_path, f"{head}\n{rows}\n", "profile", ("x_mm", "thickness_um"))
+
+
+def test_a_missing_table_names_the_place_of_its_name(tmp_path):
+    words = "scan.txt; it cannot be read: .*, or correct profile in fixture.toml"
+    with pytest.raises(CalibrationError, match=words):
+        read_log_table(tmp_path / "scan.txt", ("x_mm", "thickness_um"), USE)
