@@ -178,7 +178,7 @@ def _walk_hdf5(path: str) -> None:
                     raise MemoryError("it holds too many texts")
                 item[()]
 
-    with h5py.File(path, "r") as file:
+    with h5py.File(path, "r", locking=False) as file:
         visit("/", file)
         file.visititems(visit)
 

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
 from erlif.core.arrays import Mask
 from erlif.core.guarded import check_hdf5
+
+_File = TypeVar("_File")
 
 
 def open_hdf5(path: Path) -> Any:
@@ -40,7 +43,37 @@ def open_hdf5(path: Path) -> Any:
     import h5py  # takes a tenth of a second to load
 
     check_hdf5(path)
-    return h5py.File(path, "r")
+    return with_locks(h5py.File, path, "r")
+
+
+def with_locks(opening: Callable[..., _File], *args: Any, **options: Any) -> _File:
+    """Open a file of HDF5; without locks where its drive has none.
+
+    The locks are those of HDF5 where it can have them, since files that are open twice in one
+    process must agree in them.
+
+    Parameters
+    ----------
+    opening : callable
+        ``h5py.File``, ``h5netcdf.File`` or one derived from them.
+    args, options
+        Its arguments.
+
+    Returns
+    -------
+    File
+
+    Raises
+    ------
+    OSError
+        As that of `opening`.
+    """
+    try:
+        return opening(*args, **options)
+    except BlockingIOError:  # another program has locked it
+        raise
+    except OSError:
+        return opening(*args, **options, locking=False)
 
 
 # First bytes of a superblock.

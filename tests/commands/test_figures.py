@@ -1,5 +1,11 @@
 """``erlif figures``."""
 
+import os
+import subprocess
+import sys
+
+import pytest
+
 
 def test_chosen_figures_are_written(command, own, tmp_path):
     out = tmp_path / "chosen"
@@ -17,3 +23,14 @@ def test_chosen_figures_are_written(command, own, tmp_path):
     assert described.startswith("trigger 1, crank 304.22°")
     assert written == f"written: {', '.join(str(out / name) for name in names)}"
     assert "figures: 2 done" in result.stderr
+
+
+@pytest.mark.parametrize("backend", ["nonsense", "module://matplotlib_inline.backend_inline"])
+def test_the_backend_of_the_environment_is_not_used(own, tmp_path, backend):
+    figures = [sys.executable, "-m", "erlif", "figures", own, "-o", tmp_path / "chosen"]
+    subprocess.run(
+        [*figures, "--only", "film_over_cycle"],
+        env={**os.environ, "MPLBACKEND": backend, "MPLCONFIGDIR": "/dev/null/none"},
+        check=True,
+    )
+    assert list((tmp_path / "chosen").glob("film_over_cycle.*"))

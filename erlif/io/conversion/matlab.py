@@ -18,6 +18,7 @@ import numpy as np
 import xarray as xr
 
 from erlif.core.arrays import AnyArray
+from erlif.core.hdf5 import with_locks
 from erlif.core.progress import Progress
 from erlif.core.version import __version__
 from erlif.io.conversion.contents import (
@@ -167,7 +168,7 @@ def _write_73(
     """Version 7.3: HDF5 behind a header, dimensions in the reverse order."""
     import h5py
 
-    with h5py.File(output, "w", userblock_size=_USER_BLOCK) as file:
+    with with_locks(h5py.File, output, "w", userblock_size=_USER_BLOCK) as file:
         for name, values in small.items():
             if values.dtype.kind == "O":  # cells are references, which Octave does not follow
                 values = np.array("\n".join(values[:, 0]))

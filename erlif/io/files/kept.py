@@ -11,12 +11,14 @@ from typing import Any
 import h5netcdf
 import h5py
 
+from erlif.core.hdf5 import with_locks
+
 
 class _KeptFile(h5py.File):  # type: ignore[misc]
     """An HDF5 file that keeps its open parts by their paths; for reading only."""
 
-    def __init__(self, path: str) -> None:
-        super().__init__(path, "r")
+    def __init__(self, path: str, **options: Any) -> None:
+        super().__init__(path, "r", **options)
         self._parts: dict[str, Any] = {}
 
     def __getitem__(self, name: Any) -> Any:
@@ -63,4 +65,4 @@ def open_kept(path: str, *, mode: str, **options: Any) -> h5netcdf.File:
     OSError
         If the file is missing, damaged or of another format.
     """
-    return _NetcdfFile(_KeptFile(path), mode=mode, **options)
+    return _NetcdfFile(with_locks(_KeptFile, path), mode=mode, **options)

@@ -11,7 +11,7 @@ from typing import IO, Any, Literal
 import numpy as np
 import xarray as xr
 
-from erlif.core.hdf5 import open_hdf5
+from erlif.core.hdf5 import open_hdf5, with_locks
 
 
 def open_netcdf(path: Path, *, group: str | None = None) -> xr.Dataset:
@@ -109,7 +109,7 @@ def write_netcdf(
     """
     import h5netcdf
 
-    with h5netcdf.File(path, mode) as file:
+    with with_locks(h5netcdf.File, path, mode) as file:
         place = file if group is None else file.create_group(group)
         dataset.dump_to_store(xr.backends.H5NetCDFStore(place), encoder=_fix_coordinates)
 

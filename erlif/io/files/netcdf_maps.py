@@ -20,6 +20,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from erlif.core.arrays import AnyArray
+from erlif.core.hdf5 import with_locks
 from erlif.io.files.compression import DEFLATE_LEVEL, MapVariable, checksum, encode_netcdf
 from erlif.io.files.coordinates import name_coordinates
 from erlif.io.files.netcdf import fix_text, write_netcdf
@@ -101,7 +102,7 @@ class NetcdfMaps:
 
         write_netcdf(fix_text(self._grid), self.path)
         shape = tuple(self._grid.sizes[dim] for dim in _DIMS)
-        with h5netcdf.File(self.path, "a") as file:
+        with with_locks(h5netcdf.File, self.path, "a") as file:
             for variable in self.variables:
                 created = file.create_variable(
                     variable.name,
@@ -115,7 +116,7 @@ class NetcdfMaps:
                 )
                 attrs = fix_text(xr.Dataset(attrs=dict(variable.attrs))).attrs
                 created.attrs.update(attrs)
-        self._file: Any = h5py.File(self.path, "r+")
+        self._file: Any = with_locks(h5py.File, self.path, "r+")
         self._reader = self.path.open("rb", buffering=0)
         self._targets = {one.name: self._file[one.name].id for one in self.variables}
 
@@ -247,7 +248,7 @@ class NetcdfMaps:
 
         if names:
             attrs = fix_text(xr.Dataset(attrs={"coordinates": names})).attrs
-            with h5netcdf.File(self.path, "a") as file:
+            with with_locks(h5netcdf.File, self.path, "a") as file:
                 for variable in self.variables:
                     file[variable.name].attrs.update(attrs)
 

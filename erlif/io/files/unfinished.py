@@ -30,7 +30,7 @@ MapStore: TypeAlias = NetcdfMaps | ZarrMaps
 class _Lock:
     """Keeps a second process from writing the same output; it ends with its process in any case.
 
-    On a system without advisory locks a second process is not noticed.
+    On a system or drive without advisory locks a second process is not noticed.
     """
 
     def __init__(self, output: Path) -> None:
@@ -53,12 +53,18 @@ class _Lock:
 
         try:
             fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError as error:
+        except (BlockingIOError, PermissionError) as error:
             file.close()
             raise OutputError(
                 f"Expected {output} to be free; another erlif process is writing it. Wait for it, "
                 "or use -o for another name."
             ) from error
+        except OSError as error:
+            _logger.warning(
+                "%s lies on a drive without locks (%s); write it from one process at a time",
+                output.name,
+                error.strerror,
+            )
         self.file = file
 
     @staticmethod

@@ -1,6 +1,8 @@
 """A film in the making: resumed, refused, removed, complete."""
 
+import errno
 import logging
+import os
 import re
 
 import numpy.testing as npt
@@ -204,3 +206,13 @@ def test_a_map_of_a_finished_trigger_is_read_and_replaced(output):
         write_film(work, FILM, GROUPS)
     with read_store(output) as film:
         npt.assert_allclose(film[name][1], 2 * before[1], rtol=0.05)
+
+
+def test_a_drive_without_locks_is_noted_and_written(output, caplog, monkeypatch):
+    def refuse(file, operation):
+        raise OSError(errno.ENOLCK, os.strerror(errno.ENOLCK))
+
+    monkeypatch.setattr(pytest.importorskip("fcntl"), "flock", refuse)
+    with begin(output) as work:
+        put(work, 0)
+    assert f"{output.name} lies on a drive without locks (No locks available)" in caplog.text
