@@ -507,6 +507,8 @@ def flags_table() -> Iterator[str]:
         Flag.ABOVE_RANGE: "Film thicker than the calibrated or the measurable range.",
         Flag.POOR_REGISTRATION: "The registration is not good enough for a ratio.",
         Flag.NO_FILM: "Bubble or bare wall: the fluorescence of both bands is missing.",
+        Flag.FILM_STEP: "Beside a step of the film, as at the edge of a pocket: the lenses blur "
+        "the films of both sides into each other.",
     }
     yield "| bit | name | meaning |"
     yield "|---|---|---|"

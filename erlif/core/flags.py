@@ -24,6 +24,7 @@ class Flag(IntFlag):
     ABOVE_RANGE = 32  #: film thicker than the calibrated or the measurable range
     POOR_REGISTRATION = 64  #: the registration is not good enough for a ratio
     NO_FILM = 128  #: bubble or bare wall: the fluorescence of both bands is missing
+    FILM_STEP = 256  #: beside a step of the film, which the lenses blur
 
     @property
     def title(self) -> str:
@@ -78,6 +79,7 @@ FLAG_COLOURS = {
     Flag.DIM: "#5A5A5A",
     Flag.BELOW_RANGE: "#000000",
     Flag.ABOVE_RANGE: "#FFFFFF",
+    Flag.FILM_STEP: "#B5793A",
 }
 
 

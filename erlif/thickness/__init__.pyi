@@ -7,4 +7,5 @@ from .patch import sample_patch as sample_patch
 from .pulse import compare_light as compare_light
 from .pulse import measure_pulse_energy as measure_pulse_energy
 from .pulse import middle_of as middle_of
+from .steps import flag_steps as flag_steps
 from .surroundings import CLEAR as CLEAR

@@ -13,6 +13,7 @@ FORMAT = {
     32: "above_range",
     64: "poor_registration",
     128: "no_film",
+    256: "film_step",
 }
 """Bits of the file format, docs/film_nc.md."""
 
@@ -32,15 +33,15 @@ def test_pixels_are_counted_by_flag():
     flags = np.zeros((4, 5), np.uint16)
     flags[0] = Flag.DIM
     flags[0, :2] |= np.uint16(Flag.NO_FILM)
-    assert count_flags(flags) == [15, 0, 5, 0, 0, 0, 0, 0, 2]
+    assert count_flags(flags) == [15, 0, 5, 0, 0, 0, 0, 0, 2, 0]
 
 
 def test_flags_are_counted_wherever_they_are_in_the_image():
     rng = np.random.default_rng(2)
     for size in (1, 7, 8, 61, 4096):
-        flags = np.where(rng.random(size) < 0.1, rng.integers(0, 256, size), 0).astype(np.uint16)
+        flags = np.where(rng.random(size) < 0.1, rng.integers(0, 512, size), 0).astype(np.uint16)
         flags[-1] = 129
-        expected = [sum(not n & 1 << bit for n in flags.tolist()) for bit in range(8)]
+        expected = [sum(not n & 1 << bit for n in flags.tolist()) for bit in range(9)]
         valid, *flagged = count_flags(flags.reshape(-1, 1))
         assert valid == flags.tolist().count(0)
         assert [size - count for count in flagged] == expected

@@ -27,6 +27,9 @@ RIGS = {
     "transient": RigSettings(**SMALL, film="reynolds", tilt=0.0),
     "two cycles": RigSettings(**SMALL, cycles=2, spacing=1.92),
     "disc": RigSettings(**SMALL, mechanism="rotation", pictures=12, cycles=4),
+    "one turn": RigSettings(**SMALL, mechanism="rotation", pictures=40),
+    "slider": RigSettings(**SMALL, mechanism="sinusoidal", pictures=40),
+    "static": RigSettings(**SMALL, mechanism="static", pictures=20),
 }
 """Sound rigs; each is simulated once."""
 
@@ -220,6 +223,28 @@ def jpeg(quality: int, scale: float):
     return change
 
 
+@change
+def stacked(rig: Path, then: Callable[[Path], object]) -> None:
+    """Do something, then put the frames of each camera into one file."""
+    then(rig)
+    for camera in (1, 2):
+        paths = frames(rig / "run", camera)
+        images = [tifffile.imread(path) for path in paths]
+        for path in paths:
+            path.unlink()
+        tifffile.imwrite(paths[0].with_name("run.tif"), np.stack(images), photometric="minisblack")
+
+
+@change
+def reference_image(rig: Path, kind: str, camera: int, change: Callable) -> None:
+    """Change the pages of a dark or flat image."""
+    for folder in (rig / "run", rig / "fixture"):
+        path = folder / f"camera{camera}_{kind}.tif"
+        pages = change(tifffile.imread(path).astype(float))
+        path.unlink()
+        tifffile.imwrite(path, np.rint(pages).astype(np.uint16), photometric="minisblack")
+
+
 rocker_as_crank = setting(('mounted_on = "rocker"', 'mounted_on = "crank"'))
 
 
@@ -296,7 +321,23 @@ def family(name: str, make: Callable, cause: str, rows: Iterable[tuple]) -> list
     ]
 
 
+def in_stacks(*make_and_name: Mistake) -> list[Mistake]:
+    """The same mistakes where the frames of a camera are in one file."""
+    return [
+        Mistake(f"{one.name}, in stacks", stacked(one.change), one.cause, one.rig)
+        for one in make_and_name
+    ]
+
+
+def vignette(pages: np.ndarray) -> np.ndarray:
+    """Darker towards the corners by a fifth, as if the lamp were not even."""
+    height, width = pages.shape[-2:]
+    y, x = np.ogrid[-1 : 1 : height * 1j, -1 : 1 : width * 1j]
+    return 64 + (pages - 64) * (1 - 0.1 * (x**2 + y**2))
+
+
 LAW, CRANK, ZERO = ("law",), ("law", "crank"), ("law", "zero fitted")
+MOVED, OTHERS = ("one turn", "slider"), ("one turn", "slider", "static")
 
 MISTAKES = [
     # files and counts
@@ -544,6 +585,172 @@ MISTAKES = [
     ),
 ]
 
+MISTAKES += [
+    # other kinds of rig
+    *family(
+        "camera {1} holds copies of camera {0}, {2}", copy_camera, "same image", on(OTHERS, (1, 2))
+    ),
+    *family(
+        "bit {} of camera {} is never set, {}",
+        lambda bit, camera: each(lambda i: i & ~np.uint16(1 << bit), [camera]),
+        "bit|bits",
+        on(OTHERS, (4, 1), (7, 2)),
+    ),
+    *family(
+        "JPEG of quality {}, scaled by {} to 12 bit, {}",
+        lambda quality, scale: each(jpeg(quality, scale)),
+        "fewer bits|multiples",
+        on(OTHERS, (95, 16)),
+    ),
+    *family(
+        "counts of both cameras halved, {}",
+        lambda: each(lambda i: i >> 1),
+        "counts|gain|noise",
+        on(OTHERS, ()),
+    ),
+    *family(
+        "counts of camera 2 times 1.1, {}",
+        lambda: each(lambda i: np.minimum(64 + np.rint((i.astype(int) - 64) * 1.1), 4095), [2]),
+        "counts|gain|noise|bits|brighter|ratio",
+        on(OTHERS, ()),
+    ),
+    *family(
+        "dark subtracted twice, {}",
+        lambda: each(lambda i: np.maximum(i.astype(int) - 64, 0)),
+        "dark",
+        on(OTHERS, ()),
+    ),
+    *family(
+        "load in {0} under load_N, {2}",
+        lambda unit, factor: scaled(LOAD, factor),
+        "load",
+        on(MOVED, ("kgf", 1 / 9.80665), ("g", 1e3 / 9.80665), ("kN", 1e-3)),
+    ),
+    *family(
+        "time in {0}, {2}",
+        lambda unit, factor: scaled("time_s", factor),
+        "time",
+        on(("disc", *MOVED), ("ms", 1e3), ("minutes", 1 / 60)),
+    ),
+    *family(
+        "angle in {0}, {2}",
+        lambda unit, factor: scaled("angle_deg", factor),
+        f"{ANGLE}|turns",
+        on(("law", "crank", "disc", *MOVED), ("turns", 1 / 360), ("radian", np.pi / 180)),
+    ),
+    *family(
+        "frequency of {1} Hz for {0}, {2}",
+        replaced('"{} Hz"'),
+        "frequency|angle and time",
+        on(("slider",), (5, 0.5), (5, 10), (5, 4)),
+    ),
+    *family(
+        "speed of the disc of {1} rpm for {0}, {2}",
+        replaced('"{} rpm"'),
+        "angle and time of the log",
+        on(("one turn",), (60, 6), (60, 120)),
+    ),
+    *family(
+        "load of row {} times {}, {}", load_of, "load", on(MOVED, (20, 1000), (31, 0.1), (12, 5))
+    ),
+    *family(
+        "load ramp in reverse, {}", lambda: column(LOAD, lambda v: v[::-1] * 1), "", on(MOVED, ())
+    ),
+    *family(
+        "reading of row {} off by {} degrees, {}",
+        reading,
+        ANGLE,
+        on(("disc", *MOVED), (12, -8), (30, 100)),
+    ),
+    *family(
+        "encoder slips by {1} degrees at row {0}, {2}",
+        slip,
+        ANGLE,
+        on(("disc", *MOVED), (20, 20), (30, -10)),
+    ),
+    *family(
+        "log late by {}, {}",
+        late,
+        PAIRS,
+        on(("disc", *MOVED), (1,), (-1,), (4,), (-3,)),
+    ),
+    *family(
+        "log late by {}, no energies, {}",
+        unlogged("laser_mJ", late),
+        PAIRS,
+        on(("slider",), (1,), (-1,), (4,), (-3,)),
+    ),
+    *family("{1} pairs lost from pair {0}, {2}", lost, PAIRS, on(MOVED, (20, 3), (10, 5))),
+    *family(
+        "both cameras in reverse order, {}",
+        lambda: order(reverse),
+        "in reverse order",
+        on(("disc", *MOVED), ()),
+    ),
+    *family(
+        "both cameras in reverse order, no energies, {}",
+        lambda: without("laser_mJ", order(reverse)),
+        "in reverse order",
+        on(("slider", "crank"), ()),
+    ),
+    *family(
+        "pairs {} and {} exchanged in both cameras, {}",
+        exchange,
+        "of another place",
+        on(("disc", *MOVED), (10, 35), (5, 12)),
+    ),
+    *family(
+        "{} pairs of {!r} ({}) from pair {}, {}",
+        lambda count, other, taken, first: from_another(
+            other, range(first, first + count), range(taken, taken + count)
+        ),
+        FOREIGN,
+        on(OTHERS, (10, "law", 10, 5), (3, "law", 10, 10)),
+    ),
+    *family(
+        "{0} pairs of the fixture from pair {1}, {rig}",
+        lambda count, first: from_another("fixture", range(first, first + count), range(count)),
+        FOREIGN,
+        on(OTHERS, (3, 10), (1, 5)),
+    ),
+    *family(
+        "drive angle off by {} degrees, {}",
+        lambda by: column("angle_deg", lambda v: v + by),
+        "zero|angle",
+        on(("slider",), (20,), (90,), (180,)),
+    ),
+    *family(
+        "dark of camera {} from a hot camera, 300 DN up, {}",
+        lambda camera: reference_image("dark", camera, lambda p: p + 300),
+        "dark",
+        on(("law", *OTHERS), (1,), (2,)),
+    ),
+    *family(
+        "flat of camera {} under an uneven lamp, {}",
+        lambda camera: reference_image("flat", camera, vignette),
+        "",
+        on(("law", "static"), (1,), (2,)),
+    ),
+    *family(
+        "one page of the flat of camera {} copied, {}",
+        lambda camera: reference_image("flat", camera, lambda p: np.repeat(p[:1], len(p), axis=0)),
+        "flat",
+        on(("law", "static"), (1,), (2,)),
+    ),
+]
+MISTAKES += in_stacks(
+    *(
+        one
+        for one in MISTAKES
+        if one.rig in ("law", "slider")
+        and re.search(
+            "copies of|bit [47] of camera|late by (1|-3)|lost from|reverse order|exchanged"
+            "|counts of both cameras halved|of the fixture|pairs of '",
+            one.name,
+        )
+    )
+)
+
 KINDS = {
     "the same files under both cameras": "copies of camera",
     "a bit that is stuck": "^bit ",
@@ -566,5 +773,10 @@ KINDS = {
     "encoder stated on another link": "^stated|^the same",
     "another load in [joint]": "in .joint. for",
     "calibration of a later erlif": "^calibration of",
+    "angle in turns or radian": "^angle in",
+    "another frequency of the slider": "^frequency of",
+    "load ramp in reverse": "^load ramp",
+    "drive angle off": "^drive angle",
+    "another dark or flat": "^dark of camera|^flat of|of the flat",
 }
 """Kinds of mistakes, by words of their names; the first that fits holds."""

@@ -27,7 +27,7 @@ from erlif.pipeline.physics.light import choose_frames
 from erlif.pipeline.plane import ObjectPlane
 from erlif.pipeline.recording.prepare import PreparedRun
 from erlif.ratio import PairRatio, RatioSum, smooth_ratio
-from erlif.thickness import FilmTables, flag_beyond_maximum, measure_pulse_energy
+from erlif.thickness import FilmTables, flag_beyond_maximum, flag_steps, measure_pulse_energy
 from erlif.trend import FilmCurve, find_gap_minima, find_pin_in_blocks, summarise_blocks
 
 # Triggers after which a run is inspected for the first time.
@@ -144,6 +144,7 @@ class TriggerTask(PickledByFields):
     def _measure_film(self, ratio: PairRatio, passed: float) -> FilmMaps:
         """Film of a ratio, with the sums over the region."""
         flag_beyond_maximum(ratio.log_ratio, ratio.flags, self.curve.at(passed))
+        flag_steps(ratio.log_ratio, ratio.variance, ratio.flags)
         return measure_film(ratio, self._tables_at(passed), self.plane.region)
 
     def _summarise(

@@ -1,0 +1,68 @@
+"""Steps of the film, as at the edge of a pocket, which the lenses blur."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+
+from erlif.core.arrays import FlagImage, Image
+from erlif.core.flags import Flag
+from erlif.core.statistics import robust_rms
+
+# Difference of the cells on either side of a place, less the mean of those between them and the
+# cells beyond: zero for a film that is inclined or bends, the whole of a step. [1]
+_ACROSS = np.array([0.5, 0, -1.5, 0, 1.5, 0, -0.5], np.float32)
+_ALONG = np.full(5, 1 / 5, np.float32)  # cells along the step
+_SAMPLED = 10_000  # differences from which the scatter is taken
+_SURE = 5.0  # standard deviations of such a difference from which it is a step
+_LARGEST = 0.7  # of the largest difference within three cells: beside a step others follow from it
+
+
+def flag_steps(log_ratio: Image, variance: Image, flags: FlagImage) -> None:
+    """Flag the surroundings of steps of the film.
+
+    The lenses blur the films of both sides of a step into each other. What is flagged are cells of
+    2 x 2 pixels that hold a step, and one pixel around them. None is sought within three cells of
+    a pixel that is flagged already.
+
+    Parameters
+    ----------
+    log_ratio : array, (y, x)
+        Logarithm of the ratio. [1]
+    variance : array, (y, x)
+        Of its noise, of which the form over the image is taken; its size is that of the scatter.
+        [1]
+    flags : array of uint16, (y, x)
+        Reasons why a pixel has no ratio; receives `Flag.FILM_STEP`.
+
+    Examples
+    --------
+    >>> film = np.where(np.arange(64) < 32, 0.2, 0.4) * np.ones((64, 1))
+    >>> noise = 0.01 * np.random.default_rng(1).normal(size=film.shape)
+    >>> ratio = (cv2.GaussianBlur(film, (0, 0), 0.8) + noise).astype(np.float32)
+    >>> flags = np.zeros(film.shape, np.uint16)
+    >>> flag_steps(ratio, np.full_like(ratio, 1e-4), flags)
+    >>> np.flatnonzero(flags.any(axis=0)).tolist()
+    [29, 30, 31, 32, 33, 34]
+    """
+    height, width = (size // 2 for size in flags.shape)
+    if min(height, width) < _ACROSS.size:
+        return
+    even = slice(2 * height), slice(2 * width)
+    size = width, height
+    sound = np.where(flags[even] == 0, log_ratio[even], np.float32(np.nan))
+    cells = cv2.resize(sound, size, interpolation=cv2.INTER_AREA)
+    noise = cv2.sqrt(cv2.resize(variance[even], size, interpolation=cv2.INTER_NEAREST))
+    held = np.zeros(cells.shape, np.uint8)
+    for kernels in ((_ACROSS, _ALONG), (_ALONG, _ACROSS)):
+        step = np.abs(cv2.divide(cv2.sepFilter2D(cells, -1, *kernels), noise))
+        some = step[:: max(step.size // _SAMPLED, 1)]
+        least = _SURE * robust_rms(some[np.isfinite(some)]) if np.isfinite(some).any() else np.inf
+        step = np.nan_to_num(step, copy=False, posinf=0.0)
+        if step.max() > least > 0:
+            near = np.ones((kernels[1].size, kernels[0].size), np.uint8)
+            held |= (step > np.maximum(least, _LARGEST * cv2.dilate(step, near))).astype(np.uint8)
+    if held.any():
+        pixels = cv2.resize(held, (2 * width, 2 * height), interpolation=cv2.INTER_NEAREST)
+        around = cv2.dilate(pixels, np.ones((3, 3), np.uint8)).astype(bool)
+        flags[even][around] |= np.uint16(Flag.FILM_STEP)
