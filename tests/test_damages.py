@@ -73,12 +73,6 @@ def listing(directory):
     }
 
 
-def test_the_catalogue_is_large_and_each_damage_has_a_name_of_its_own():
-    names = [damage.name for damage in CATALOGUE]
-    assert len(set(names)) == len(names) >= 150
-    assert all(damage.words for damage in CATALOGUE)
-
-
 def within_second_trigger(path):
     """Place of a byte of the second trigger in the journal or in the maps of unfinished work."""
     journal = (path.parent / "journal").read_text()

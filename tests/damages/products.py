@@ -101,7 +101,6 @@ def _history(content):
 
 # further numbers that no fit gives are in tests/calibration/test_soundness.py
 CALIBRATIONS = [
-    _calibration("K is NaN", _set("ratio_at_zero", np.nan), "ratio_at_zero", "erlif calibrate"),
     _calibration(
         "half a camera map",
         _without("registration/displacement_y"),
@@ -123,7 +122,6 @@ CALIBRATIONS = [
         *("calibration.nc", "too much time", "erlif calibrate"),
     ),
     _calibration("complex curve", _complex("curve_ratio"), "curve_ratio", "complex"),
-    _calibration("later format", _attribute("format_version", 99), "later version of erlif"),
     _calibration("inverse ratio", _attribute("ratio_direction", "camera1/camera2"), "again"),
     _bytes("cut", "fixture/calibration.nc", lambda d: d[:4000], INTO, "erlif calibrate"),
     _bytes(
@@ -216,12 +214,6 @@ OUTPUTS = [
 
 USAGE = [
     *(_state(name, _nothing, *row) for name, row in TEXTS["usage"].items()),
-    _state(
-        "usage: scheduler file of nonsense",
-        lambda b: b.write(b.directory / "dask.json", "[" * 100_000),
-        "process run --scheduler dask.json",
-        "dask scheduler --scheduler-file",
-    ),
 ]
 
 
