@@ -193,11 +193,6 @@ FILMS = [
 ]
 
 
-def _foreign_partial(bench):
-    (bench.run / "film.nc.partial").mkdir()
-    (bench.run / "film.nc.partial" / "thesis.txt").write_text("years of work")
-
-
 def _nothing(bench):
     """Leave the bench as it is: the command line is what is wrong."""
 
@@ -209,7 +204,6 @@ OUTPUTS = [
         "process run",
         "--overwrite",
     ),
-    _state("output: foreign work under its name", _foreign_partial, "process run", "partial"),
 ]
 
 USAGE = [
