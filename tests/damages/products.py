@@ -203,12 +203,10 @@ OUTPUTS = [
         lambda b: os.link(b.film, b.run / "film.nc"),
         "process run",
         "--overwrite",
-    ),
+    )
 ]
 
-USAGE = [
-    *(_state(name, _nothing, *row) for name, row in TEXTS["usage"].items()),
-]
+USAGE = [*(_state(name, _nothing, *row) for name, row in TEXTS["usage"].items())]
 
 
 def _table(name, content, *words):

@@ -193,10 +193,7 @@ def make_film(directory: Path) -> Path:
         film[f"speed_exponent{suffix}"] = ((), power, attrs)
         film[f"speed_exponent{suffix}_std"] = ((), 0.01)
     film.film_theory.attrs.update(
-        regime="isoviscous-rigid",
-        reason="the largest governs",
-        long_name="steady film",
-        notes="",
+        regime="isoviscous-rigid", reason="the largest governs", long_name="steady film", notes=""
     )
     film.film_predicted_min.attrs.update(
         regime="transient Reynolds, pin free sideways",

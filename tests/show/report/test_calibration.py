@@ -8,9 +8,7 @@ from scenes.fixture import walled
 
 from erlif.calibration.departure import Departure
 from erlif.show import plots
-from erlif.show.report import (
-    describe_calibration,
-)
+from erlif.show.report import describe_calibration
 
 
 def line_of(text, title):

@@ -4,11 +4,7 @@ import numpy as np
 import pytest
 from scenes import film as scene
 
-from erlif.show.report import (
-    summarise,
-    summarise_briefly,
-    summarise_in_a_line,
-)
+from erlif.show.report import summarise, summarise_briefly, summarise_in_a_line
 
 
 def line_of(text, title):
