@@ -29,7 +29,6 @@ def basis_functions(start, stop, elements):
 
 
 def field_of(box, seed=1, elements=(3, 2)):
-    """A random spline surface."""
     nx, ny = elements
     rng = np.random.default_rng(seed)
     return Surface(box, rng.normal(size=(2, ny + 3, nx + 3)))
