@@ -238,7 +238,6 @@ def snapshot(directory: Path) -> dict[str, str]:
 
 @pytest.fixture
 def read_page() -> type[Page]:
-    """Read a page."""
     return Page
 
 

@@ -17,9 +17,7 @@ from damages.logs import LOGS, PROFILES
 from damages.products import CALIBRATIONS, FILMS, OUTPUTS, PLACES, TABLES, USAGE
 from damages.settings import SETTINGS
 from scenes.film import make_film
-from scenes.stores import contents
 
-import erlif
 from erlif.commands.main import main
 
 pytestmark = pytest.mark.slow
@@ -71,60 +69,6 @@ def listing(directory):
         for path in directory.rglob("*")
         if path.is_symlink() or not path.is_dir()
     }
-
-
-def test_the_catalogue_is_large_and_each_damage_has_a_name_of_its_own():
-    names = [damage.name for damage in CATALOGUE]
-    assert len(set(names)) == len(names) >= 150
-    assert all(damage.words for damage in CATALOGUE)
-
-
-def within_second_trigger(path):
-    """Place of a byte of the second trigger in the journal or in the maps of unfinished work."""
-    journal = (path.parent / "journal").read_text()
-    if path.name == "journal":
-        return journal.index('"trigger":1')
-    return int(re.findall(r'"thickness":\[(\d+)', journal)[1]) + 20
-
-
-def cut(path):
-    path.write_bytes(path.read_bytes()[: within_second_trigger(path)])
-
-
-def overwrite(path):
-    content = bytearray(path.read_bytes())
-    place = within_second_trigger(path)
-    content[place : place + 8] = bytes(255 - byte for byte in content[place : place + 8])
-    path.write_bytes(content)
-
-
-@pytest.fixture(scope="module")
-def interrupted(originals, tmp_path_factory):
-    """A film of which three triggers are finished, and the whole film; never to be changed."""
-    directory = tmp_path_factory.mktemp("interrupted")
-
-    def stop(what, number, total):
-        if (what, number) == ("film", 3):
-            raise KeyboardInterrupt
-
-    with pytest.raises(KeyboardInterrupt):
-        erlif.process(originals / "run", output=directory / "film.nc", workers=1, progress=stop)
-    erlif.process(originals / "run", output=directory / "whole.nc", workers=1)
-    return directory
-
-
-@pytest.mark.parametrize(("change", "name"), [(cut, "journal"), (overwrite, "maps_0.nc")])
-def test_damaged_work_in_progress_is_made_again(
-    change, name, originals, interrupted, tmp_path, monkeypatch
-):
-    """The film is that of a run without interruption."""
-    partial = shutil.copytree(interrupted / "film.nc.partial", tmp_path / "film.nc.partial")
-    change(partial / name)
-    monkeypatch.chdir(originals)
-    result = CliRunner().invoke(main, ["process", "run", "-o", str(tmp_path / "film.nc")])
-    assert result.exit_code == 0, result.output
-    assert contents(tmp_path / "film.nc") == contents(interrupted / "whole.nc")
-    assert [path.name for path in tmp_path.iterdir()] == ["film.nc"]
 
 
 @pytest.mark.parametrize("damage", CATALOGUE, ids=lambda damage: damage.name)

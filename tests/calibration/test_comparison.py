@@ -135,14 +135,9 @@ def test_calibrate_reports_drift_from_the_named_and_from_the_replaced_calibratio
     lab, command, tmp_path
 ):
     stored = erlif.open_calibration(lab.fixture / "calibration.nc")
-    other = erlif.save_calibration(
-        replace(
-            stored,
-            ratio_at_zero=0.98 * stored.ratio_at_zero,
-            curve=stored.curve.drop_vars("curve_x"),
-        ),
-        tmp_path / "other.nc",
-    )
+    changed = {"ratio_at_zero": 0.98 * stored.ratio_at_zero}
+    changed["curve"] = stored.curve.drop_vars("curve_x")
+    other = erlif.save_calibration(replace(stored, **changed), tmp_path / "other.nc")
     output = unwrapped(command("calibrate", lab.fixture, "--overwrite", "--against", other).stdout)
     against, replaced = (
         next(line for line in output.splitlines() if line.startswith(start))

@@ -7,7 +7,6 @@ import numpy as np
 import numpy.testing as npt
 import pytest
 from scenes.fixture import (
-    FILMS,
     WEDGE,
     assert_covers,
     autoregression,
@@ -155,17 +154,6 @@ def test_correlated_errors_of_the_profile_are_reported_and_widen_the_error_bars(
     assert has_note(after, "errors of neighbouring points along the profile are correlated")
     scatter = np.sqrt(after.reduced_chi_square)
     assert np.all(after.standard_deviations > 1.15 * scatter * before.standard_deviations)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("noise", [0.02, 0.08])
-def test_films_measured_with_a_departure_cover(noise):
-    rng, pulls = np.random.default_rng(9), []
-    for _ in range(40 if FULL else 12):
-        calibration = calibrate_wedge(rng, noise=noise, background=BACKGROUND)
-        assert calibration.departure is not None
-        pulls.append(find_pulls(calibration, FILMS, background=BACKGROUND))
-    assert_covers(pulls)
 
 
 def test_displacement_is_found_with_the_spline():

@@ -115,18 +115,16 @@ def film_error(calibration):
 def test_offset_scale_and_turn_of_a_line_are_found_and_its_film_with_them():
     """0.3 mm, 1 % and 1.5 degrees off: the refined pose leaves the film error of the true pose."""
     rng = np.random.default_rng(1)
-    ratios, profile = turned_line(rng, along=0.3, scale=0.01, turn=np.radians(1.5))
+    turn = np.radians(1.5)
+    ratios, profile = turned_line(rng, along=0.3, scale=0.01, turn=turn)
     refined = calibrate(ratios, profile, align=True)
     assert refined.pose.determined.tolist() == [True, False, True, True]
     known = calibrate(
         ratios,
         profile,
         pixel_pitch=1.01 * PITCH,
-        direction=np.radians(1.5),
-        origin=(
-            -0.3 * np.cos(np.radians(1.5)) / PITCH / 1.01,
-            -0.3 * np.sin(np.radians(1.5)) / PITCH / 1.01,
-        ),
+        direction=turn,
+        origin=(-0.3 * np.cos(turn) / PITCH / 1.01, -0.3 * np.sin(turn) / PITCH / 1.01),
     )
     given = calibrate(ratios, profile)
     assert film_error(given).max() > 0.2

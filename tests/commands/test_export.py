@@ -5,12 +5,7 @@ import pytest
 
 @pytest.mark.parametrize(
     ("kind", "name"),
-    [
-        ("csv", "film.csv"),
-        ("mat", "film.mat"),
-        ("tiff", "film.tif"),
-        ("vtk", "film_vtk"),
-    ],
+    [("csv", "film.csv"), ("mat", "film.mat"), ("tiff", "film.tif"), ("vtk", "film_vtk")],
 )
 def test_an_export_lies_beside_its_film(kind, name, own, command):
     assert command("export", own, "--to", kind).stdout.strip() == f"written: {own.parent / name}"

@@ -9,15 +9,8 @@ import pytest
 
 def test_chosen_figures_are_written(command, own, tmp_path):
     out = tmp_path / "chosen"
-    options = (
-        "--only",
-        "film_over_cycle,thickness_map",
-        "--format",
-        "svg",
-        "--crank-angle",
-        "300 deg",
-    )
-    result = command("figures", own, "-o", out, *options)
+    options = ["--only", "film_over_cycle,thickness_map", "--format", "svg", "--crank-angle"]
+    result = command("figures", own, "-o", out, *options, "300 deg")
     names = ["thickness_map.svg", "film_over_cycle.svg"]
     described, written = result.stdout.splitlines()
     assert described.startswith("trigger 1, crank 304.22°")

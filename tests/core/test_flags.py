@@ -29,13 +29,6 @@ def test_attributes_pair_each_mask_with_its_meaning():
     assert dict(zip(masks.tolist(), meanings, strict=True)) == FORMAT
 
 
-def test_pixels_are_counted_by_flag():
-    flags = np.zeros((4, 5), np.uint16)
-    flags[0] = Flag.DIM
-    flags[0, :2] |= np.uint16(Flag.NO_FILM)
-    assert count_flags(flags) == [15, 0, 5, 0, 0, 0, 0, 0, 2, 0]
-
-
 def test_flags_are_counted_wherever_they_are_in_the_image():
     rng = np.random.default_rng(2)
     for size in (1, 7, 8, 61, 4096):

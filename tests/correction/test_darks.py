@@ -23,9 +23,6 @@ def even_pages(count, level=64):
     return [np.full(SHAPE, level, np.uint16) for _ in range(count)]
 
 
-# level and noise
-
-
 def test_level_and_noise_are_those_of_the_camera(simulated):
     camera = simulated()
     darks = reduce_darks(camera.darks(16, np.random.default_rng(1)))
@@ -101,9 +98,6 @@ def test_one_page_has_no_variance_and_none_is_refused():
         reduce_darks([])
 
 
-# bad pixels
-
-
 @pytest.mark.parametrize(("excess", "hot"), [(8, False), (9, True), (-8, False), (-9, True)])
 @pytest.mark.parametrize("pages", [1, 3])
 def test_a_pixel_of_a_quiet_camera_is_hot_beyond_8_counts(pages, excess, hot):
@@ -149,9 +143,6 @@ def test_the_limit_for_noisy_pixels_is_a_chance_of_1e_7(amplitude, pages, share,
     darks = reduce_darks(1000.0 + sign * swing for sign in np.resize([1, -1], pages))
     assert darks.bad[30, 40] == noisy
     assert darks.bad.sum() == int(noisy)
-
-
-# frames of the dry joint
 
 
 def test_mean_light_and_its_share_of_the_light_of_the_run(simulated):

@@ -21,9 +21,6 @@ def reduce(pages, *, dark=DARK, histogram=EMPTY):
     return reduce_flats(pages, dark=dark, histogram=histogram, camera="camera2")
 
 
-# light levels
-
-
 @pytest.mark.parametrize(
     ("lights", "counts"),
     [
@@ -47,9 +44,6 @@ def test_pages_are_scaled_to_the_first_of_their_level():
     # single precision rounds 1000 DN by 6e-5 DN, the noise of a camera is above 0.3 DN
     npt.assert_allclose(stack.mean, 1000, rtol=6e-8)
     npt.assert_allclose(stack.variance, 0, atol=6e-5**2)
-
-
-# saturation
 
 
 @pytest.mark.parametrize(("saturated", "kept"), [(0, 1), (3, 1), (4, 0)])
@@ -77,9 +71,6 @@ def test_flats_below_a_fiftieth_of_full_scale_are_refused(light):
 def test_a_page_without_light_is_left_out(first):
     (stack,), _ = reduce([page(first), page(1000), page(1000)])
     npt.assert_array_equal(stack.mean, 1000)
-
-
-# response
 
 
 def field(total, *, pages=1, dark_var=0.0, bad=None, gain=4.0, page_var=0.0):

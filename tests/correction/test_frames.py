@@ -25,9 +25,6 @@ def flat_frame(counts=1064, shape=SHAPE):
     return np.full(shape, counts)
 
 
-# values
-
-
 def test_signal_is_light_above_dark_over_the_response():
     flat, dark = np.linspace(0.5, 1.5, 30), np.linspace(60.0, 90.0, 24)[:, None]
     corrected = correct_frames(
@@ -53,9 +50,6 @@ def test_variances_are_those_of_each_camera_in_closed_form():
         npt.assert_allclose(corrected.signal_var_fixed[n, 0], fixed, rtol=1e-6)
 
 
-# flags
-
-
 @pytest.mark.parametrize(
     ("counts", "least", "flag"),
     [
@@ -76,9 +70,6 @@ def test_saturated_and_dim_pixels_are_flagged_by_their_counts(counts, least, fla
     assert (corrected["flags"] == flag).all()
 
 
-# bad pixels
-
-
 @pytest.mark.parametrize("reach", [1, 2, 4, 5])
 def test_a_defect_is_filled_from_up_to_five_rings(reach):
     """The middle of a square of 2 n + 1 bad pixels is n + 1 rings from the nearest good ones."""
@@ -90,9 +81,6 @@ def test_a_defect_is_filled_from_up_to_five_rings(reach):
     filled = correct_frames(make_frames(image), references).signal.values[0, 0]
     npt.assert_allclose(filled[12, 15], 2000 if reach < 5 else 2936)
     npt.assert_allclose(filled[12 - reach, 15], 2000)
-
-
-# scatter
 
 
 def test_variance_matches_the_scatter_of_corrected_counts(simulated, check_coverage):
@@ -110,9 +98,6 @@ def test_variance_matches_the_scatter_of_corrected_counts(simulated, check_cover
     # a variance of 400 values is known to 7 %, the mean over 720 pixels to 0.26 %
     assert abs(ratio.mean() - 1) < 4 * np.sqrt(2 / 399 / ratio.size)
     npt.assert_allclose(signal.mean(), truth.mean(), rtol=1e-3)
-
-
-# light that is not film
 
 
 def test_background_is_scaled_by_the_pulse_energy_between_dark_and_flat():

@@ -82,9 +82,6 @@ def test_a_response_that_falls_short_bends_the_curve_three_times_as_much():
     assert np.std(bends) < 1.3 * np.mean(stds)
 
 
-# response
-
-
 def test_response_spread_is_that_of_the_pixels_without_lens_and_noise():
     rng = np.random.default_rng(17)
     shape = (128, 160)
@@ -106,9 +103,6 @@ def test_noise_above_the_spread_gives_zero_and_too_many_bad_pixels_give_nan():
     bad = none.copy()
     bad[1::3, 1::3] = True  # every pixel is bad or has a bad neighbour
     assert np.isnan(measure_response_spread(flat, np.zeros(flat.shape), bad))
-
-
-# closed forms
 
 
 def levels_on_a_line(*, gain, dark, lights=(500.0, 1500.0, 3000.0), std=1.0, square=0.0, scale=1.0):

@@ -49,9 +49,6 @@ def summary_of(cameras):
     return str(cameras.notes[0])
 
 
-# measured
-
-
 def test_gain_and_read_noise_are_those_of_the_camera(measured):
     references = combine(measured).references
     assert references.camera.values.tolist() == [1, 2]
@@ -96,9 +93,6 @@ def test_images_and_characteristics_have_their_values(camera, measured):
     assert references.dark.dtype == np.float32
 
 
-# declared
-
-
 @pytest.mark.parametrize(("factor", "reported"), [(0.8, True), (0.93, False), (1.2, True)])
 def test_declared_values_that_deviate_by_more_than_10_percent_are_reported(
     measured, factor, reported
@@ -138,9 +132,6 @@ def test_read_noise_below_the_rounding_is_measured_as_zero(camera):
     npt.assert_array_equal(references.read_noise_measured, 0.0)
     npt.assert_array_equal(references.read_noise, 0.2)
     npt.assert_allclose(combine(quiet).references.read_noise, 0.0)
-
-
-# estimated and assumed
 
 
 def test_gain_without_flats_and_read_noise_without_darks_are_assumed(camera):
@@ -198,9 +189,6 @@ def test_measured_and_declared_values_take_precedence_over_an_estimate(measured,
     npt.assert_array_equal(bare.references.gain, 5.0)
     npt.assert_array_equal(bare.references.read_noise, 7.0)
     assert np.isnan(bare.references.gain_measured).all()
-
-
-# saturation and linearity
 
 
 def test_saturation_below_full_scale_is_reported_and_used(simulated):

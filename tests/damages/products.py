@@ -101,7 +101,6 @@ def _history(content):
 
 # further numbers that no fit gives are in tests/calibration/test_soundness.py
 CALIBRATIONS = [
-    _calibration("K is NaN", _set("ratio_at_zero", np.nan), "ratio_at_zero", "erlif calibrate"),
     _calibration(
         "half a camera map",
         _without("registration/displacement_y"),
@@ -123,7 +122,6 @@ CALIBRATIONS = [
         *("calibration.nc", "too much time", "erlif calibrate"),
     ),
     _calibration("complex curve", _complex("curve_ratio"), "curve_ratio", "complex"),
-    _calibration("later format", _attribute("format_version", 99), "later version of erlif"),
     _calibration("inverse ratio", _attribute("ratio_direction", "camera1/camera2"), "again"),
     _bytes("cut", "fixture/calibration.nc", lambda d: d[:4000], INTO, "erlif calibrate"),
     _bytes(
@@ -195,11 +193,6 @@ FILMS = [
 ]
 
 
-def _foreign_partial(bench):
-    (bench.run / "film.nc.partial").mkdir()
-    (bench.run / "film.nc.partial" / "thesis.txt").write_text("years of work")
-
-
 def _nothing(bench):
     """Leave the bench as it is: the command line is what is wrong."""
 
@@ -210,19 +203,10 @@ OUTPUTS = [
         lambda b: os.link(b.film, b.run / "film.nc"),
         "process run",
         "--overwrite",
-    ),
-    _state("output: foreign work under its name", _foreign_partial, "process run", "partial"),
+    )
 ]
 
-USAGE = [
-    *(_state(name, _nothing, *row) for name, row in TEXTS["usage"].items()),
-    _state(
-        "usage: scheduler file of nonsense",
-        lambda b: b.write(b.directory / "dask.json", "[" * 100_000),
-        "process run --scheduler dask.json",
-        "dask scheduler --scheduler-file",
-    ),
-]
+USAGE = [*(_state(name, _nothing, *row) for name, row in TEXTS["usage"].items())]
 
 
 def _table(name, content, *words):

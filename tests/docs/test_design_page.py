@@ -36,10 +36,7 @@ def tables():
     page = (DOCS / "design.md").read_text(encoding="utf-8")
     start = page.index("### A joint whose dimensions are given")
     further = Path(__file__).with_name("bucket_link_by_hand.md").read_text(encoding="utf-8")
-    return {
-        "boom": ROW.findall(page[:start]),
-        "bucket_link": ROW.findall(page[start:] + further),
-    }
+    return {"boom": ROW.findall(page[:start]), "bucket_link": ROW.findall(page[start:] + further)}
 
 
 @pytest.mark.parametrize("name", ["boom", "bucket_link"])

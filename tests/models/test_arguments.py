@@ -14,7 +14,6 @@ from erlif.models.arguments import (
     require_between,
     require_finite,
     require_increasing,
-    require_not_negative,
     require_poisson,
     require_positive,
     require_single,
@@ -88,14 +87,6 @@ def test_declared_arguments_pass_warn_and_keep_integers():
     assert type(declared(1.0, cells=4)[1]) is int
     with pytest.warns(UnitWarning, match=r"^play = -66\.7 m is implausible"):
         declared(1.0, play=-66.7)
-
-
-def test_missing_values_pass():
-    for require in (require_finite, require_positive, require_not_negative, require_poisson):
-        require(load=[np.nan, 0.25])
-    require_between(0, 1, share=np.nan)
-    require_increasing(pin=1.0, bore=[np.nan, 2.0])
-    warn_of_units("modulus", youngs_modulus=[np.nan, 2e11])
 
 
 def test_values_beyond_the_sizes_of_machines_warn_with_name_value_and_unit():

@@ -289,11 +289,7 @@ DOORS = {
     "Persson": (
         lambda name, *first, **rest: getattr(contact, f"persson_{name}")(*first, **rest),
         (("half_angle", -1.0), "must exceed -2/pi"),
-        (
-            ("load", 2.0),
-            {"play": 1e-4, "youngs_modulus": 2e11},
-            "half_angle must be below 84.8",
-        ),
+        (("load", 2.0), {"play": 1e-4, "youngs_modulus": 2e11}, "half_angle must be below 84.8"),
         (("load", 1.0), {"play": 0.0, "youngs_modulus": 2e11}, "^play must not be zero"),
         (
             ("contact", 1e5),

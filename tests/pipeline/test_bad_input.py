@@ -53,9 +53,6 @@ def test_damaged_frames_are_left_out_on_request_and_have_notes(lab, command):
     assert np.isfinite(film.film_mean.values).tolist() == [False] * 5 + [True]
 
 
-# output
-
-
 @pytest.fixture
 def computed(monkeypatch):
     """Numbers of the triggers in the order in which they are computed."""

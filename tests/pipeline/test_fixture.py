@@ -49,9 +49,6 @@ def test_frames_of_a_film_at_rest_are_combined(prepared):
     npt.assert_allclose(noise[1] / noise[0], 3, rtol=0.2)
 
 
-# the calibration of a run
-
-
 def test_missing_calibration_is_made_from_its_fixture_and_kept(lab, calibration):
     (lab.fixture / "calibration.nc").unlink()
     made, _ = find_calibration(open_run(lab.run), None, progress=silent)

@@ -20,12 +20,6 @@ def test_v_shows_each_stage_once_in_order_with_its_duration(small_rig, tmp_path,
         assert len(re.findall(done, result.stderr)) == 1, name
 
 
-# results
-
-
-# inputs that change
-
-
 @pytest.mark.parametrize("name", ["camera2/frame_0001.tif", "encoder.csv"])
 def test_an_input_replaced_while_it_is_processed_is_refused(lab, monkeypatch, command, name):
     """The frame is replaced between the camera map and its film."""

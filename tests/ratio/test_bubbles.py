@@ -30,17 +30,6 @@ def test_a_pixel_is_dark_below_the_share_of_its_surroundings(level, expected):
     assert find_bubbles(light, light, share=0.25)[31, 41] == expected
 
 
-def test_the_meniscus_is_a_disc_of_3_px_about_the_dark_pixel():
-    light = even_light()
-    light[30, 40] = 0
-    marked = find_bubbles(light, light, share=0.25)
-    y, x = np.indices(light.shape)
-    distance = np.hypot(y - 30, x - 40)
-    assert marked[distance <= 2.5].all()
-    assert not marked[distance > 3.5].any()
-    assert marked[30, 43]
-
-
 def test_unknown_pixels_are_no_bubble():
     light = even_light()
     light[10:40, 10:60] = np.nan

@@ -31,9 +31,6 @@ def grid(columns=8, rows=6):
     return np.stack([x.ravel(), y.ravel()], axis=-1)
 
 
-# matching ---------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize("offset", [(0, 0), (3, 0), (0, -2), (-4, 5)])
 def test_a_whole_offset_is_found_by_every_block(offset):
     dx, dy = offset
@@ -64,8 +61,6 @@ def test_a_peak_on_the_rim_of_the_search_keeps_whole_pixels():
     found = match_blocks(blobs(), blobs(3.4, 0.2), ones(), 3)
     npt.assert_array_equal(found.vectors[:, 0], 3)
 
-
-# agreement --------------------------------------------------------------------------------------
 
 MATRIX = np.array([[0.02, -0.05], [0.04, 0.01]])
 OFFSET = np.array([2.0, -3.0])

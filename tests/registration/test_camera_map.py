@@ -41,9 +41,6 @@ def assert_same(one, other):
         assert getattr(one, name) == getattr(other, name)
 
 
-# the description ----------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize(
     ("kind", "resolution", "stored", "drift", "text"),
     [
@@ -75,9 +72,6 @@ def test_unknown_kind_of_map_is_refused(found, text):
         CameraMap.from_dataset(dataset)
 
 
-# the file -----------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize("missing", [*ARRAYS, "registration_quality", "registration_model_asked"])
 def test_missing_part_of_a_stored_map_is_named(found, missing):
     dataset = found.to_dataset()
@@ -87,9 +81,6 @@ def test_missing_part_of_a_stored_map_is_named(found, missing):
         del dataset.attrs[missing]
     with pytest.raises(RegistrationError, match=f"needs {missing}, which"):
         CameraMap.from_dataset(dataset)
-
-
-# the translation ----------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(("stored", "recorded"), [(False, None), (True, (0.75, 1.25))])

@@ -40,9 +40,6 @@ def views():
     return views_of()
 
 
-# what is found ----------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize(
     "field",
     [
@@ -80,9 +77,6 @@ def test_pixels_without_weight_do_not_decide():
     assert error_of(start, views) < 1.5
 
 
-# the cross-correlation ----------------------------------------------------------------------------
-
-
 def noise_pair(offset=(0, 0), *, weight=None):
     """White noise under two cameras, camera 2 moved by whole pixels around the frame."""
     a = np.random.default_rng(5).standard_normal(SMALL).astype(np.float32)
@@ -113,9 +107,6 @@ def test_offsets_at_which_hardly_any_pixel_is_shared_do_not_count():
     assert Correlator(blind, 0.27).peak(pair.b, 0.0)[0] == 0
 
 
-# orientations -----------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize(
     ("mounted", "expected", "named"),
     [
@@ -132,9 +123,6 @@ def test_a_camera_in_another_orientation_is_named(views, mounted, expected, name
     message = f'in orientation {expected!r} .* Set orientation = "{named}"'
     with pytest.raises(RegistrationError, match=message):
         find_start(Pair(views.reference, seen, None, weight), settings)
-
-
-# refusals ---------------------------------------------------------------------------------------
 
 
 def test_an_offset_within_the_search_range_is_found_and_beyond_it_named():

@@ -49,9 +49,6 @@ def run():
     return frames, map_with(dx, dy, SHAPE)
 
 
-# one frame ----------------------------------------------------------------------------------------
-
-
 def test_error_of_the_drift_agrees_with_its_standard_deviation():
     """Over scenes: part of the error belongs to the texture and is the same in all exposures."""
     pull = []
@@ -115,9 +112,6 @@ def test_frame_that_does_not_fit_is_refused(truth):
         estimate_drift(camera_map, truth.reference[:120], truth.moving[:120])
 
 
-# a stored map -------------------------------------------------------------------------------------
-
-
 def test_map_of_a_turned_camera_is_refused(run):
     """Camera 2 has turned by half a degree since: up to 0.8 px at the edges."""
     frames, camera_map = run
@@ -139,9 +133,6 @@ def test_drift_does_not_depend_on_where_the_search_begins():
         found = estimate_drift(short, truth.reference, truth.moving)
         total.append((found.dx - offset, found.dy))
     npt.assert_allclose(total, [total[0]] * 4, atol=2e-4)
-
-
-# parts --------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("move", [(0, 0), (3, -5), (-FARTHEST, FARTHEST)])

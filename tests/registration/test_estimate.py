@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from scenes.registration import Scene, drifting_frames, expose, smooth_map, vector_rms
 
 from erlif.core.errors import RegistrationError
-from erlif.registration import MapKind, RegistrationSettings, orient, register, register_frames
+from erlif.registration import MapKind, RegistrationSettings, register, register_frames
 from erlif.registration.estimate import (
     check_correlation,
     choose_solution,
@@ -42,9 +42,6 @@ def within_one_std(found, truth):
         [(found.displacement_x - truth.dx)[inside], (found.displacement_y - truth.dy)[inside]]
     )
     return np.abs(errors) < np.tile(found.displacement_std[inside], 2)
-
-
-# the map ------------------------------------------------------------------------------------------
 
 
 def test_a_smooth_map_is_found_within_hundredths_of_a_pixel(views, camera_map):
@@ -132,9 +129,6 @@ def test_waves_that_grow_finer_across_the_field_are_followed_by_windows():
     assert np.sqrt(np.mean((found.displacement_y - truth.dy)[broad] ** 2)) < 0.07
 
 
-# uncertainty --------------------------------------------------------------------------------------
-
-
 @pytest.mark.slow
 def test_two_thirds_of_the_errors_lie_within_one_standard_deviation():
     textures = ({}, {"private": 0.0}, {"contrast": 0.04, "private": 0.0})
@@ -144,9 +138,6 @@ def test_two_thirds_of_the_errors_lie_within_one_standard_deviation():
             truth = Scene(SHAPE, 100 + seed, **texture).photograph(smooth_map(SHAPE))
             hits.append(within_one_std(register(truth.reference, truth.moving), truth).mean())
     assert 0.6 < np.mean(hits) < 0.76  # 12 maps: their mean scatters by 0.03
-
-
-# many frames --------------------------------------------------------------------------------------
 
 
 @pytest.fixture(scope="module")
@@ -199,21 +190,6 @@ def test_only_so_many_frames_make_the_map_but_all_get_a_drift(run):
     _, measured = register_frames(frames, settings=RegistrationSettings(frames_for_map=4))
     assert measured.shape == drift.shape
     assert np.sqrt(np.mean((measured - drift) ** 2)) < 0.03
-
-
-# loud failure -------------------------------------------------------------------------------------
-
-
-def test_a_turned_camera_is_recognised_and_the_advice_works(views, camera_map):
-    mounted = np.ascontiguousarray(orient(views.moving, "rotated_270"))
-    with pytest.raises(RegistrationError, match='orientation = "rotated_90"'):
-        register(views.reference, mounted)
-    turned = RegistrationSettings(orientation="rotated_90")
-    found = register(views.reference, mounted, settings=turned)
-    npt.assert_array_equal(found.displacement_x, camera_map.displacement_x)
-
-
-# the steps ----------------------------------------------------------------------------------------
 
 
 def surface_error(surface, truth):
@@ -276,8 +252,6 @@ def test_a_fine_surface_is_kept_if_windows_leave_no_less(views):
     fine = fit._replace(model=Model((16, 12)), surface=surface)
     assert choose_solution(seen, fine).kind is MapKind.SURFACE
 
-
-# property -----------------------------------------------------------------------------------------
 
 _SCENES = {
     name: Scene(SHAPE, 20 + number, scratches=0, **texture)

@@ -16,9 +16,6 @@ def grid(shape):
     return x, y
 
 
-# the coefficients ---------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize("shape", [(40, 57), (17, 33), (3, 5), (5, 3), (3, 3)])
 def test_coefficients_are_those_of_scipy_with_mirrored_margins(shape):
     image = np.random.default_rng(7).normal(size=shape)
@@ -27,9 +24,6 @@ def test_coefficients_are_those_of_scipy_with_mirrored_margins(shape):
     assert found.dtype == np.float32
     npt.assert_allclose(found[2:-2, 2:-2], truth, atol=2e-5)
     npt.assert_array_equal(found, np.pad(found[2:-2, 2:-2], 2, mode="reflect"))
-
-
-# the warp -----------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("shape", [(61, 83), (16, 200), (5, 4), (3, 3)])
@@ -102,9 +96,6 @@ def test_images_and_displacements_must_be_usable():
         warp(np.ones((9, 9)), np.zeros((9, 9)), np.zeros((9, 8)))
     with pytest.raises(RegistrationError, match="at least 3 by 3"):
         warp(np.ones((2, 9)), np.zeros((9, 9)), np.zeros((9, 9)))
-
-
-# the noise ----------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("fraction", [0.0, 0.1, 0.37, 0.5, 0.82])

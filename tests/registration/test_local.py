@@ -27,9 +27,6 @@ def level_sums(information, dx, dy, shape=SHAPE):
     return sums
 
 
-# windows ------------------------------------------------------------------------------------------
-
-
 def test_window_with_a_fiftieth_of_the_texture_is_too_faint():
     """The median is that of the rest of the field."""
     sums = level_sums(10.0, 0.5, -0.5)
@@ -45,9 +42,6 @@ def test_window_with_a_fiftieth_of_the_texture_is_too_faint():
     blank = solve_windows(0 * sums, 0.7)
     assert not blank.sound.any()
     npt.assert_array_equal(blank.vector, 0)
-
-
-# outliers -----------------------------------------------------------------------------------------
 
 
 def slope(shape=SHAPE):
@@ -75,9 +69,6 @@ def test_vector_that_is_not_sound_is_replaced_and_not_used():
     npt.assert_array_equal(found[:, sound], field[:, sound])
 
 
-# smoothing and interpolation ----------------------------------------------------------------------
-
-
 def test_interpolation_reproduces_quadratics():
     """Catmull-Rom splines do, away from the outer elements."""
     rows, columns = (3.5 + 8 * np.arange(count) for count in (8, 10))
@@ -89,9 +80,6 @@ def test_interpolation_reproduces_quadratics():
     y, x = np.indices((64, 80), dtype=float)
     inner = (slice(12, 52), slice(12, 68))
     npt.assert_allclose(found[inner], quadratic(y, x)[inner], atol=2e-6)
-
-
-# noise --------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(("sigma", "passes"), [(2.26, 1), (2.26, 3), (4.5, 3), (1.2, 2)])
@@ -132,9 +120,6 @@ def test_standard_deviation_of_windows_is_the_scatter_of_their_vectors(sigma):
     ratio = np.mean(np.array(variances)[inner]) / np.mean(np.array(squares)[inner])
     # 6 fields of 2400 cells, some 4 pi sigma^2 of which share a window: 7 % in the variance
     assert ratio == pytest.approx(1, abs=0.2)
-
-
-# what is left -------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("direction", [(1.0, 0.0), (0.0, -1.0), (-0.6, 0.8)])

@@ -39,22 +39,6 @@ def waves(dx=0.0, dy=0.0, seed=3):
     return total.astype(np.float32)
 
 
-# the sums ---------------------------------------------------------------------------------------
-
-
-def test_a_ramp_gives_one_for_each_pixel_and_its_shift():
-    """Gradient 1 and difference 1/4: 64 pixels in a full cell, 6 x 6 in a corner."""
-    ramp = X.astype(np.float32)
-    sums = cell_sums(ramp, ONES, ramp - np.float32(0.25), 8)
-    assert sums.shape == (6, 8, SUMS)
-    for cell, pixels in (((2, 3), 64), ((0, 0), 36), ((0, 3), 48), ((5, 7), 36)):
-        npt.assert_allclose(sums[cell][[GXX, WEIGHT]], pixels, rtol=1e-5)
-        npt.assert_allclose(sums[cell][BX], 0.25 * pixels, rtol=1e-5)
-        npt.assert_allclose(sums[cell][EE], pixels / 16, rtol=1e-5)
-        npt.assert_allclose(sums[cell][CROSS], pixels, rtol=1e-5)
-        npt.assert_allclose(sums[cell][[GXY, GYY, BY]], 0, atol=1e-4)
-
-
 def test_gradients_are_those_of_the_mean_image_and_products_are_summed_over_the_inner_pixels():
     a, b = waves(seed=1), waves(seed=2)
 
@@ -85,9 +69,6 @@ def test_left_over_pixels_belong_to_the_last_cells():
     assert weight[1, -1] == 8 * (50 - 40 - 2)
 
 
-# dust -------------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize("difference", [2.0, 4.0, 8.0])
 def test_a_large_difference_loses_weight(difference):
     """w = 1/(1 + t) with t = (e / 4 rms)^2; the slope of w e is (1 - t) w^2, never negative."""
@@ -100,9 +81,6 @@ def test_a_large_difference_loses_weight(difference):
     npt.assert_allclose(sums[EE], 64 * w * difference**2, rtol=1e-5)
     npt.assert_allclose(sums[GXX], 64 * max(1 - t, 0) * w**2, rtol=1e-5)
     npt.assert_allclose(sums[CROSS], 64 * max(1 - t, 0) * w**2, rtol=1e-5)
-
-
-# what is made of them ---------------------------------------------------------------------------
 
 
 def test_a_shift_solves_the_two_equations():
@@ -138,9 +116,6 @@ def test_moved_sums_are_those_of_the_moved_difference():
     expected = sums_of(e - gx * dx[..., None] - gy * dy[..., None])
     npt.assert_allclose(move_sums(before, dx, dy), expected, atol=1e-12)
     npt.assert_array_equal(before, kept)
-
-
-# noise ------------------------------------------------------------------------------------------
 
 
 def test_noise_of_the_cameras_is_taken_out_of_the_gradient_products():

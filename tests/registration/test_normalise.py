@@ -12,9 +12,6 @@ BOARD = (-1.0) ** (X + Y)  # mean 0 and rms 1 over every cell
 MIDDLE = (slice(40, -40), slice(40, -40))
 
 
-# binning ----------------------------------------------------------------------------------------
-
-
 def test_blocks_are_averaged_and_the_remainder_is_dropped():
     image = np.arange(7 * 10, dtype=np.uint16).reshape(7, 10)
     small, weight = binned(image, None, 3)
@@ -44,9 +41,6 @@ def test_a_pixel_that_is_not_finite_is_left_out_or_takes_its_block_out(value):
     small, sound = binned(image, None, 2)
     npt.assert_array_equal(small, [[0, 7]])
     npt.assert_array_equal(sound, [[0, 1]])
-
-
-# the texture ------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("contrast", [0.02, 0.3])
@@ -86,9 +80,6 @@ def test_light_with_slope_and_bend_is_no_texture_even_at_the_edges():
     # squares of 4 px; no derivative is taken in the outermost two pixels
     slow = (texture - BOARD)[2:-2, 2:-2].reshape(31, 4, 39, 4).mean((1, 3))
     assert np.abs(slow).max() < 0.05  # 0.5 % of the light; a Gaussian mean leaves 17 %
-
-
-# what does not count ----------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(("level", "enters"), [(15.0, False), (30.0, True)])

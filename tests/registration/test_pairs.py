@@ -18,9 +18,6 @@ def image(seed=0, kind=np.uint16, shape=SHAPE):
     return np.random.default_rng(seed).integers(500, 1500, shape).astype(kind)
 
 
-# checks -----------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize(
     "wrong", [image(shape=(63, 80)), np.zeros((64, 80, 3)), np.zeros((64, 80), complex)]
 )
@@ -42,9 +39,6 @@ def test_pixels_that_are_not_finite_lose_their_weight():
     assert pair.weight_moving is None
 
 
-# orientation ------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize("orientation", ORIENTATIONS)
 def test_camera_2_and_its_weight_are_turned_and_camera_1_is_not(orientation):
     one, two = image(1), image(2)
@@ -59,9 +53,6 @@ def test_camera_2_and_its_weight_are_turned_and_camera_1_is_not(orientation):
     assert pair.weight_moving.flags.c_contiguous
 
 
-# textures ---------------------------------------------------------------------------------------
-
-
 def test_pixels_without_weight_are_not_interpolated_over():
     """One bad pixel spoils the four squares of which it is a corner."""
     b = np.random.default_rng(5).normal(size=SHAPE).astype(np.float32)
@@ -70,9 +61,6 @@ def test_pixels_without_weight_are_not_interpolated_over():
     found = laid_over(Textures(b, weight, b, weight).spline(1), half, half, (0.0, 0.0), 1)
     missing = np.argwhere(np.isnan(found[:-1, :-1]))
     npt.assert_array_equal(missing, [[19, 29], [19, 30], [20, 29], [20, 30]])
-
-
-# frames -----------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(

@@ -57,9 +57,6 @@ def noise_only(seed=0, **options):
     return cells_of(0 * x, 0 * x, seed=seed)
 
 
-# what a surface leaves --------------------------------------------------------------------------
-
-
 def test_cells_moved_to_the_true_surface_ask_for_nothing():
     matrix, offset = np.array([[0.01, -0.02], [0.03, 0.005]]), np.array([1.5, -2.0])
     dx, dy = np.tensordot(matrix, grid(), 1) + offset[:, None, None]
@@ -130,9 +127,6 @@ def test_noise_that_reaches_over_cells_counts_as_it_adds_up():
     pairs = rough.sums[::2, ::2].repeat(2, 0).repeat(2, 1)
     same = Cells(pairs, rough.x, rough.y, rough.here_x, rough.here_y, rough.weight)
     npt.assert_allclose(noise_of_scores(same, 0), 4 * disagreement(rough, 1).mean() / 2, rtol=0.15)
-
-
-# the choice -------------------------------------------------------------------------------------
 
 
 def test_a_ripple_gets_elements_of_its_own_scale():

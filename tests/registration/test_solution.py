@@ -66,9 +66,6 @@ def still():
     return views_of(lambda x, y: (0 * x + 0.4, 0 * x - 0.3))
 
 
-# overlap ----------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize(
     ("dx", "dy", "columns", "rows"),
     [(3, 0, (0, 157), (0, 128)), (-3, 0, (3, 160), (0, 128)), (0, 2.5, (0, 160), (0, 125))],
@@ -97,9 +94,6 @@ def test_the_displacement_is_given_eight_pixels_beyond_camera_2(axis, sign):
     assert not overlap[unknown].any()
 
 
-# windows ----------------------------------------------------------------------------------------
-
-
 def test_windows_follow_a_ripple_that_a_plane_misses():
     views = views_of(ripple(0.5, 64.0))
     surface = translation()
@@ -112,9 +106,6 @@ def test_windows_follow_a_ripple_that_a_plane_misses():
     plane = replace(windows, dx=even(0), dy=even(0))
     assert fits_better(views, windows, plane)
     assert not fits_better(views, plane, windows)
-
-
-# the map ----------------------------------------------------------------------------------------
 
 
 @pytest.fixture(scope="module")

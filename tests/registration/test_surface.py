@@ -29,7 +29,6 @@ def basis_functions(start, stop, elements):
 
 
 def field_of(box, seed=1, elements=(3, 2)):
-    """A random spline surface."""
     nx, ny = elements
     rng = np.random.default_rng(seed)
     return Surface(box, rng.normal(size=(2, ny + 3, nx + 3)))
@@ -54,9 +53,6 @@ def make_cells(surface, *, here=(0.0, 0.0), shape=(12, 20), step=8, seed=2, nois
     return Cells(sums, x, y, here[0] * level, here[1] * level, weight)
 
 
-# splines on an axis -------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize("elements", [1, 2, 5])
 def test_design_is_the_b_spline_basis_of_scipy(elements):
     """Beyond the interval the outer elements are continued as polynomials."""
@@ -65,9 +61,6 @@ def test_design_is_the_b_spline_basis_of_scipy(elements):
     npt.assert_allclose(
         found, basis_functions(-4.0, 156.0, elements)(places), rtol=1e-9, atol=1e-12
     )
-
-
-# surfaces -----------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("binning", [1, 2, 4])
@@ -105,9 +98,6 @@ def test_basis_of_a_degree_holds_its_polynomials_only(degree):
         assert (np.abs(left).max() < 1e-10) == (i + j <= degree)
 
 
-# cells --------------------------------------------------------------------------------------------
-
-
 def test_weight_is_the_reciprocal_of_the_larger_variance():
     """Residuals of variance 2 everywhere, but one cell of variance 20 and one of 0.02."""
     sums = np.zeros((8, 9, SUMS))
@@ -120,9 +110,6 @@ def test_weight_is_the_reciprocal_of_the_larger_variance():
     npt.assert_allclose(weight[2, 3], 9 / (8 * 2 + 20))  # its surroundings hold the bad cell
     npt.assert_allclose(weight[5, 6], 9 / (8 * 2 + 0.02))  # not 50: it may match by chance
     npt.assert_allclose(weight[5, 7], 1 / 2)  # its own exceeds that of its surroundings
-
-
-# the fit ------------------------------------------------------------------------------------------
 
 
 def test_normal_equations_are_those_of_dense_least_squares():

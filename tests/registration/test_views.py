@@ -27,9 +27,6 @@ def translated(*offsets, seed=2):
     return [(image, 1000 * (1 + 0.15 * field(x - dx, y - dy)), None, None) for dx, dy in offsets]
 
 
-# cells ------------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize("binning", [1, 2, 4])
 def test_cells_lie_at_the_middle_of_their_full_pixels_and_have_gradients_per_full_pixel(binning):
     """The first cell of 8 binned pixels covers the full pixels 0 to 8 binning - 1."""
@@ -56,9 +53,6 @@ def test_a_surface_needs_sixteen_cells():
         make_cells(sums, 8, translation())
 
 
-# one frame --------------------------------------------------------------------------------------
-
-
 def test_spectra_are_measured_on_the_unfiltered_textures():
     views = map_views(translated((0.0, 0.0)))
     sums, _, spectra = views.compare(translation())
@@ -69,9 +63,6 @@ def test_spectra_are_measured_on_the_unfiltered_textures():
     # the derivative needs 2 px on each side, the filter 4, the interpolation 1 at the far side
     assert sums[..., WEIGHT].sum() == (128 - 4) * (160 - 4)
     assert filtered[..., WEIGHT].sum() == (128 - 13) * (160 - 13)
-
-
-# many frames ------------------------------------------------------------------------------------
 
 
 def test_each_frame_is_read_at_its_own_drift_and_the_surface_takes_the_mean():

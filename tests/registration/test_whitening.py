@@ -34,9 +34,6 @@ def spectra(gamma, blocks=10000, power=1.0):
     return Spectra(flat, flat, gamma * flat, blocks)
 
 
-# spectra ----------------------------------------------------------------------------------------
-
-
 def test_white_noise_has_the_power_of_its_variance_under_the_taper():
     """Parseval: each frequency holds variance times the sum of the squared taper."""
     found = measure_spectra(noise(sigma=3), ones(), noise(seed=1))
@@ -81,9 +78,6 @@ def test_blocks_that_lack_a_tenth_of_their_pixels_are_left_out(columns, blocks):
     assert measure_spectra(noise((128, 128)), ones((128, 128)), b).blocks == blocks
 
 
-# the filter -------------------------------------------------------------------------------------
-
-
 def knapp_carter(gamma):
     """Root of C/((1 - C) |S12|) for unit power, C = gamma^2."""
     return np.sqrt(gamma**2 / (1 - gamma**2) / gamma)
@@ -116,9 +110,6 @@ def test_few_blocks_and_unrelated_textures_give_no_filter():
         assert make_filter(one) is None
 
 
-# the filter on images ---------------------------------------------------------------------------
-
-
 def test_weight_ends_where_the_filter_reaches_beyond_the_frame():
     weight = ones()
     weight[50, 60] = 0
@@ -127,9 +118,6 @@ def test_weight_ends_where_the_filter_reaches_beyond_the_frame():
     assert inner.sum() == inner.size - 1
     assert kept.sum() == inner.sum()
     assert weight.sum() == weight.size - 1
-
-
-# the slope of the score -------------------------------------------------------------------------
 
 
 def at(*places):

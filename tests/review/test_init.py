@@ -393,10 +393,7 @@ def write_log(name, text):
     ("change", "words"),
     [
         (lambda folder: shutil.rmtree(folder / "cam2_610nm"), ["one camera only"]),
-        (
-            lambda folder: photograph(folder, *frames("cam3_640nm/{}.tif")),
-            ["3 groups of frames"],
-        ),
+        (lambda folder: photograph(folder, *frames("cam3_640nm/{}.tif")), ["3 groups of frames"]),
         (
             lambda folder: (folder / "cam2_610nm" / "2.tif").unlink(),
             ["camera1 has 4 frames, camera2 has 3"],

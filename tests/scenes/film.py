@@ -16,6 +16,7 @@ from erlif.core.flags import FLAG_ATTRS, Flag
 from erlif.io.files import open_film
 from erlif.io.settings import RunSettings, read_run_settings, to_toml
 from erlif.registration import CameraMap, MapKind
+from scenes.four_bar import Solver
 
 ROWS, COLUMNS, TRIGGERS = 64, 80, 6
 PITCH = 0.2  # mm
@@ -77,22 +78,17 @@ def true_ratio(thickness: np.ndarray) -> np.ndarray:
     return K * (P / Q) * (1 - np.exp(-Q * thickness)) / (1 - np.exp(-P * thickness))
 
 
+LINKAGE = Solver((0.055, 0.44, 0.26, 0.51))
+
+
 def rocker_angle(crank: np.ndarray) -> np.ndarray:
-    """Interior rocker angle [degree] by the law of cosines on both sides of the diagonal."""
-    a, b, c, d = 0.055, 0.44, 0.26, 0.51
-    t = np.radians(crank)
-    x, y = a * np.cos(t), a * np.sin(t)
-    diagonal = np.hypot(d - x, y)
-    return np.degrees(
-        np.arccos((diagonal**2 + c**2 - b**2) / (2 * diagonal * c)) + np.arctan2(y, d - x)
-    )
+    """Interior rocker angle. [degree]"""
+    return np.degrees(LINKAGE.rocker_angle(np.radians(crank)))
 
 
 def rocker_speed(crank: np.ndarray) -> np.ndarray:
-    """Rocker speed [rad/s] by central differences of the angle."""
-    step = 1e-3
-    change = rocker_angle(crank + step) - rocker_angle(crank - step)
-    return change / (2 * step) * 114 * math.pi / 30
+    """Rocker speed at 114 rpm. [rad/s]"""
+    return LINKAGE.speed(np.radians(crank)) * 114 * math.pi / 30
 
 
 def true_film() -> np.ndarray:
@@ -193,10 +189,7 @@ def make_film(directory: Path) -> Path:
         film[f"speed_exponent{suffix}"] = ((), power, attrs)
         film[f"speed_exponent{suffix}_std"] = ((), 0.01)
     film.film_theory.attrs.update(
-        regime="isoviscous-rigid",
-        reason="the largest governs",
-        long_name="steady film",
-        notes="",
+        regime="isoviscous-rigid", reason="the largest governs", long_name="steady film", notes=""
     )
     film.film_predicted_min.attrs.update(
         regime="transient Reynolds, pin free sideways",

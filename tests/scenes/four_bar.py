@@ -42,16 +42,9 @@ class Solver:
 
     def speed(self, crank_angle):
         """Rate of the rocker angle, by a difference of sixth order."""
-        step = 2e-3
-        weights = {1: 45, 2: -9, 3: 1}
-        return sum(
-            w
-            * (
-                self.rocker_angle(crank_angle + k * step)
-                - self.rocker_angle(crank_angle - k * step)
-            )
-            for k, w in weights.items()
-        ) / (60 * step)
+        step, angle = 2e-3, self.rocker_angle
+        weights = {1: 45, 2: -9, 3: 1, -1: -45, -2: 9, -3: -1}
+        return sum(w * angle(crank_angle + k * step) for k, w in weights.items()) / (60 * step)
 
     def speed_ratio(self):
         return max(self.extreme(self.speed, 1)[1], -self.extreme(self.speed, -1)[1])

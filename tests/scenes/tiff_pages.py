@@ -13,7 +13,6 @@ def rewrite(path, change):
 
 
 def write_pages(path, pages):
-    """Write images as the pages of one TIFF."""
     with tifffile.TiffWriter(path) as file:
         for page in pages:
             file.write(page, contiguous=False, metadata=None, photometric="minisblack")

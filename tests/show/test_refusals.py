@@ -27,10 +27,7 @@ UNKNOWN = PRESSURE.assign(peak_pressure=float("nan") * PRESSURE.peak_pressure)
             "prediction; this one has none",
         ),
         (lambda: plots.pressure_map(PRESSURE, trigger=3), "Expected a trigger from 0 to 2"),
-        (
-            lambda: plots.pressure_figure(UNKNOWN),
-            r"known at no trigger\. made by formula",
-        ),
+        (lambda: plots.pressure_figure(UNKNOWN), r"known at no trigger\. made by formula"),
         (lambda: plots.pin_orbit(PLACELESS), r"\[joint\]"),
         (lambda: plots.closest_film(scene.without_valid_pixels(FILM)), r"\[joint\]"),
         (lambda: plots.gap_curvature(FILM.isel(trigger=[0])), r"\[joint\]"),

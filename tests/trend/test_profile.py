@@ -67,9 +67,6 @@ def white_noise(seed, std=NOISE):
     return std * np.random.default_rng(seed).standard_normal((ROWS, COLUMNS))
 
 
-# the profile
-
-
 def test_profile_averages_the_axial_extent_of_the_region():
     """Rows outside are 5 um thicker; a tilt averages to its value at the middle row."""
     tilt = np.where(INSIDE, 0.02 * (Y - Y[INSIDE].mean()), 5.0)
@@ -157,9 +154,6 @@ def test_sliding_along_y_gives_the_same_profile():
     npt.assert_allclose(two.thickness, one.thickness, rtol=1e-6)
     npt.assert_array_equal(two.position, one.position)
     assert two.position.attrs["long_name"] == "y, sliding"
-
-
-# the gap of rigid bodies
 
 
 def fit(film):

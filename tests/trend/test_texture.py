@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from erlif.core.terms import TERMS
 from erlif.ratio.cells import LightCells, cell_centres
 from erlif.show.plots import example_calibration
 from erlif.trend import GapShape, Region, find_texture
@@ -78,8 +77,3 @@ def test_error_of_mean_and_minimum_is_that_of_fits_to_drawn_fields(along_x):
     )
     np.testing.assert_allclose([mean, edge], [fields.mean(axis=1).std(), at_edge.std()], rtol=0.15)
     assert unknown == mean
-
-
-def test_a_term_of_the_budget_names_it():
-    assert TERMS["texture"].cure
-    assert not TERMS["texture"].file

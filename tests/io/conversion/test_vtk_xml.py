@@ -82,12 +82,6 @@ def test_any_name_of_a_column_stays_text(film, tmp_path):
 RADIUS = 33.36  # mm, of the pin of the example
 
 
-def test_every_pixel_is_one_radius_from_the_axis_of_the_pin(film):
-    points = find_surface(film)
-    npt.assert_allclose(np.hypot(points[..., 0], points[..., 2]), RADIUS, rtol=1e-12)
-    npt.assert_allclose(points[:, 5, 1], -film.y.values)
-
-
 def test_arcs_on_the_surface_are_the_positions_along_sliding(film):
     points = find_surface(film)[0]
     chord = np.linalg.norm(np.diff(points, axis=0), axis=1)

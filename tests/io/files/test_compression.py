@@ -71,13 +71,6 @@ def test_rounding_is_to_the_nearest_and_ties_go_to_the_even_value():
     assert round_map(values, values, 0.25).tolist() == [1.0, 1.0, 1.0, 1.25, 1.5, 2.0]
 
 
-def test_step_is_a_power_of_two_up_to_a_fifth_of_the_standard_deviation():
-    """0.2 of 0.4 um is 0.08 um, the power of two below it 1/16 um."""
-    values = np.linspace(4, 5, 1001, dtype=np.float32)
-    rounded = round_map(values, np.full_like(values, 0.4), 0.2)
-    assert sorted(set(rounded.tolist())) == [4 + k / 16 for k in range(17)]
-
-
 def test_rounding_shifts_no_mean():
     """Mean error of a million pixels, against that of errors spread evenly over a step."""
     rng = np.random.default_rng(3)

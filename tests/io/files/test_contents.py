@@ -15,15 +15,11 @@ from erlif.io.files import (
     region_of,
     settings_of,
 )
-from erlif.io.settings import read_run_settings, to_toml
+from erlif.io.settings import to_toml
 
 
 def triggers(speed, stroke):
     return xr.Dataset({"rocker_speed": ("trigger", speed), "stroke": ("trigger", stroke)})
-
-
-def test_the_settings_of_the_run_come_back(small_rig, opened):
-    assert settings_of(opened) == read_run_settings(small_rig.run)
 
 
 def test_the_region_is_that_of_the_settings(small_rig, opened):

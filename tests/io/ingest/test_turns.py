@@ -47,10 +47,7 @@ def open_pages(tmp_path, pages):
     [
         (lambda pages: exchange(pages, 7), r"run.tif\[14\], run.tif\[15\] are exchanged"),
         (lambda pages: exchange(pages, 0), r"run.tif, run.tif\[1\] are exchanged"),
-        (
-            lambda pages: exchange(pages, 3, 9, 21),
-            r"run.tif\[6\], .*\[18\], .* and 2 more",
-        ),
+        (lambda pages: exchange(pages, 3, 9, 21), r"run.tif\[6\], .*\[18\], .* and 2 more"),
         (lambda pages: exchange(pages, *range(20, PAIRS)), r"from run.tif\[40\] on they"),
         (lambda pages: exchange(pages, PAIRS - 1), r"from run.tif\[78\] on they"),
         (lambda pages: np.delete(pages, 30, axis=0), r"from run.tif\[30\] on .* missing"),

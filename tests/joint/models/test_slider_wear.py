@@ -252,10 +252,7 @@ def test_general_joint_wears_on_both_sides_of_the_bushing():
 
 
 SOFT = replace(PTFE, pin_specific_wear=0.0)
-LOOSE = {
-    "linkage": replace(LINKAGE, clearance=1e-4),
-    "joint": replace(SOFT, thickness=1e-3),
-}
+LOOSE = {"linkage": replace(LINKAGE, clearance=1e-4), "joint": replace(SOFT, thickness=1e-3)}
 
 
 @pytest.mark.parametrize(

@@ -36,11 +36,7 @@ def section():
     """Four elements of a bushing with a step."""
     axes = {"z": [1.0, 3.0, 1.0, 3.0], "r": [10.0, 10.0, 12.0, 12.0]}
     return xr.Dataset(
-        {
-            "von_mises": ("point", [1e8, 4e8, 1e5, 2e8]),
-            "peak_r": 10e-3,
-            "peak_z": 3e-3,
-        },
+        {"von_mises": ("point", [1e8, 4e8, 1e5, 2e8]), "peak_r": 10e-3, "peak_z": 3e-3},
         {name: ("point", np.array(values) * 1e-3) for name, values in axes.items()}
         | {name: ("point", np.full(4, 2e-3)) for name in ("width_r", "width_z")},
     )

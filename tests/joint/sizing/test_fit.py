@@ -16,15 +16,6 @@ def gold(**changes):
     return altered(altered(bushing=bronze, housing=steel, **rings), **changes)
 
 
-@pytest.mark.parametrize("play", [0.0, -30e-6])
-def test_no_play_and_interference_are_reported_as_outside(play):
-    assessment = assessed(play=play, interference=0.0)
-    relative = assessment.step("relative_play")
-    assert relative.state == "outside"
-    assert relative.present == pytest.approx(1e3 * play / 0.08)
-    assert assessment.step("pressure_peak").holds
-
-
 @pytest.mark.parametrize("expansion", [12e-6, 100e-6])
 def test_a_bushing_grows_into_its_bore_and_the_least_play_allows_for_it(expansion):
     """A wall of 10 mm, held by its housing, at 40 K: none for steel, 40 um a side for nylon."""

@@ -50,12 +50,6 @@ def test_only_what_is_missing_is_asked_for():
     assert assessed(pin={"conductivity": None}).step("temperature").missing.endswith("of [pin]")
 
 
-def test_limits_of_the_bushing_govern_where_they_are_known():
-    assessment = assessed(bushing={"speed": 0.01, "pv": 0.05e6})
-    assert assessment.step("speed").state == assessment.step("pv").state == "fails"
-    assert assessed(bushing={"pv": None}).step("pv").state == "result"
-
-
 def test_the_friction_moment_is_force_times_radius():
     step = assessed().step("friction_moment")
     assert (step.unit, step.present) == ("N m", pytest.approx(0.1 * 100e3 * 0.04))

@@ -54,9 +54,3 @@ def test_a_lock_without_load_has_the_size_of_its_plate():
     chosen = size_lock(joint, joint.lock)
     assert chosen.screw_diameter == chosen.height == chosen.end_width == 10e-3
     assert assessed(joint, lock=chosen).step("lock_screw").margin == math.inf
-
-
-def test_a_screw_of_unknown_strength_is_a_result_and_no_lock_has_no_steps():
-    assert assessed(with_lock()).step("lock_screw").state == "result"
-    keys = {step.key for step in assessed(lock=None).steps}
-    assert not keys & {"lock_screw", "weld", "prong", "plate"}

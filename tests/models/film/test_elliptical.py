@@ -7,10 +7,7 @@ import xarray as xr
 from scenes.pin_joint import STEEL
 
 from erlif.core.errors import RangeWarning
-from erlif.models.film import (
-    elliptical_contact_film,
-    hamrock_dowson_film,
-)
+from erlif.models.film import elliptical_contact_film, hamrock_dowson_film
 
 BALL = {
     "load": 100.0,

@@ -6,9 +6,7 @@ import pytest
 import xarray as xr
 from scenes.pin_joint import ACRYLIC, LBF, LENGTH, MAP, thesis_case
 
-from erlif.models.film import (
-    line_contact_film,
-)
+from erlif.models.film import line_contact_film
 
 
 @pytest.mark.parametrize(("modulus", "load", "gE", "gV", "films", "regime"), MAP)

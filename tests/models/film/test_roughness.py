@@ -4,10 +4,7 @@ import numpy as np
 import numpy.testing as npt
 import xarray as xr
 
-from erlif.models.film import (
-    film_parameter,
-    lubrication_regimes,
-)
+from erlif.models.film import film_parameter, lubrication_regimes
 
 
 def test_overlapping_regimes_of_the_thesis():

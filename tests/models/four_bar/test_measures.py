@@ -24,18 +24,6 @@ from erlif.models.four_bar.measures import (
 RIG = Links(0.055, 0.44, 0.26, 0.51)  # Farzaneh (2002), appendix A.2
 
 
-def centric(crank, rocker, ground):
-    """Crank and coupler are at right angles to no side: a2 + d2 = b2 + c2."""
-    return Links(crank, np.sqrt(crank**2 + ground**2 - rocker**2), rocker, ground)
-
-
-def test_swing_of_a_centric_crank_rocker():
-    """The rocker pin is on one line with the crank pivot at both ends: the chord is two cranks."""
-    links = centric(0.1, 0.3, 0.5)
-    npt.assert_allclose(swing(links), 2 * np.arcsin(0.1 / 0.3), rtol=1e-14)
-    npt.assert_allclose(stroke_excess(links), 0, atol=1e-14)
-
-
 def test_transmission_angle_is_extreme_with_the_crank_in_line(solver, draw_linkage):
     rng = np.random.default_rng(3)
     for _ in range(20):

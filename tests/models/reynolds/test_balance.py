@@ -60,10 +60,7 @@ def test_newton_step_uses_the_derivatives_of_the_balance(speed, changes):
         slope = (errors[0] - errors[1]) / (2 * size)
         i, k = cell
         npt.assert_allclose(slope[cell], links.centre[cell], rtol=2e-5)
-        for row, link in (
-            ((i - 1, k), links.following),
-            (((i + 1) % 24, k), links.previous),
-        ):
+        for row, link in (((i - 1, k), links.following), (((i + 1) % 24, k), links.previous)):
             wanted = slope[row] if unknown[row] else 0.0
             npt.assert_allclose(link[row], wanted, rtol=2e-5, atol=1e-9 * abs(slope[cell]))
 

@@ -18,10 +18,6 @@ import numpy as np
 import numpy.testing as npt
 import pytest
 from scipy.integrate import solve_ivp
-from scipy.interpolate import RectBivariateSpline
-from scipy.optimize import brentq
-from scipy.sparse import diags_array, eye_array, kron
-from scipy.sparse.linalg import splu
 
 from erlif.models.reynolds import Groove, Journal, Motion, solve_journal
 from erlif.models.reynolds.full_film import follow_full_film
@@ -153,21 +149,6 @@ def thinnest(orbit):
     return 1 - abs(orbit).max()
 
 
-def test_load_of_the_engine_is_that_of_its_kinematics():
-    """Work of the gas is the work at the crank: virtual work of a cycle, inertia has none."""
-    crank = np.linspace(-np.pi, 3 * np.pi, 200001)
-    turned, load = big_end(crank)
-    pin = CRANK * np.exp(1j * crank)
-    force = -load * np.exp(-1j * rod_angle(crank))  # of the rod on the pin, seen from the engine
-    torque = np.imag(np.conj(pin) * force)
-    swept = np.pi / 4 * BORE**2 * 2 * CRANK / (COMPRESSION - 1) * volume(crank)
-    work = np.trapezoid(gas_pressure(crank), swept)
-    npt.assert_allclose(np.trapezoid(torque, crank), work, rtol=1e-4)
-    assert np.ptp(np.unwrap(np.angle(load))) > 2 * np.pi  # the load turns
-    assert abs(load).max() > 5 * abs(load).min()
-    npt.assert_allclose(turned[-1] - turned[0], 4 * np.pi)
-
-
 def test_full_film_follows_the_mobility_of_a_short_bearing():
     exact = mobility_orbit(full_velocity)
     found = solved_orbit("short", (256, 6), [], FULL)
@@ -207,88 +188,6 @@ def test_half_film_is_approached_as_cavities_are_refilled():
     assert apart[0] > 0.2
     assert apart[1] < apart[0] / 2
     assert apart[2] < apart[1] / 2
-
-
-def film_with_ends(eccentricity, directions, around=128, along=5):
-    """Forces of a half film with ends for unit velocities, in eta L (R/c)^3; L/D = 0.25.
-
-    Of div(H^3 grad p) = -12 v . n at p >= 0, without a memory: cells of equal width in Sommerfeld's
-    variable, on half the length. Squares at p = 0 on the ends are 1 / (2 along^2) too large.
-    """
-    width, root = 2 * np.pi / around, np.sqrt(1 - eccentricity**2)
-    centre, face = ((np.arange(around) + shift) * width for shift in (0.5, 0.0))
-    swell = 1 + eccentricity * np.cos(centre)
-    normal = np.array([np.cos(centre) + eccentricity, root * np.sin(centre)]) / swell
-    area = root / swell * width
-
-    # flow round the pin, and out of the ends
-    conductance = root**5 / (1 + eccentricity * np.cos(face)) ** 2 / width
-    ahead = np.roll(conductance, -1)
-    links = [conductance[1:], conductance[:1]]
-    ring = diags_array(
-        [conductance + ahead, -links[0], -links[0], -links[1], -links[1]],
-        offsets=[0, 1, -1, around - 1, 1 - around],
-    )
-    out = np.r_[1.0, np.full(along - 2, 2.0), 3.0]
-    ends = diags_array([out, -np.ones(along - 1), -np.ones(along - 1)], offsets=[0, 1, -1])
-    ends = ends * (2 * along * RADIUS / LENGTH["quarter"]) ** 2
-    gap = diags_array((root**2 / swell) ** 3 * area)
-    matrix = (kron(ring, eye_array(along)) + kron(gap, ends)).tocsr()
-
-    forces = []
-    for direction in directions:
-        source = 12 * area * (np.array([np.cos(direction), np.sin(direction)]) @ normal)
-        source, full = np.repeat(source, along), np.repeat(source > 0, along)
-        for _ in range(60):
-            last, pressure = full, np.zeros(source.size)
-            inside = matrix[full][:, full].tocsc()
-            pressure[full] = splu(inside).solve(source[full])
-            full = np.where(full, pressure > 0, matrix @ pressure < source)
-            if np.array_equal(full, last):
-                break
-        else:
-            raise AssertionError(eccentricity, direction)
-        mean = pressure.reshape(around, along).mean(axis=1)
-        forces.append((mean * area * normal).sum(axis=1))
-    return np.array(forces) / (1 + 0.5 / along**2)
-
-
-def half_velocity_with_ends():
-    """Velocity from place and force by a table of forces over film and direction of motion."""
-    thin, directions = np.linspace(0.05, 4.2, 24), np.linspace(0, np.pi, 25)
-    tabled = np.array([film_with_ends(-np.expm1(-one), directions) for one in thin])
-    powers = np.array([2.0, 1.5])
-    tabled *= (1 - np.expm1(-thin) ** 2)[:, None, None] ** powers  # nearly even over the film
-    tables = np.moveaxis(tabled, -1, 0)
-    splines = [RectBivariateSpline(thin, directions, one, s=0) for one in tables]
-
-    def velocity(eccentricity, force):
-        film, rest = -np.log1p(-eccentricity), 1 - eccentricity**2
-        side = np.sign(force[1]) or 1.0
-
-        def unit(direction):
-            each = [float(one.ev(film, direction)) for one in splines]
-            return np.array(each) * rest**-powers
-
-        def across(direction):
-            along, beside = unit(direction)
-            return along * abs(force[1]) - beside * force[0]
-
-        direction = brentq(across, 0.0, np.pi, xtol=1e-10)
-        size = np.hypot(*force) / np.hypot(*unit(direction))
-        return size * np.array([np.cos(direction), side * np.sin(direction)])
-
-    return velocity
-
-
-def test_half_film_with_ends_is_the_film_that_has_no_memory():
-    """At L/D = 0.25: a quarter below that of a short bearing, and memory and lines take 1 %."""
-    unit = VISCOSITY * LENGTH["quarter"] * RADIUS**3 / CLEARANCE**2
-    found = thinnest(solved_orbit("quarter", (256, 8), lines(2), 0.0))
-    exact = thinnest(mobility_orbit(half_velocity_with_ends(), unit))
-    npt.assert_allclose(found / exact, 0.99, atol=0.01)
-    assert found < exact  # as in Yu and Sawicki (2002)
-    npt.assert_allclose(exact / thinnest(mobility_orbit(half_velocity)), 0.762, atol=0.005)
 
 
 @pytest.mark.parametrize("turning", [0.5, 1.0])

@@ -38,12 +38,6 @@ def test_each_audit_has_a_name_of_its_own():
     assert len({audit.name for audit in AUDITS}) == len(AUDITS)
 
 
-def test_the_catalogue_is_large_and_each_mistake_has_a_name_of_its_own():
-    names = [mistake.name for mistake in MISTAKES]
-    assert len(set(names)) == len(names) >= 150
-    assert set(CHOSEN) <= set(names)
-
-
 USUAL = "the course of the minimum film is not that of a"
 """A warning of rigs whose film is a formula."""
 

@@ -21,11 +21,7 @@ def power_law():
     nothing = np.zeros(3)
     results = [
         make_result(
-            minimum=3 * value**0.62,
-            mean=6 * value**0.4,
-            random=0.01,
-            surface=0.0,
-            gradient=nothing,
+            minimum=3 * value**0.62, mean=6 * value**0.4, random=0.01, surface=0.0, gradient=nothing
         )
         for value in speed
     ]

@@ -24,13 +24,7 @@ from erlif.pipeline.physics.systematics import (
     with_scale_of_patch,
 )
 from erlif.show.plots import example_calibration
-from erlif.trend import (
-    BackgroundEstimate,
-    CourseChange,
-    FittedNumbers,
-    PinPosition,
-    Trend,
-)
+from erlif.trend import BackgroundEstimate, CourseChange, FittedNumbers, PinPosition, Trend
 
 PLAIN = example_calibration()
 CURVE = RunCurve.of(PLAIN)

@@ -64,10 +64,7 @@ RESULTS = "film_hamrock_dowson, film_theory"
             ("sliding_speed",),
             ("encoder", "mechanism", "joint"),
             {"contact": BALL},
-            {
-                "column angle_deg": "",
-                "column load_N": 'load = "20 N" to [contact]',
-            },
+            {"column angle_deg": "", "column load_N": 'load = "20 N" to [contact]'},
         ),
         (MOTION, ("oil",), {}, {"[oil]": f"left out: {RESULTS}. Add [oil]"}),
     ],

@@ -94,19 +94,6 @@ def test_a_directory_named_from_here_has_each_file_once(lab, monkeypatch, tmp_pa
     assert follower._arrived[5].pages[1].path == Path("run/camera2/frame_0005.tif")
 
 
-def test_missing_frames_are_listed_in_words(lab, monkeypatch):
-    monkeypatch.setattr(follow, "_RESCAN", 0.05)
-    lab.frames(2)[2].unlink()
-    follower = Follower(lab.run)
-    with follower.running():
-        wait_until(
-            lambda: (
-                list(follower.faults().values()) == ["camera 2 lacks the partner of frame_0002.tif"]
-            ),
-            follower,
-        )
-
-
 def test_a_row_for_the_page_has_no_value_that_json_lacks():
     pair = LivePair(
         3, "a.tif", 1.0, math.nan, 0.1, 2.0, 0.1, 1.0, (9.0, 8.0), (0.0, 0.0), (math.nan, 0.5)

@@ -7,12 +7,7 @@ import pytest
 from erlif.pipeline.audit.log import Steps
 from erlif.review.check.cameras import PairPicture
 from erlif.review.check.counts import CountSurvey, FrameCounts
-from erlif.show.plots.check import (
-    histogram_figure,
-    light_figure,
-    pair_figure,
-    steps_figure,
-)
+from erlif.show.plots.check import histogram_figure, light_figure, pair_figure, steps_figure
 
 
 @pytest.fixture

@@ -4,9 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from erlif.show.report import (
-    print_budget,
-)
+from erlif.show.report import print_budget
 
 
 @pytest.fixture

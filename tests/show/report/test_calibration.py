@@ -5,18 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scenes.fixture import walled
+from scenes.terminal import line_of
 
 from erlif.calibration.departure import Departure
 from erlif.show import plots
-from erlif.show.report import (
-    describe_calibration,
-)
-
-
-def line_of(text, title):
-    """The text behind a title."""
-    (line,) = [line for line in text.splitlines() if line.startswith(f"  {title} ")]
-    return line.removeprefix(f"  {title}").strip()
+from erlif.show.report import describe_calibration
 
 
 @pytest.fixture

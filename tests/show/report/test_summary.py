@@ -3,18 +3,9 @@
 import numpy as np
 import pytest
 from scenes import film as scene
+from scenes.terminal import line_of
 
-from erlif.show.report import (
-    summarise,
-    summarise_briefly,
-    summarise_in_a_line,
-)
-
-
-def line_of(text, title):
-    """The text behind a title."""
-    (line,) = [line for line in text.splitlines() if line.startswith(f"  {title} ")]
-    return line.removeprefix(f"  {title}").strip()
+from erlif.show.report import summarise, summarise_briefly, summarise_in_a_line
 
 
 def test_thickness_is_given_over_the_cycle(film):

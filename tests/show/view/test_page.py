@@ -131,7 +131,6 @@ def download(page, what, kind):
 
 
 def enter(page, field, value):
-    """Write a value into a field."""
     page.fill(field, f"{value}")
     page.press(field, "Enter")
 

@@ -86,11 +86,7 @@ def test_rows_keep_their_numbers(tmp_path):
 
 def test_init_sees_the_log(tmp_path):
     found = propose_log([write_lvm(tmp_path / "a.lvm")], 6)
-    assert found.columns == {
-        "angle": "Encoder [deg]",
-        "time": "X_Value [s]",
-        "load": "Force [N]",
-    }
+    assert found.columns == {"angle": "Encoder [deg]", "time": "X_Value [s]", "load": "Force [N]"}
 
 
 def test_a_log_in_time_needs_no_settings(tmp_path):
