@@ -145,7 +145,9 @@ def late(rig: Path, count: int, since: int = 0) -> None:
         for name, cells in table.columns.items():
             if name != "frame":
                 table.columns[name] = [cells[n % size] for n in order]
-        time = np.round(time[order % size] + TURN * (order // size), 6)
+        # of one turn of the crank, or of all rows of another rig
+        again = TURN if np.ptp(time) < TURN else np.ptp(time) + np.median(np.diff(time))
+        time = np.round(time[order % size] + again * (order // size), 6)
         table.put("time_s", time - min(time.min(), 0.0))
 
 
@@ -202,7 +204,8 @@ def lost(rig: Path, first: int, count: int) -> None:
             path.rename(path.with_name(f"frame_{n:04d}.tif"))
     with log_of(rig) as table:
         table.columns = {name: cells[:-count] for name, cells in table.columns.items()}
-    setting(("triggers_per_cycle = ", "# "))(rig)
+    if "triggers_per_cycle" in (rig / "run" / "run.toml").read_text(encoding="utf-8"):
+        setting(("triggers_per_cycle = ", "# "))(rig)
 
 
 @change

@@ -41,6 +41,8 @@ _SWING, _SIGNIFICANT = 0.007, 5.0
 
 _WHOLE = 0.8  # of a turn, from which on both ends of the swing are near
 
+_SMALL = 0.2  # of the swing of the linkage, below which the unit of the readings is wrong
+
 _ROOM = 0.3  # by which the neighbours of an odd reading may depart from half of it
 
 
@@ -61,8 +63,9 @@ def note_crank(evidence: Evidence) -> Iterator[Note]:
     reading = np.asarray(located.encoder_angle.values, float)[:_MOST]
     if reading.size < _FEWEST or evidence.mounting:
         return
-    if "time" not in run.log:
-        yield from _note_odd_steps(reading)
+    small = list(_note_small_swing(run, reading))
+    if small or "time" not in run.log:
+        yield from small or _note_odd_steps(reading)
         return
 
     time = np.asarray(run.log["time"].values, float)[:_MOST]
@@ -97,6 +100,25 @@ def note_crank(evidence: Evidence) -> Iterator[Note]:
         )
     if first is not None and not odd and not slips:
         yield from _note_swing(run, first)
+
+
+def _note_small_swing(run: Run, reading: Array) -> Iterator[Note]:
+    """Warn of readings that swing by a fraction of the linkage's swing in a turn or more."""
+    links, encoder = run.settings.linkage, run.settings.encoder
+    mounted = "rocker" if encoder is None else encoder.mounted_on
+    if links is None or mounted == "crank" or "time" not in run.log:
+        return
+    turns = links.crank_speed * float(np.ptp(run.log["time"].values)) / (2 * math.pi)
+    low, high = np.degrees(choose_link(build_linkage(links), mounted).limits)
+    seen = float(np.ptp(reading))
+    if turns > _WHOLE and 0 < seen < _SMALL * (high - low):
+        yield warn(
+            "encoder",
+            f"its reading swings by {seen:.3g} deg in {turns:.1f} turns of the crank, the "
+            f"{mounted} of [mechanism] by {high - low:.2f} deg, {(high - low) / seen:.0f} times as "
+            'far. Correct the unit, units = { angle = "rad" } or "turn" in [encoder], or '
+            "ticks_per_turn",
+        )
 
 
 class _Turn(NamedTuple):

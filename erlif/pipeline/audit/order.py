@@ -15,6 +15,7 @@ from erlif.core.arrays import AnyArray, Array
 from erlif.core.notes import Note, list_some, warn
 from erlif.core.statistics import robust_rms, robust_std
 from erlif.core.units import count_of
+from erlif.io.settings import SinusoidalSettings
 from erlif.pipeline.audit.evidence import Evidence
 
 FEWEST = 16  # frames from which on an order is judged
@@ -102,6 +103,8 @@ def note_order(evidence: Evidence) -> Iterator[Note]:
             "and rows",
         )
     else:
+        if judged is not None:
+            yield from _note_zero(evidence)
         yield from _note_by_film(evidence, numbers, known=judged is not None)
 
 
@@ -125,6 +128,21 @@ def _note_by_film(evidence: Evidence, numbers: AnyArray, *, known: bool) -> Iter
             "log",
             f"{_subject(numbers[odd])} of another place or of another recording, or the angles are "
             "wrong: the film does not follow the speed there. Compare numbers of frames and rows",
+        )
+
+
+def _note_zero(evidence: Evidence) -> Iterator[Note]:
+    """Warn of a drive angle at which the film does not follow the speed of a slider."""
+    angle, load = evidence.logged("crank_angle"), evidence.logged("joint_load")
+    if angle is None or not isinstance(evidence.run.settings.mechanism, SinusoidalSettings):
+        return
+    weight = np.ones_like(angle) if load is None else np.median(load) / load
+    off = find_zero(np.radians(angle[:_MOST]), weight[:_MOST], evidence.levels[:_MOST])
+    if off is not None:
+        yield warn(
+            "encoder",
+            f"the film follows the speed of a drive angle {off:+.0f} deg off: speed and position "
+            "are wrong. Correct zero in [encoder]: the reading at mid-stroke on the way out",
         )
 
 
@@ -370,6 +388,49 @@ def compare_film(drive: Array, levels: Array) -> Order | None:
     if gain > least and plain > better * best.left and best.left < most:
         return best
     return None
+
+
+def find_zero(angle: Array, weight: Array, levels: Array) -> float | None:
+    """Find the error of the drive angle of a slider by a film that follows its speed.
+
+    Parameters
+    ----------
+    angle : array, (frame,)
+        By the log, 0 at mid-stroke. [rad]
+    weight : array, (frame,)
+        Of the speed: one over the load. [1]
+    levels : array, (frame,)
+        Logarithm of the ratio, which rises with the film; NaN where it is not known.
+
+    Returns
+    -------
+    float or None
+        From -90 to 90, since both strokes have the same speed; None where the film follows the
+        speed of the angle as it is, or no speed. [degree]
+
+    Examples
+    --------
+    >>> angle = np.linspace(0, 4 * np.pi, 60)
+    >>> film = np.sqrt(np.abs(np.cos(angle))) + 0.01 * np.random.default_rng(1).normal(size=60)
+    >>> find_zero(angle + 0.35, np.ones(60), film)
+    -20.0
+    """
+    known = int(np.isfinite(levels).sum())
+    if known < FEWEST or np.nanstd(levels) < _FLAT:
+        return None
+    turns = np.arange(-90.0, 90.0)
+    drives = np.abs(np.cos(angle + np.radians(turns)[:, None])) * weight
+    left = np.array([_rest_share(_speed_terms(one / one.max()), levels) for one in drives])
+    best = int(np.argmin(left))
+    plain = left[turns == 0][0]
+    if left[best] < plain:
+        # squeeze delays the film
+        drive = drives[turns == 0][0]
+        late = [_rest_share(_delayed(drive / drive.max(), one), levels) for one in _MEMORIES]
+        plain = min(plain, *late)
+    gain = known / 2 * math.log(max(plain, 1e-6) / max(float(left[best]), 1e-6))
+    clear = gain > _GAIN_BY_FILM and plain > _BETTER * left[best] and left[best] < _LEFT_BY_FILM
+    return float(turns[best]) if clear else None
 
 
 def find_other_films(drive: Array, levels: Array) -> AnyArray:

@@ -32,6 +32,8 @@ _MANY = 0.3  # share of jumps from which the form changes by itself
 
 _ROUNDS = 6  # of the robust fit
 
+_AT_REST = 0.01  # range of the ratio of most frames below which the film is at rest [1]
+
 _STEADY = 1.2  # factor of load or speed beyond which a change of the film is one of the run
 
 
@@ -125,6 +127,8 @@ def form_changes(ratios: Array) -> Array | None:
     # of the differences, so that few equations know both recordings
     step, middle = np.diff(level), (level[1:] + level[:-1]) / 2
     columns = np.stack([step, middle * step, middle**2 * step], axis=1)
+    if scale * np.ptp(np.nanquantile(level, (0.2, 0.8))) < _AT_REST:
+        columns = np.zeros_like(columns)  # at rest: strangers alone would show how the form changes
     values = np.diff(form, axis=0)
     values = values - median_of(values)[:, None]
     known = np.isfinite(values) & np.isfinite(columns.sum(axis=1, keepdims=True))

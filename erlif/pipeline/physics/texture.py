@@ -24,18 +24,26 @@ def with_texture(
     texture: Texture | None,
     plane: ObjectPlane,
     contact: GapShape,
+    *,
+    on_patch: bool = False,
 ) -> tuple[list[TriggerResult], RunCurve]:
     """Results and calibration with one more parameter, the last: what stands still in the image.
 
-    Its error is that of a pixel; numbers of a region depend on it less.
+    Its error is that of a pixel; numbers of a region depend on it less. Where the film of a patch
+    has set the ratio, what stands still `on_patch` moves all films alike.
     """
     if texture is None:
         return list(results), calibration
     places = np.array([one.statistics.gap.place for one in results])
-    shares = texture.in_numbers(plane.region, places, contact, along_x=plane.sliding_along_x)
+    along_x, size = plane.sliding_along_x, texture.size
+    shares = texture.in_numbers(plane.region, places, contact, along_x=along_x)
+    if on_patch and plane.patch is not None:
+        of_patch = texture.in_numbers(plane.patch, places, contact, along_x=along_x)[0]
+        shares = np.hypot(shares, of_patch) / np.hypot(1.0, of_patch)
+        size *= float(np.hypot(1.0, of_patch))
     systematics, (added,) = calibration.systematics, TERMS["texture"].parameters
     like = len(systematics.cross) + systematics.place("ratio", CONSTANT)
-    found = systematics.with_parameter("texture", added, texture.size**2)
+    found = systematics.with_parameter("texture", added, size**2)
     return [
         result.with_parameter(like, float(shares[0]), minimum=float(share))
         for result, share in zip(results, shares[1:], strict=True)

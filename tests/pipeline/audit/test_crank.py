@@ -106,6 +106,12 @@ def test_a_crank_of_another_length_is_named_by_the_swing(stated, words):
         assert f"as with a crank of 5.5 cm in place of {100 * stated:.3g} cm" in found[0].text
 
 
+@pytest.mark.parametrize(("share", "words"), [(1 / 360, "36\\d"), (math.pi / 180, "57")])
+def test_readings_in_turns_or_radian_are_named_by_their_swing(share, words):
+    (note,) = notes(48 + share * (inside(ROCKER) - inside(ROCKER).min()), noise=1e-5)
+    assert re.search(rf"by 2\d\.\d\d deg, {words} times as far. Correct the unit", note.text)
+
+
 def test_a_swing_that_no_crank_gives_is_named_without_a_crank(monkeypatch):
     def refuse(swing, **links):
         raise ModelError("Expected a swing that a crank gives.")

@@ -10,6 +10,7 @@ from erlif.pipeline.audit.order import (
     compare_energies,
     compare_film,
     find_other_films,
+    find_zero,
     note_order,
     shifted,
 )
@@ -192,3 +193,22 @@ def test_light_that_is_off_alike_for_all_films_of_a_size_is_no_other_recording()
 
     light[12] *= 1.12  # a pair of another recording
     np.testing.assert_array_equal(compare_energies(energies, light, levels)[1], [12])
+
+
+@pytest.mark.parametrize("off", [-60.0, -20.0, 8.0, 45.0])
+def test_the_zero_of_a_drive_is_found_by_a_film_that_follows_the_speed(off):
+    angle = np.linspace(0.1, 6 * np.pi, 90)
+    film = np.abs(np.cos(angle)) ** 0.6 + 0.02 * np.random.default_rng(4).normal(size=90)
+    found = find_zero(angle - np.radians(off), np.ones(90), film)
+    assert found == pytest.approx(off, abs=2)
+    assert find_zero(angle, np.ones(90), film) is None
+
+
+@pytest.mark.parametrize("memory", [2.0, 6.0])
+def test_a_film_that_squeeze_delays_has_no_other_zero(memory):
+    angle = np.linspace(0.1, 6 * np.pi, 90)
+    film, step = np.abs(np.cos(angle)), 1 - np.exp(-1 / memory)
+    for k in range(1, 90):
+        film[k] = film[k - 1] + step * (film[k] - film[k - 1])
+    film += 0.02 * np.ptp(film) * np.random.default_rng(4).normal(size=90)
+    assert find_zero(angle, np.ones(90), film) is None

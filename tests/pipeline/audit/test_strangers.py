@@ -53,6 +53,15 @@ def test_pairs_of_a_wedge_are_found(rows, words):
     assert note.level == "warning"
 
 
+@pytest.mark.parametrize(("rows", "words"), [([5], "pair 5 is"), ([10, 11], "pairs 10 to 11 are")])
+def test_pairs_of_a_wedge_are_found_where_the_film_is_at_rest(rows, words):
+    found = ratios(20, own=lambda h: np.tile(np.log1p(1.5 + 0.6 * PLACES**2), (h.size, 1)))
+    assert list(note_strangers(evidence(found))) == []
+    found[rows] = wedge(len(rows))
+    (note,) = note_strangers(evidence(found))
+    assert words in note.text
+
+
 def test_places_without_film_do_not_count():
     found = ratios()
     found[np.random.default_rng(4).random(found.shape) < 0.2] = np.nan
