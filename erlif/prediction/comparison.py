@@ -81,6 +81,9 @@ _WEAK = 6.0
 # Estimates of a transient film that belong to the verdict.
 _SHOWN = ("viscosity", "drift")
 
+# Lowest over highest speed over load from which a film has one alone.
+_ONE_SPEED = 0.99
+
 _WIDER = "Record over a wider range of speeds or loads."
 
 # First-order correlations of residuals, of which the likeliest is taken.
@@ -317,7 +320,8 @@ def compare_models(
     for name, film in (steady or {}).items():
         viscous, known = {**_POWERS, **(powers or {})}[name], (formula_errors or {}).get(name, 0.0)
         forms.append((names[name], _law(problem, film, viscous=viscous, known=known)))
-    if drive is not None:
+    # a power needs more than one speed over load
+    if drive is not None and np.nanmin(np.abs(drive)) < _ONE_SPEED * np.nanmax(np.abs(drive)):
         laws = ("power",), ("power", "offset")
         forms += [(name, _law(problem, drive, *law)) for name, law in zip(POWER, laws, strict=True)]
     for done, (name, closed) in enumerate(forms, len(transient)):
