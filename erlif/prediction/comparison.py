@@ -326,12 +326,13 @@ def compare_models(
         forms += [(name, _law(problem, drive, *law)) for name, law in zip(POWER, laws, strict=True)]
     for done, (name, closed) in enumerate(forms, len(transient)):
         progress("fit", done, total)
-        # laws without a theory are for films that no theory describes to their errors
-        if sideways:
-            off = _misses(min(one.inflation for one in fitted), problem)
-        else:  # formulas of a contact are too rough for the last percents of a film
-            off = not any(one.describes for one in fitted if one.name != CONSTANT)
-        if name in POWER and not off:
+        # laws without a theory are for films that no theory describes to their errors; formulas of
+        # a contact are too rough for the last percents of a film
+        if name in POWER and (
+            not _misses(min(one.inflation for one in fitted), problem)
+            if sideways
+            else any(one.describes for one in fitted if one.name != CONSTANT)
+        ):
             continue
         least = LeastSquares(problem.observations(), closed.unknowns, closed.predict)
         try:
