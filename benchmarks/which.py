@@ -4,6 +4,7 @@
     python benchmarks/which.py               # all kinds, five seeds
     python benchmarks/which.py --constant    # 300 films at rest, neighbours correlated
     python benchmarks/which.py --photographs # by the virtual rig, with a pin that rocks
+    python benchmarks/which.py --contacts    # by the virtual rig, of a slider without a pin
 
 A sentence is right if it names what carries the film, or that no model fits.
 """
@@ -85,6 +86,44 @@ def draw_photographs(rng):
     }
 
 
+# A slider on a bar of the curvature of the gap of the rig: its films are those of Martin (1916),
+# 4.9 R eta u / q, hard and far from contact.
+OIL, WEIGHT, WIDTH, CURVED, STROKE, FREQUENCY = 0.004, 222.4, 0.237, 4.872, 0.01, 5.0
+MARTIN = 1e6 * 4.9 * CURVED * OIL * 0.5 * np.pi * STROKE * FREQUENCY / (WEIGHT / WIDTH)
+STEEL = 'youngs_modulus = "206 GPa", poissons_ratio = 0.3'
+CONTACT = f"""
+[contact]
+length = "{1e3 * WIDTH:g} mm"
+body = {{ radius_along = "{1e3 * CURVED:g} mm", {STEEL} }}
+counterbody = {{ {STEEL} }}
+
+[oil]
+viscosity = "{OIL} Pa s"
+pressure_viscosity = "20 1/GPa"
+"""
+SLIDER = {"mechanism": "sinusoidal", "pictures": 50, "load_swing": 0.1, "tilt": 0.0}
+CARRIED = {
+    "formula": "The film follows the steady f",
+    "formula x 5": "The shape is that of the steady film of the regime map, the viscosity not",
+}
+"""Sentences of sliders that are not those of `KINDS`."""
+
+
+def draw_contacts(rng):
+    """Kinds of films of a slider, as `draw_photographs` returns those of a pin."""
+    factor, power = rng.uniform(0.8, 1.2), rng.uniform(0.35, 0.55)
+    law = {**SLIDER, "film_floor": 0.2, "film_reference": factor * MARTIN, "exponent": 1.0}
+    five = {**law, "viscosity": OIL / 5, "stated_viscosity": OIL / 5}
+    still, slips = np.full(50, rng.uniform(2, 7)), 4 + (7 * TRIGGERS + rng.uniform()) % 1
+    return {
+        "formula": (law, factor),
+        "formula x 5": (five, 5 * factor),
+        "power": ({**law, "film_reference": 8.0, "exponent": power}, power),
+        "constant": ({**SLIDER, "film_table": tuple(still)}, None),
+        "stick-slip": ({**SLIDER, "film_table": tuple(slips)}, None),
+    }
+
+
 ROCKS = 0.06  # half the range of the tilt that is added to the film at rest [um/mm]
 
 
@@ -124,20 +163,24 @@ def photograph(place, seed, changes):
     """Film and truth of a rig."""
     rig = RigSettings(width=128, height=96, fixture_frames=6, bubbles=0, **changes)
     simulate(place, seed=seed, rig=rig)
+    if "mechanism" in changes:
+        stated = CONTACT.replace(f'"{OIL} Pa s"', f'"{rig.stated_viscosity or OIL} Pa s"')
+        with (place / "run" / "run.toml").open("a", encoding="utf-8") as settings:
+            settings.write(stated)
     calibration, output = erlif.calibrate(place / "fixture"), place / "film.nc"
     erlif.process(place / "run", calibration=calibration, output=output, workers=1).close()
     with erlif.open_film(output) as film, xr.open_dataset(place / "truth.nc") as truth:
         return film.load(), truth.load()
 
 
-def run_photographs(seeds):
+def run_photographs(seeds, draw, sentences):
     right, pulls_of_numbers = {}, []
     for seed in range(seeds):
-        for name, (changes, number) in draw_photographs(np.random.default_rng(seed)).items():
+        for name, (changes, number) in draw(np.random.default_rng(seed)).items():
             with tempfile.TemporaryDirectory() as folder:
                 film, truth = photograph(Path(folder), seed, changes)
                 said = {name: film.attrs["physics"]}
-                if name == "constant":
+                if name == "constant" and draw is draw_photographs:
                     source = read_film(Path(folder) / "film.nc")
                     tilt = film.pin_tilt.copy()
                     tilt[:, 0] += ROCKS * np.sin(2 * np.pi * TRIGGERS)
@@ -146,9 +189,10 @@ def run_photographs(seeds):
                     )
                     said["rocking"] = str(rocking)
             if name.startswith("formula"):
-                number = float((truth.film_min / film.film_hamrock_dowson.values).median())
+                theory = "film_theory" if draw is draw_contacts else "film_hamrock_dowson"
+                number = float((truth.film_min / film[theory].values).median())
             for kind, sentence in said.items():
-                begins = RIGHT.get(kind) or KINDS[kind].right
+                begins = sentences.get(kind) or KINDS[kind].right
                 good = sentence.startswith((begins, "No model fits"))
                 decided = not sentence.startswith("No model fits")
                 right.setdefault(kind, []).append((good, decided))
@@ -170,6 +214,7 @@ if __name__ == "__main__":
     parser = argparse.ArgumentParser()
     parser.add_argument("--constant", action="store_true")
     parser.add_argument("--photographs", action="store_true")
+    parser.add_argument("--contacts", action="store_true")
     parser.add_argument("--seeds", type=int, default=SEEDS)
     parser.add_argument("--films", type=int, default=FILMS)
     parser.add_argument("kinds", nargs="*", default=list(KINDS))
@@ -178,6 +223,8 @@ if __name__ == "__main__":
     if chosen.constant:
         run_constant(chosen.films)
     elif chosen.photographs:
-        run_photographs(chosen.seeds)
+        run_photographs(chosen.seeds, draw_photographs, RIGHT)
+    elif chosen.contacts:
+        run_photographs(chosen.seeds, draw_contacts, CARRIED)
     else:
         run_kinds(chosen.seeds, chosen.kinds)

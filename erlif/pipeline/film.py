@@ -37,7 +37,7 @@ from erlif.pipeline.engines.results import (
 from erlif.pipeline.physics.agreement import describe_agreement
 from erlif.pipeline.physics.contact import note_contact, settle_contact
 from erlif.pipeline.physics.dark import describe_dark_levels
-from erlif.pipeline.physics.errors import describe_errors, name_largest_error
+from erlif.pipeline.physics.errors import describe_errors, name_largest_error, shared_errors
 from erlif.pipeline.physics.exponents import describe_exponents, note_moved_mean
 from erlif.pipeline.physics.fit import state_physics
 from erlif.pipeline.physics.friction import describe_friction
@@ -218,9 +218,13 @@ def with_theory(draft: FilmDraft) -> FilmDraft:
     friction, about_friction = describe_friction(film, draft.results, draft.curve, plane)
     film = film.assign(friction)
     with stage("physics", _logger):
-        physics = state_physics(film, settings, frames)
+        shared = shared_errors([one.statistics for one in draft.results], draft.curve)
+        physics, taken = state_physics(film, settings, frames, shared)
     if physics:
         film = film.assign_attrs(physics=physics)
+    if taken and "film_over_predicted" in film:
+        ratio = film["film_over_predicted"].assign_attrs(taken)
+        film = film.assign(film_over_predicted=ratio)
     notes = (
         *about_line,
         *note_omissions(settings, film),

@@ -14,7 +14,7 @@ from erlif.core.arrays import Array
 from erlif.core.errors import ModelError
 from erlif.core.progress import Progress, silent
 from erlif.models.film import HAMROCK_DOWSON_LINE
-from erlif.models.reynolds import Journal
+from erlif.models.reynolds import Journal, Motion
 from erlif.prediction.fit import LOAD_LINE_STD, Estimate, MotionFit, fit_motion
 from erlif.prediction.given import GivenErrors
 from erlif.prediction.least_squares import (
@@ -23,7 +23,7 @@ from erlif.prediction.least_squares import (
     Predict,
     Unknowns,
 )
-from erlif.prediction.measured import MeasuredMotion
+from erlif.prediction.measured import MeasuredMotion, measured_minima
 from erlif.prediction.motion import FrameMotion
 from erlif.prediction.orbits import FreeOrbits
 from erlif.prediction.problem import FrameSteps, Problem
@@ -34,17 +34,8 @@ STEADY = {
     "film_theory": "the steady film of the regime map",
 }
 
-# Powers of the viscosity, which are those of the speed, in films of the regime map and by the
-# line-contact formula (`erlif.models.film`).
-POWERS = {
-    "isoviscous-rigid": 1.0,
-    "piezoviscous-rigid": 2 / 3,
-    "isoviscous-elastic": 0.6,
-    "piezoviscous-elastic": 0.7,
-}
-
-# Of the line-contact formula.
-LINE = "piezoviscous-elastic"
+# Powers of the viscosity in these films where none are given: those of a rigid contact for the map.
+_POWERS = {"film_hamrock_dowson": 0.7, "film_theory": 1.0}
 
 # Any power of speed over load, alone and above an offset: laws of no theory.
 POWER = ("a power of speed over load", "a power of speed over load above an offset")
@@ -78,7 +69,6 @@ _CARRIES = {
     HELD["free"]: "Squeeze carries the film of a pin that is free sideways",
     HELD["guided"]: "The swing carries the film of a guided pin: cavities rectify its wedge",
     HELD["spring"]: "Squeeze and swing carry the film of a pin on a sideways spring",
-    STEADY["film_hamrock_dowson"]: f"The film follows {HAMROCK_DOWSON_LINE}",
     STEADY["film_theory"]: "The film follows the steady formula of the regime map",
 }
 
@@ -90,6 +80,11 @@ _WEAK = 6.0
 
 # Estimates of a transient film that belong to the verdict.
 _SHOWN = ("viscosity", "drift")
+
+# Lowest over highest speed over load from which a film has one alone.
+_ONE_SPEED = 0.99
+
+_WIDER = "Record over a wider range of speeds or loads."
 
 # First-order correlations of residuals, of which the likeliest is taken.
 _CORRELATIONS = np.linspace(0.0, 0.99, 100)
@@ -205,7 +200,8 @@ def compare_models(
     trigger: npt.NDArray[np.integer[Any]] | None = None,
     steady: Mapping[str, Array] | None = None,
     formula_errors: Mapping[str, float] | None = None,
-    regime: str = "isoviscous-rigid",
+    powers: Mapping[str, float] | None = None,
+    names: Mapping[str, str] = STEADY,
     drive: Array | None = None,
     viscosity_std: float | None = None,
     sideways: Sequence[str] = ("free", "guided"),
@@ -235,14 +231,18 @@ def compare_models(
         Films of steady formulas under the names of `STEADY`. [m]
     formula_errors : mapping of str to float, optional
         Relative standard deviations of these formulas, which the viscosity takes up. [1]
-    regime : str
-        Of film_theory, of `POWERS`.
+    powers : mapping of str to float, optional
+        Powers of the viscosity in these films; by default those of the line-contact formula and of
+        the isoviscous-rigid regime. [1]
+    names : mapping of str to str
+        What the formulas are called.
     drive : array, (trigger,), optional
         Speed over load, in any unit: with it two laws in powers of its size are fitted.
     viscosity_std : float, optional
         Standard deviation of the viscosity of the journal; by default `OIL_STD` of it. [Pa s]
     sideways : sequence of str
-        Transient films to compare: of "free", "guided" and "spring". With "any guided" the verdict
+        Transient films to compare: of "free", "guided" and "spring"; empty where no theory of a
+        moving pin applies, squeeze included. With "any guided" the verdict
         states where a guided pin is left to fit, as the sideways place does not change; it needs
         positions, and solves no film with cavities. So it does where a guided pin cannot be fitted.
     progress : callable
@@ -315,19 +315,24 @@ def compare_models(
 
     # closed forms take no time beside the transient films; that of squeeze is of a straight bore
     forms = [(CONSTANT, _constant(problem))]
-    if journal.axial_shape is None:
+    if sideways and journal.axial_shape is None:
         forms.append((SQUEEZE, _squeeze(problem)))
     for name, film in (steady or {}).items():
-        viscous = POWERS[regime if name == "film_theory" else LINE]
-        known = (formula_errors or {}).get(name, 0.0)
-        forms.append((STEADY[name], _law(problem, film, viscous=viscous, known=known)))
-    if drive is not None:
+        viscous, known = {**_POWERS, **(powers or {})}[name], (formula_errors or {}).get(name, 0.0)
+        forms.append((names[name], _law(problem, film, viscous=viscous, known=known)))
+    # a power needs more than one speed over load
+    if drive is not None and np.nanmin(np.abs(drive)) < _ONE_SPEED * np.nanmax(np.abs(drive)):
         laws = ("power",), ("power", "offset")
         forms += [(name, _law(problem, drive, *law)) for name, law in zip(POWER, laws, strict=True)]
     for done, (name, closed) in enumerate(forms, len(transient)):
         progress("fit", done, total)
-        # laws without a theory are for films that no theory describes to their errors
-        if name in POWER and not _misses(min(one.inflation for one in fitted), problem):
+        # laws without a theory are for films that no theory describes to their errors; formulas of
+        # a contact are too rough for the last percents of a film
+        if name in POWER and (
+            not _misses(min(one.inflation for one in fitted), problem)
+            if sideways
+            else any(one.describes for one in fitted if one.name != CONSTANT)
+        ):
             continue
         least = LeastSquares(problem.observations(), closed.unknowns, closed.predict)
         try:
@@ -346,9 +351,56 @@ def compare_models(
     std = OIL_STD * journal.viscosity if viscosity_std is None else viscosity_std
     oil = Estimate(journal.viscosity, std, 0.0, np.inf, "Pa s")
     drifts = _misses(fitted[0].inflation, problem)
-    carrier, verdict = _verdict(candidates, oil, guided=guided, drifts=drifts)
+    carrier, verdict = _verdict(
+        candidates, oil, guided=guided, drifts=drifts, pin=len(sideways) > 0
+    )
     best = next((fits[one.name] for one in candidates if one.name in fits), None)
     return ModelComparison(candidates, verdict, best, carrier, failures)
+
+
+def compare_films(
+    film: Array, random_std: Array, std_shared: Array, *, viscosity: float, **options: Any
+) -> ModelComparison:
+    """Compare what may carry the film of a contact without a pin: formulas, power laws, nothing.
+
+    Parameters
+    ----------
+    film, random_std : array, (trigger,)
+        Minimum film, and its standard deviation by what is new at every trigger; NaN is left out.
+        [m]
+    std_shared : array, (trigger, source) or (trigger,)
+        Standard deviations by errors that all triggers share. [m]
+    viscosity : float
+        Of the oil in the formulas. [Pa s]
+    **options
+        steady, formula_errors, powers, names, drive and viscosity_std of `compare_models`.
+
+    Returns
+    -------
+    ModelComparison
+
+    Raises
+    ------
+    ConfigError
+        As `compare_models`.
+
+    Examples
+    --------
+    >>> speed = np.linspace(0.1, 1.0, 40)
+    >>> noise, none = 1e-9 * np.random.default_rng(1).normal(size=40), np.zeros(40)
+    >>> found = compare_films(
+    ...     1.1e-6 * speed**0.7 + noise, none + 1e-9, none, viscosity=0.1,
+    ...     steady={"film_hamrock_dowson": 1e-6 * speed**0.7})
+    >>> found.verdict.partition(" (")[0], found.candidates[0].estimates["factor"].value.__round__(2)
+    ('The film follows Hamrock-Dowson, line contact', 1.1)
+    """
+    # films are distances to a wall of which only they are known
+    wall = 2 * float(np.nanmax(film))
+    measured = measured_minima(film, random_std, clearance=wall, std_shared=std_shared)
+    time, still = np.arange(len(film), dtype=np.float64), np.zeros(len(film))
+    motion = FrameMotion(Motion(time, still, load=1.0), np.arange(len(film)), still, viscosity)
+    journal = Journal(wall, 2 * wall, length=wall, viscosity=viscosity, long=True)
+    return compare_models(measured, journal, motion, sideways=(), **options)
 
 
 def _misses(inflation: float, problem: Problem) -> bool:
@@ -357,18 +409,18 @@ def _misses(inflation: float, problem: Problem) -> bool:
 
 
 def _verdict(
-    candidates: Sequence[FilmModel], oil: Estimate, *, guided: bool, drifts: bool
+    candidates: Sequence[FilmModel], oil: Estimate, *, guided: bool, drifts: bool, pin: bool
 ) -> tuple[str | None, str]:
     """Name the model that carries the film; the first sentence states it.
 
     `guided`: a guided pin is possible, and was not fitted; `drifts`: the residuals of the best
-    model are too large for chance.
+    model are too large for chance; `pin`: the film may be that of a pin that moves.
     """
     best, constant = candidates[0], next((one for one in candidates if one.name == CONSTANT), None)
     if constant is not None and constant.describes and constant.bic <= _WEAK:
         return None, (
             "The film is constant within its errors, which decides nothing about what carries it. "
-            "Record from the moment of loading on, or more cycles."
+            + ("Record from the moment of loading on, or more cycles." if pin else _WIDER)
         )
     if not best.describes:
         closest = min(candidates, key=lambda one: one.inflation)
@@ -377,10 +429,13 @@ def _verdict(
             "The pin stays on one line, as a guided one: fit it with erlif predict FILM --fit."
             if guided
             else "Check load, clearance and tilt of the joint, and the times of the frames."
+            if pin
+            else "Check load and temperature, and the times of the frames."
         )
+        missed = "positions" if pin else "minima"
         return None, (
             f"No model fits: the best, {closest.name}, is off by {closest.inflation:.3g} times its "
-            f"errors{left}. It misses the positions by {closest.residual * 1e6:.2g} um. {cure}"
+            f"errors{left}. It misses the {missed} by {closest.residual * 1e6:.2g} um. {cure}"
         )
 
     # what is a case of another model is no rival of it
@@ -399,7 +454,8 @@ def _verdict(
         text = f"The shape is that of {best.name}{strength}, outside its regime: {factor}"
     elif abs(found["viscosity"].value - oil.value) <= 2 * np.hypot(found["viscosity"].std, oil.std):
         carrier = best.name
-        text = f"{_CARRIES[best.name]}{strength}: {times}{found['viscosity']}"
+        carries = _CARRIES.get(best.name, f"The film follows {best.name}")
+        text = f"{carries}{strength}: {times}{found['viscosity']}"
     else:
         text = (
             f"The shape is that of {best.name}, the viscosity not: {times}{found['viscosity']}, "

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
+import scipy
 import xarray as xr
 
 from erlif.core.arrays import Array
@@ -14,12 +16,16 @@ from erlif.models.reynolds import Journal
 from erlif.models.reynolds.full_film import FullFilm
 from erlif.models.reynolds.journal import as_mount
 from erlif.prediction.given import GivenErrors
+from erlif.prediction.measured import measured_positions
 from erlif.trend import FilmStatistics
 
 # Sideways force of a film with cavities over that of the full film, and its standard deviation.
 _WEDGE, _WEDGE_STD = 0.75, 0.25
 
-_MICRO = 1e6
+_MICRO, _MILLI = 1e6, 1e-3
+
+# Tilts of equal probability by which the mean torque of a tilted pin is found.
+_TILTS = (np.arange(256) + 0.5) / 256
 
 
 def find_drag(
@@ -68,6 +74,30 @@ def find_drag(
     return xr.Dataset({name: FILM[name].fill(each) for name, each in columns.items()})
 
 
+class _TiltFactor(NamedTuple):
+    """Torque of a tilted pin over that of a parallel one: mean, change of this with the measured
+    tilt, and the standard deviation that a straight line leaves.
+    """
+
+    mean: Array
+    slope: Array
+    bend_std: Array
+
+
+def _tilt_factor(tilt: Array, std: Array, *, length: float, film: Array) -> _TiltFactor:
+    """Factor of the torque over the tilts that a measured one leaves to a pin that is free."""
+    std, most = np.maximum(std, 1e-12), 2 * film / length
+    low, high = (scipy.special.ndtr((end - tilt) / std) for end in (-most, most))
+    deviation = scipy.special.ndtri(low + (high - low) * _TILTS[:, np.newaxis])
+    tilts = np.clip(tilt + std * deviation, -most, most)
+    factor = shear.tilt_factor(np.abs(tilts), length=length, film=film)
+    mean = factor.mean(axis=0)
+
+    # the change of the mean of a normal distribution is the covariance over the variance
+    slope = ((factor - mean) * (tilts - tilts.mean(axis=0))).mean(axis=0) / std**2
+    return _TiltFactor(mean, slope, np.sqrt(np.maximum(factor.var(axis=0) - (slope * std) ** 2, 0)))
+
+
 def find_friction(
     film: xr.Dataset,
     journal: Journal,
@@ -84,14 +114,15 @@ def find_friction(
     guided pin is held by the wedge of its film, one on a spring by that. The film is full where its
     lowest pressure under these forces lies above that of cavities. Else cavities take off half of
     the shear that they can, with the standard deviation of an even distribution, and a quarter of
-    the wedge, with as much as standard deviation. The pin is taken as parallel; a tilt counts as an
-    error.
+    the wedge, with as much as standard deviation. The torque is the mean over the tilts towards the
+    load that the measured one and its error leave to a pin that does not touch.
 
     Parameters
     ----------
     film : xarray.Dataset
-        pin_displacement [um], pin_position_cov, pin_position_cov_random, sliding_speed [m s-1] and
-        joint_load [N]; torque_logged [N m] where there is one; dim trigger.
+        pin_displacement [um], pin_tilt [um/mm], pin_position_cov, pin_position_cov_random,
+        sliding_speed [m s-1] and joint_load [N]; torque_logged [N m] where there is one; dim
+        trigger.
     journal : Journal
         The joint, with any viscosity: `viscosity` takes its place.
     viscosity : array, (trigger,)
@@ -101,7 +132,7 @@ def find_friction(
     sideways : str or float
         "free", "guided", or a stiffness. [N/m]
     given : GivenErrors
-        Of which clearance, load and tilt count.
+        Of which clearance and load count.
     viscosity_std : float
         Standard deviation of the viscosity over it.
 
@@ -118,6 +149,7 @@ def find_friction(
 
     >>> film = xr.Dataset({
     ...     "pin_displacement": (("trigger", "axis"), [[224.0, 0.0]]),
+    ...     "pin_tilt": (("trigger", "axis"), [[0.0, 0.0]]),
     ...     "pin_position_cov": (("trigger", "a", "b"), 1e-4 * np.eye(4)[None]),
     ...     "pin_position_cov_random": (("trigger", "a", "b"), 1e-4 * np.eye(4)[None]),
     ...     "sliding_speed": ("trigger", [0.0842]), "joint_load": ("trigger", [222.4]),
@@ -127,13 +159,13 @@ def find_friction(
     ...                       given=GivenErrors(), viscosity_std=0.02)
     >>> print(f"{found.friction_torque.item():.3f} ± {found.friction_torque_std.item():.3f} N m, "
     ...       f"coefficient {found.friction_coefficient.item():.3f}")
-    0.323 ± 0.006 N m, coefficient 0.043
+    0.325 ± 0.007 N m, coefficient 0.044
     """
     (ex, ey), clearance = film.pin_displacement.values.T / _MICRO, journal.clearance
     distance = np.hypot(ex, ey)
     distance = np.where(distance < clearance, distance, np.nan)
     speed, load = film.sliding_speed.values, film["joint_load"].values
-    rate = speed / journal.radius
+    rate = speed / journal.pin_radius  # it is that of the surface of the pin
 
     # a guided pin does not follow the mean turn of both surfaces, and is pressed sideways
     full, mount = FullFilm.of(journal), as_mount(sideways)
@@ -151,30 +183,35 @@ def find_friction(
     whole = shear.journal_shear_torque(
         distance / clearance, journal, viscosity=viscosity, speed=speed
     )
-    couette = whole * (1 - voids / 2)
-    pressure = direction * shear.journal_pressure_torque(ex, ey, load=load, side=side)
+    tilt, tilt_std = film.pin_tilt.values[:, 0], np.sqrt(film.pin_position_cov.values[:, 2, 2])
+    tilts = _tilt_factor(_MILLI * tilt, _MILLI * tilt_std, length=journal.length, film=film_min)
+    couette = whole * (1 - voids / 2) * tilts.mean
+    by_load, by_side = direction * ey * load / 2, -direction * ex * side / 2
+    pressure = by_load + by_side
     torque = couette + pressure
 
-    # changes with the displacements, and with the clearance at the same films
+    # changes with displacements and tilt, and with the clearance at the same films
     thinner = couette * distance / (clearance**2 - distance**2)
-    unit, moment = np.stack([ex, ey]) / distance, direction * np.stack([-side, load]) / 2
-    gradient = thinner * unit + moment
-    wider = (moment * unit).sum(axis=0) - couette / (clearance + distance)
+    moment = direction * np.stack([-side, load]) / 2
+    by_tilt = couette / tilts.mean * tilts.slope * _MILLI * _MICRO
+    gradient = np.stack([*(thinner * np.stack([ex, ey]) / distance + moment), by_tilt])
+    widening = measured_positions(film).widening.T
+    wider = (gradient[:2] * widening).sum(axis=0) - thinner * clearance / distance
 
     def variance(name: str) -> Array:
-        found = np.einsum("it,tij,jt->t", gradient, film[name].values[:, :2, :2], gradient)
+        found = np.einsum("it,tij,jt->t", gradient, film[name].values[:, :3, :3], gradient)
         return np.asarray(found / _MICRO**2)
 
-    tilted = shear.tilt_factor(given.tilt, length=journal.length, film=film_min) - 1
+    # the wedge of a guided pin is in proportion to the viscosity
     parts = (
-        viscosity_std * couette,
+        viscosity_std * (couette + (by_side if mount.guided else 0.0)),
         given.clearance * wider,
-        given.load * pressure,
         0.5 * ex * wedge_std,
-        tilted * couette,
+        couette / tilts.mean * tilts.bend_std,
         voids / np.sqrt(12) * whole,
     )
-    std = np.sqrt(variance("pin_position_cov") + sum(part**2 for part in parts))
+    but_load = np.sqrt(variance("pin_position_cov") + sum(part**2 for part in parts))
+    std = np.hypot(but_load, given.load * by_load)
 
     arm = load * journal.radius
     columns = {
@@ -184,7 +221,7 @@ def find_friction(
         "friction_torque_pressure": pressure,
         "friction_void_share": voids,
         "friction_coefficient": torque / arm,
-        "friction_coefficient_std": np.hypot(std, given.load * torque) / arm,
+        "friction_coefficient_std": np.hypot(but_load, given.load * (torque - by_load)) / arm,
         "friction_power": torque * rate,
         "friction_power_std": std * rate,
         "hersey_number": viscosity * speed * journal.length / load,

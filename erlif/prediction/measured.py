@@ -145,8 +145,8 @@ def measured_minima(
         Minimum film and its standard deviation by what is new at every trigger. [m]
     clearance : float
         Radial clearance of the joint. [m]
-    std_shared : array, (trigger,), or float
-        Standard deviation by an error that all triggers share. [m]
+    std_shared : array, (trigger, source) or (trigger,), or float
+        Standard deviation by each error, or the one, that all triggers share. [m]
 
     Returns
     -------
@@ -160,11 +160,13 @@ def measured_minima(
     225.0 False
     """
     film, random = np.asarray(film_min, dtype=float), np.asarray(std, dtype=float)
-    shared = np.broadcast_to(std_shared, film.shape).astype(float)
+    shared = np.asarray(std_shared, dtype=float)
+    if shared.ndim < 2:
+        shared = np.broadcast_to(shared, film.shape)[:, np.newaxis]
     return MeasuredMotion(
         (clearance - film)[:, np.newaxis],
         (random**2)[:, np.newaxis, np.newaxis],
-        shared[:, np.newaxis, np.newaxis][:, :, : int(np.any(shared > 0))],
+        shared[:, np.newaxis, (shared != 0).any(axis=0)],
     )
 
 

@@ -19,10 +19,14 @@ _MEDIAN = math.sqrt(math.pi / 2)  # std of a median over that of a mean, normal 
 
 # Farthest triggers of a cycle that has a delay, and the largest delay looked for: |speed| has two
 # maxima in a cycle. [degree]
-_GAP, _LATEST = 45.0, 90.0
+_GAP, _LATEST = 90.0, 90.0
+# Error of a cubic in the middle of a gap between triggers whose slopes are known, of a sine, over
+# the fourth power of the gap.
+_CUBIC = 1 / 384
 # Gain in chi-square by the speed that is no chance, of 37 delays, and no other smooth course: it
 # explains more than half of what the trend leaves as well.
 _GAIN = 20.0
+_MOST_ALIKE = 0.95  # of neighbours
 _DETERMINED = 20.0  # largest standard deviation of a delay that is stated [degree]
 
 
@@ -170,6 +174,14 @@ def _lag_one(values: Array) -> float:
     return float(away[1:] @ away[:-1] / (away @ away))
 
 
+def _alike(residual: Array) -> float:
+    """Correlation of neighbours among residuals of a fit, from 0, without its loss by the fit."""
+    if not residual.any():
+        return 0.0
+    found = _lag_one(residual)
+    return min(max(found + (1 + 4 * found) / len(residual), 0.0), _MOST_ALIKE)
+
+
 def _ranks(values: Array) -> Array:
     """Places in the order of the values; equal ones share their mean."""
     _, place, count = np.unique(values, return_inverse=True, return_counts=True)
@@ -181,7 +193,8 @@ def find_delay(film: Array, speed: Array, angle: Array) -> tuple[float, float]:
 
     The film is fitted by a + b |v(angle - delay)| + c n with the measured speed, a periodic spline
     between the triggers n: a film that sinks has no delay by that. The error follows from the
-    scatter about the fit, independent from trigger to trigger.
+    scatter about the fit, of which neighbours that are alike count as fewer (Bartlett 1935), and
+    from the error of the spline in the widest gap between triggers.
 
     Parameters
     ----------
@@ -211,7 +224,8 @@ def find_delay(film: Array, speed: Array, angle: Array) -> tuple[float, float]:
         return unknown
     phase, first = np.unique(angle, return_index=True)
     closed = np.append(phase, phase[0] + 360.0)
-    if np.diff(closed).max() > _GAP:
+    gap = float(np.diff(closed).max())
+    if gap > _GAP:
         return unknown
     spline = scipy.interpolate.CubicSpline(
         closed, np.append(speed[first], speed[first[0]]), bc_type="periodic"
@@ -242,7 +256,15 @@ def find_delay(film: Array, speed: Array, angle: Array) -> tuple[float, float]:
     free = use.sum() - 4
     off = film[use] - np.linalg.lstsq(rest.T, film[use], rcond=None)[0] @ rest
     explained = float(np.mean(off**2)) - square
-    if slope <= 0 or abs(best) == _LATEST or explained * free < max(_GAIN, free) * square:
+    about = film[use] - others @ np.linalg.lstsq(others, film[use], rcond=None)[0]
+    alike = _alike(about)
+    wider = (1 + alike) / (1 - alike)
+    gain = max(_GAIN * wider, free)
+    if slope <= 0 or abs(best) == _LATEST or explained * free < gain * square:
         return unknown
-    std = math.sqrt(square * use.sum() / free / float(bend @ bend))
+    scatter = wider * square * use.sum() / free / float(bend @ bend)
+    by_gap = (
+        math.degrees(_CUBIC * math.radians(gap) ** 4) * gap / 360
+    )  # the share of triggers there
+    std = math.hypot(math.sqrt(scatter), by_gap)
     return (delay, std) if std < _DETERMINED else unknown

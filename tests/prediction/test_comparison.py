@@ -20,7 +20,13 @@ from scenes.orbits import (
 )
 
 from erlif.models.reynolds import Journal
-from erlif.prediction import MeasuredMotion, compare_models, fit_motion, measured_minima
+from erlif.prediction import (
+    MeasuredMotion,
+    compare_films,
+    compare_models,
+    fit_motion,
+    measured_minima,
+)
 
 LONG = Journal(0.03336, 0.03359, length=0.237, viscosity=0.12, long=True)
 SPEEDS = np.asarray(RIG.rocker_speed(CRANK[STEPS], crank_speed=SPEED))
@@ -219,3 +225,44 @@ def test_a_formula_outside_its_regime_gives_a_shape_and_no_viscosity():
     assert set(found.candidates[0].estimates) == {"factor"}
     shape = "The shape is that of Hamrock-Dowson, line contact (2.65) (very strong), outside its"
     assert found.verdict.startswith(f"{shape} regime: 1.8")
+
+
+SLIDER = np.abs(np.cos(np.linspace(0.0, 2 * np.pi, 60) + 0.05)) + 0.1
+SAW = (7 * np.arange(60) / 60) % 1
+CONTACTS = {
+    "The film follows Hamrock-Dowson, ": (1.05 * SLIDER**0.68, "factor", 1.05),
+    "The shape is that of Hamrock-Dowson, elliptical, the visc": (5 * SLIDER**0.68, "factor", 5.0),
+    "The film follows speed over load to the power 0.": (2 * SLIDER**0.4, "power", 0.4),
+    "The film is constant within its errors": (np.full(60, 3.0), None, None),
+    "No model fits: ": (3 + SAW, None, None),
+}
+
+
+@pytest.mark.parametrize("begins", CONTACTS)
+def test_what_carries_the_film_of_a_contact_without_a_pin(begins):
+    """Films of 0.1 to 5 um with noise, a scale error of 0.5 % and a shift that all share."""
+    film, name, truth = CONTACTS[begins]
+    pulls = []
+    for seed in range(6):
+        rng = np.random.default_rng(seed)
+        shared = np.stack([0.005 * film, np.full(60, 0.02)], axis=1)
+        seen = film + shared @ rng.normal(size=2) + 0.01 * rng.normal(size=60)
+        found = compare_films(
+            1e-6 * seen,
+            np.full(60, 1e-8),
+            1e-6 * shared,
+            viscosity=0.1,
+            steady={"film_hamrock_dowson": 1e-6 * SLIDER**0.68, "film_theory": 2e-6 * SLIDER},
+            powers={"film_hamrock_dowson": 0.68},
+            names={"film_hamrock_dowson": "Hamrock-Dowson, elliptical", "film_theory": "the map"},
+            drive=SLIDER,
+        )
+        assert found.verdict.startswith(begins)
+        assert "squeeze" not in {one.name for one in found.candidates}
+        if name:
+            best = found.candidates[0].estimates
+            pulls.append((best[name].value - truth) / best[name].std)
+            if name == "factor":  # of a film in proportion to viscosity^0.68
+                expected = 0.1 * best[name].value ** (1 / 0.68)
+                npt.assert_allclose(best["viscosity"].value, expected, rtol=1e-6)
+    assert all(abs(one) < 3 for one in pulls)

@@ -6,6 +6,7 @@ import pytest
 import scipy
 from scenes.fixture import assert_covers
 
+from erlif.models.mechanism import CrankRocker
 from erlif.trend import correlate, film_factor, find_delay
 
 ANGLE = np.linspace(0.0, 360.0, 50, endpoint=False)
@@ -76,6 +77,38 @@ def test_the_delay_of_a_film_comes_back_whatever_its_trend(delay):
     assert abs(found[:, 0].mean() - delay) < 0.3
     scatter = found[:, 0].std(ddof=1)
     npt.assert_allclose(found[:, 1].mean(), scatter, rtol=0.4, atol=0.2)
+
+
+@pytest.mark.parametrize(("gap", "alike"), [(10.0, 0.0), (64.0, 0.0), (10.0, 0.8), (64.0, 0.5)])
+def test_the_error_of_a_delay_holds_across_a_gap_and_where_neighbours_are_alike(gap, alike):
+    """A film 20 degrees behind the speed of a crank-rocker; the gap begins anywhere."""
+    rng, pulls = np.random.default_rng(6), []
+    rig = CrankRocker(0.055, 0.44, 0.26, 0.51)
+    for _ in range(300):
+        angle = np.sort((rng.uniform(0, 360) + np.linspace(0, 360 - gap, 50)) % 360)
+        speed, late = (
+            np.asarray(rig.rocker_speed(np.radians(at), crank_speed=10.0))
+            for at in (angle, angle - 20.0)
+        )
+        scatter = scipy.signal.lfilter([np.sqrt(1 - alike**2)], [1, -alike], rng.normal(size=150))
+        delay, std = find_delay(3.0 + np.abs(late) + 0.1 * scatter[-50:], speed, angle)
+        pulls.append((delay - 20.0) / std)
+    assert np.isfinite(pulls).all()
+    assert 0.85 < np.sqrt(np.mean(np.square(pulls))) < 1.3
+    assert np.mean(np.abs(pulls) < 2) > 0.9
+
+
+def test_a_cycle_with_a_wide_gap_has_the_delay_of_a_whole_one():
+    """Without noise: what is left is the course of the speed between the ends of the gap."""
+    rig = CrankRocker(0.055, 0.44, 0.26, 0.51)
+    for start in range(0, 360, 20):
+        angle = np.sort((start + np.linspace(0, 360 - 64, 50)) % 360)
+        speed, late = (
+            np.asarray(rig.rocker_speed(np.radians(at), crank_speed=10.0))
+            for at in (angle, angle - 20.0)
+        )
+        delay, std = find_delay(3.0 + np.abs(late), speed, angle)
+        assert abs(delay - 20.0) < 2 * std < 0.2
 
 
 def test_films_that_do_not_follow_the_speed_have_no_delay():

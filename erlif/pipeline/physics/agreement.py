@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import warnings
+from collections.abc import Iterable
 from dataclasses import replace
 from typing import Any
 
@@ -106,12 +107,7 @@ def _match_viscosity(
 
     def factor(log: float) -> float:
         """Median factor at a viscosity times exp(log)."""
-        one = contact.viscosity
-        times = math.exp(log)
-        thicker = replace(one, a=times * one.a) if isinstance(one, VogelLaw) else times * one
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # of ranges; the film has them as notes
-            expected = predict_film(film, replace(contact, viscosity=thicker))[theory].values
+        expected = _with_viscosity(film, contact, math.exp(log))[theory].values
         ratio = measured[fast] / np.where(expected[fast] > 0, expected[fast], np.nan)
         return float(np.nanmedian(ratio)) if np.isfinite(ratio).any() else math.nan
 
@@ -129,6 +125,39 @@ def _match_viscosity(
         found |= {"viscosity": viscosity, "viscosity_std": viscosity * relative}
         found["viscosity_std_formula"] = viscosity * formula_error / power
     return found
+
+
+def _with_viscosity(film: xr.Dataset, contact: LubricatedContact, times: float) -> xr.Dataset:
+    """Steady films at a multiple of the viscosity."""
+    one = contact.viscosity
+    thicker = replace(one, a=times * one.a) if isinstance(one, VogelLaw) else times * one
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # of ranges; the film has them as notes
+        return predict_film(film, replace(contact, viscosity=thicker))
+
+
+def viscosity_powers(
+    film: xr.Dataset, contact: LubricatedContact, names: Iterable[str]
+) -> dict[str, float]:
+    """Powers of the viscosity that steady films follow at the triggers, medians.
+
+    Parameters
+    ----------
+    film : xarray.Dataset
+        With these films, speed and load (trigger).
+    contact : LubricatedContact
+    names : iterable of str
+        Variables of the films.
+
+    Returns
+    -------
+    dict of str to float
+        [1]
+    """
+    thicker = _with_viscosity(film, contact, math.exp(_STEP))
+    with np.errstate(divide="ignore", invalid="ignore"):  # a surface at rest has no film
+        ratios = {name: thicker[name].values / film[name].values for name in names}
+    return {name: float(np.log(np.nanmedian(one))) / _STEP for name, one in ratios.items()}
 
 
 def _follow_speed(film: xr.Dataset, name: str) -> dict[str, Any]:

@@ -10,6 +10,7 @@ import xarray as xr
 
 from erlif.calibration import RunCurve
 from erlif.core.arrays import Array
+from erlif.core.statistics import covariance_root
 from erlif.core.terms import SOURCES
 from erlif.core.variables import FILM
 from erlif.io.settings import RunSettings
@@ -50,6 +51,27 @@ def describe_errors(statistics: Sequence[FilmStatistics], calibration: RunCurve)
         whole = np.array([[row.get(term, 0.0) for row in rows] for term in terms])
         values[name] = np.where(np.isnan(whole).any(axis=0), np.nan, whole)  # no film, no error
     return {name: FILM[name].fill(column) for name, column in values.items()}
+
+
+def shared_errors(statistics: Sequence[FilmStatistics], calibration: RunCurve) -> Array:
+    """Change of the minima with one standard deviation of each error that all triggers share.
+
+    Parameters
+    ----------
+    statistics, calibration
+        As for `describe_errors`.
+
+    Returns
+    -------
+    array, (trigger, source)
+        The surfaces last, whose marks are the same at every trigger: the median of their sizes,
+        each of which is an estimate of its own. [um]
+    """
+    minima = [one.gap.minimum for one in statistics]
+    gradient = np.array([one.gradient for one in minima])
+    by_fixture = gradient @ covariance_root(calibration.full_covariance)
+    surface = float(np.nanmedian([one.surface_std for one in minima]))
+    return np.column_stack([by_fixture, np.full(len(minima), surface)])
 
 
 def name_largest_error(

@@ -2,22 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from erlif.calibration import calibration_of
+from erlif.core.arrays import Array
 from erlif.core.errors import ConfigError, ErlifError
 from erlif.core.notes import warn
 from erlif.core.progress import Progress, ShowProgress, choose_progress, silent
-from erlif.io.files import open_film, takes
+from erlif.io.files import formula_label, open_film, takes
 from erlif.io.settings import RunSettings
 from erlif.models.reynolds import Journal
+from erlif.pipeline.physics.agreement import viscosity_powers
 from erlif.pipeline.physics.bore import departure
-from erlif.pipeline.physics.joint import describe_viscosity, joint_and_oil
+from erlif.pipeline.physics.exponents import speed_of_trend
+from erlif.pipeline.physics.joint import describe_contact, describe_viscosity, joint_and_oil
 from erlif.pipeline.physics.position import clearance_std
 from erlif.pipeline.physics.predict import film_beside, is_film, read_film
 from erlif.pipeline.physics.prediction import build_journal, build_motion, swinging_joint
@@ -26,6 +30,7 @@ from erlif.prediction import (
     GivenErrors,
     MeasuredMotion,
     ModelComparison,
+    compare_films,
     compare_models,
     film_temperature,
     measured_minima,
@@ -33,7 +38,7 @@ from erlif.prediction import (
 )
 from erlif.prediction.comparison import HELD, STEADY
 from erlif.prediction.fit import FEWEST_TRIGGERS, LOAD_LINE_STD, MISFIT
-from erlif.trend import VogelLaw, viscosity_at
+from erlif.trend import VogelLaw, fast_triggers, viscosity_at
 
 _POSITIONS = (
     "pin_displacement",
@@ -145,12 +150,15 @@ def reading_error(settings: RunSettings, frames: xr.Dataset) -> float:
     return by_kelvin * float(settings.temperature.reading_std)
 
 
-def state_physics(film: xr.Dataset, settings: RunSettings, frames: xr.Dataset) -> str:
+def state_physics(
+    film: xr.Dataset, settings: RunSettings, frames: xr.Dataset, shared: Array | None = None
+) -> tuple[str, dict[str, float]]:
     """State which physics carries a film and how certain that is, without films with cavities.
 
     The film of a free pin, squeeze in closed form, a constant gap, the steady formulas and powers
-    of speed over load are fitted. Where none describes the film and the pin stays on one line, as a
-    guided one does, the text names the command that fits this.
+    of speed over load are fitted to the positions of a pin; all but the first two to the minima of
+    a contact without one, at speeds above a tenth of the highest. Where none describes the film and
+    the pin stays on one line, as a guided one does, the text names the command that fits this.
 
     Parameters
     ----------
@@ -159,19 +167,36 @@ def state_physics(film: xr.Dataset, settings: RunSettings, frames: xr.Dataset) -
     settings : RunSettings
     frames : xarray.Dataset
         As `erlif.pipeline.physics.prediction.frames_of_run` returns them.
+    shared : array, (trigger, source), optional
+        Errors of the minima that all triggers share, for a contact without a pin. [um]
 
     Returns
     -------
-    str
-        The verdict in a first sentence, then what limits it; empty where nothing is predicted.
+    verdict : str
+        Which physics carries the film in a first sentence, then what limits it; empty where nothing
+        is predicted.
+    taken : dict of str to float
+        viscosity, viscosity_std and viscosity_given: what the transient film of a free pin takes,
+        start and load line fitted with it, beside that of [oil]; empty where it does not describe
+        the film. [Pa s]
     """
-    if "film_predicted_min" not in film or not all(name in film for name in _POSITIONS):
-        return ""
+    contact = settings.joint is None and shared is not None and {*STEADY} <= set(film)
+    if not contact and not {"film_predicted_min", *_POSITIONS} <= set(film):
+        return "", {}
     try:
-        return _compare_models(film, settings, frames, ("free", "any guided")).verdict
+        if settings.joint is None and shared is not None:
+            return _compare_films(film, settings, shared).verdict, {}
+        found = _compare_models(film, settings, frames, ("free", "any guided"))
     # the measured film is complete without this sentence
     except (ErlifError, ArithmeticError, ValueError, np.linalg.LinAlgError):
-        return ""
+        return "", {}
+    free = next((one for one in found.candidates if one.name == HELD["free"]), None)
+    if free is None or not free.describes or settings.prediction.sideways != "free":
+        return found.verdict, {}
+    viscosity = free.estimates["viscosity"]
+    given = float(viscosity_at(frames, swinging_joint(settings).joint.viscosity).mean())
+    taken = {"viscosity": viscosity.value, "viscosity_std": viscosity.std, "viscosity_given": given}
+    return found.verdict, taken if viscosity.std < viscosity.value else {}
 
 
 def _compare_models(
@@ -197,11 +222,6 @@ def _compare_models(
     shaped = journal.axial_shape is not None
     if shaped:
         sideways = ["free"]
-    steady = {name: film[name].values * 1e-6 for name in STEADY if name in film and not shaped}
-    # infinite outside the regime of a formula, where its shape alone is compared
-    errors = {name: float(film[name].attrs.get("formula_error", 0.0)) for name in steady}
-    regime = str(film["film_theory"].attrs.get("regime", "")) if "film_theory" in film else ""
-    drives = "rocker_speed" in film and "joint_load" in film
     given = given_errors(settings, film, frames)
     line = given.load_line
     measured = _measured_motion(film, journal)
@@ -210,10 +230,7 @@ def _compare_models(
         journal,
         motion,
         trigger=np.where(frames.used.values, frames.trigger.values, -1),
-        steady=steady,
-        formula_errors=errors,
-        regime=regime or "isoviscous-rigid",
-        drive=(film["rocker_speed"] / film["joint_load"]).values if drives else None,
+        **_steady_films(film, settings, [] if shaped else STEADY),
         viscosity_std=joint_and_oil(settings)[1].viscosity_std,
         sideways=[one for one in sideways if one != "spring" or measured.is_position],
         load_line_std=LOAD_LINE_STD if line is None else line,
@@ -230,6 +247,38 @@ def _compare_models(
     middle = found.verdict[0].lower() + found.verdict[1:]
     text = f"The pin rocks by {rocking:.2g} nm/mm, which no model has; in its middle {middle}"
     return replace(found, verdict=text)
+
+
+def _steady_films(film: xr.Dataset, settings: RunSettings, names: Iterable[str]) -> dict[str, Any]:
+    """Films of steady formulas and the speed over the load, as `compare_models` takes them."""
+    names, contact = [name for name in names if name in film], describe_contact(settings)
+    speed = speed_of_trend(film)
+    return {
+        "steady": {name: film[name].values * 1e-6 for name in names},
+        # infinite outside the regime of a formula, where its shape alone is compared
+        "formula_errors": {name: float(film[name].attrs.get("formula_error", 0)) for name in names},
+        "powers": {} if contact is None else viscosity_powers(film, contact, names),
+        "drive": (film[speed] / film["joint_load"]).values
+        if {speed, "joint_load"} <= set(film)
+        else None,
+    }
+
+
+def _compare_films(film: xr.Dataset, settings: RunSettings, shared: Array) -> ModelComparison:
+    """Compare the steady films of a contact without a pin by the minima of fast triggers."""
+    oil = settings.oil
+    assert oil is not None  # there are films of theory
+    fast = fast_triggers(film[speed_of_trend(film)].values)
+    measured = np.where(fast, film["film_min"].values, np.nan) * 1e-6
+    return compare_films(
+        measured,
+        film["film_min_std_random"].values * 1e-6,
+        shared * 1e-6,
+        viscosity=float(viscosity_at(film, describe_viscosity(oil))[fast].mean()),
+        names={**STEADY, "film_hamrock_dowson": formula_label(film)},
+        viscosity_std=oil.viscosity_std,
+        **_steady_films(film, settings, STEADY),
+    )
 
 
 def _rocking(film: xr.Dataset) -> float:

@@ -11,7 +11,7 @@ from scenes.preparing import UNREAD
 from scenes.results import make_statistics
 
 from erlif.calibration import RunCurve
-from erlif.pipeline.physics.errors import describe_errors, name_largest_error
+from erlif.pipeline.physics.errors import describe_errors, name_largest_error, shared_errors
 from erlif.pipeline.physics.systematics import add_systematics
 from erlif.show.plots import example_calibration
 
@@ -39,6 +39,11 @@ def test_sources_of_error_add_up_and_the_largest_is_named():
         total = np.sqrt((film[name] ** 2).sum("error_term"))
         stated = [one.std(calibration.full_covariance) for one in numbers]
         npt.assert_allclose(total, stated, rtol=1e-9)
+
+    # surfaces of one size, which all triggers share, and the calibration, without the noise
+    apart = np.sqrt((shared_errors(statistics, calibration) ** 2).sum(axis=1))
+    rest = film.film_min_error.where(film.error_term != "noise", 0.0)
+    npt.assert_allclose(apart, np.sqrt((rest**2).sum("error_term")), rtol=1e-9)
 
     nothing = make_statistics(gradient=np.full(parameters, np.nan))
     assert np.isnan(describe_errors([nothing], calibration)["film_mean_error"]).all()

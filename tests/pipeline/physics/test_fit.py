@@ -14,6 +14,7 @@ from erlif.pipeline.physics.predict import read_film
 from erlif.prediction import compare_models
 from erlif.rig import RigSettings, simulate
 from erlif.show.report import summarise
+from erlif.show.report.agreement import describe_other_factors
 
 
 @pytest.fixture(scope="module")
@@ -109,6 +110,22 @@ def test_film_states_in_one_line_which_physics_carries_it(sinking):
     assert "strong" in lines[0]
 
 
+def test_the_transient_film_takes_the_true_viscosity(sinking):
+    """0.1 Pa s; a guided pin has other films, and none."""
+    source = read_film(sinking / "film.nc")
+    with erlif.open_film(sinking / "film.nc") as film:
+        kept, stated = film.load(), float(re.search(r'viscosity = "(\S+) Pa s"', film.settings)[1])
+    attrs = kept.film_over_predicted.attrs
+    assert abs(attrs["viscosity"] - 0.1) < 2.5 * attrs["viscosity_std"]
+    assert attrs["viscosity_std"] < 0.02
+    npt.assert_allclose(attrs["viscosity_given"], stated)
+    line = next(one for one in describe_other_factors(kept).splitlines() if "transient" in one)
+    assert f"takes {attrs['viscosity']:.3f} ±" in line
+    options = source.settings.prediction.model_copy(update={"sideways": "guided"})
+    guided = source.settings.model_copy(update={"prediction": options})
+    assert state_physics(kept, guided, source.frames)[1] == {}
+
+
 def test_a_tilt_that_moves_is_part_of_the_verdict(sinking):
     """A range of 2 a, of a sine; the errors of the tilt alone are no motion."""
     source = read_film(sinking / "film.nc")
@@ -118,7 +135,7 @@ def test_a_tilt_that_moves_is_part_of_the_verdict(sinking):
     tilt = kept.pin_tilt.values.copy()
     tilt[:, 0] += 0.08 * np.sin(np.arange(len(tilt)) * 2 * np.pi / len(tilt) + np.pi / 4)
     rocking = kept.assign(pin_tilt=(kept.pin_tilt.dims, tilt))
-    text = state_physics(rocking, source.settings, source.frames)
+    text, _ = state_physics(rocking, source.settings, source.frames)
     said = re.match(
         r"The pin rocks by (\S+) nm/mm, which no model has; in its middle squeeze", text
     )
