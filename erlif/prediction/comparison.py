@@ -313,9 +313,11 @@ def compare_models(
         shown = {name: fit.estimates[name] for name in _SHOWN if name in fit.estimates}
         fitted.append(_weigh(HELD[held], problem, fit.minimum, predicted, shown))
 
-    # closed forms take no time beside the transient films; that of squeeze is of a straight bore
+    # closed forms take no time beside the transient films; that of squeeze is of a straight, smooth
+    # and rigid bore
     forms = [(CONSTANT, _constant(problem))]
-    if sideways and journal.axial_shape is None:
+    straight = journal.axial_shape is None and journal.roughness is None
+    if sideways and straight and journal.foundation is None:
         forms.append((SQUEEZE, _squeeze(problem)))
     for name, film in (steady or {}).items():
         viscous, known = {**_POWERS, **(powers or {})}[name], (formula_errors or {}).get(name, 0.0)

@@ -26,7 +26,15 @@ from erlif.prediction.least_squares import (
 )
 from erlif.prediction.measured import MeasuredMotion
 from erlif.prediction.motion import FrameMotion
-from erlif.prediction.orbits import ATMOSPHERE, FreeOrbits, HeldOrbits, Orbits, lead_of
+from erlif.prediction.orbits import (
+    ATMOSPHERE,
+    CELLS,
+    SHAPED_CELLS,
+    FreeOrbits,
+    HeldOrbits,
+    Orbits,
+    lead_of,
+)
 from erlif.prediction.problem import FrameSteps, Problem
 from erlif.trend import VogelLaw
 
@@ -186,6 +194,8 @@ def fit_motion(
 ) -> MotionFit:
     """Fit viscosity, start film and mount of a joint to the measured positions of its pin.
 
+    On an elastic liner the minima of the deflected wall are fitted: positions are refused.
+
     Weighted least squares on the transient film. Errors that all triggers share and the place of
     the load line are nuisance parameters: they are fitted with the rest, each within its own
     standard deviation. Only K/W, squeeze constant over load, is measured; the viscosity follows
@@ -223,7 +233,7 @@ def fit_motion(
     Raises
     ------
     ConfigError
-        Too few positions, an unknown name.
+        Too few positions, positions on an elastic liner, an unknown name.
     ModelError
         No film carries the load, or no minimum was found.
 
@@ -245,15 +255,21 @@ def fit_motion(
     """
     frames = FrameSteps.of(measured, motion.steps, trigger)
     _refuse_unfit(measured, frames, sideways, fitted)
+    if journal.foundation is not None and measured.is_position:
+        raise ConfigError(
+            "Expected minima for a fit on an elastic liner, whose yield is part of the positions. "
+            "Take measured_minima."
+        )
     orbits: Orbits = FreeOrbits(journal, motion.motion)
-    if sideways != "free":
+    if sideways != "free" or journal.foundation is not None:
         lead = lead_of(motion.motion, motion.crank)
         if lead is None and motion.lead is not None:
             # the last step of the lead is the first one of the motion
             before = motion.lead.at(slice(-1))
             since = motion.motion.time[0] - motion.lead.time[-1]
             lead = replace(before, time=since + before.time)
-        orbits = HeldOrbits(journal, motion.motion, sideways, lead=lead)
+        cells = CELLS if journal.axial_shape is None else SHAPED_CELLS
+        orbits = HeldOrbits(journal, motion.motion, sideways, cells, lead=lead)
     problem = Problem(orbits, frames, measured, sideways)
     given = given or GivenErrors()
     known = {name: getattr(given, name) for name in FITTED}
@@ -531,7 +547,7 @@ def _first_film(problem: Problem, least: LeastSquares, minimum: Minimum) -> Esti
 
 def _first_films(problem: Problem, unknowns: Unknowns, sets: Array) -> Array:
     """Films of a held pin at the first step of the motion for sets of unknowns, (case,). [m]"""
-    orbits, clearance = problem.orbits, problem.orbits.journal.clearance
+    orbits, clearance = problem.orbits, problem.orbits.journal.least_clearance
     assert isinstance(orbits, HeldOrbits)
     shift = None if orbits.shift is None else orbits.shift[:3]
     brief = replace(orbits, motion=orbits.motion.at(slice(3)), shift=shift)

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 from typing import TypeAlias
 
 import numpy as np
+import xarray as xr
 
 from erlif.core.arrays import Array
 from erlif.core.errors import ModelError
@@ -16,12 +17,14 @@ from erlif.models.reynolds.full_film import FullFilm, follow_full_film
 from erlif.models.reynolds.squeeze_tables import THINNEST
 from erlif.prediction.motion import scaled_time
 
-# Cells of the transient film round the joint and along half of its length, for derivatives. What
-# these, and every other step of time, leave out is extrapolated once for each fit.
-CELLS = (64, 2)
+# Cells of the transient film round the joint and along half of its length, for derivatives, and
+# those of a bore with a shape. What these, and every other step of time, leave out is extrapolated
+# once for each fit.
+CELLS, SHAPED_CELLS = (64, 2), (64, 8)
 
 # Cells from which is extrapolated, and those for long runs.
 FINE_CELLS, LONG_CELLS = (96, 6), (64, 4)
+FINE_SHAPED = (96, 8)
 
 # Cells that resolve how cavities end at the ends of the joint; with fewer than a dozen along half
 # of the length the film does not yet tend to its limit.
@@ -39,7 +42,7 @@ _LONG = 2000  # steps of a long run
 # Of the change by half the spacing, what leads to the limit: 4/3 at second order, 2 at first. The
 # edges of cavities move by whole cells, which leaves a part of first order; springs, which belong
 # to the end of a step, have it alone. Along the axis the finer of both is already counted.
-_HALF_STEPS = {"guided": 5 / 3, "spring": 2.0}
+_HALF_STEPS = {"free": 4 / 3, "guided": 5 / 3, "spring": 2.0}
 _AROUND = 4 / 3
 _AXIAL = 0.5
 _UNEVEN = 0.4  # of the change by half the spacing, as a doubt: from one order to the other
@@ -121,14 +124,15 @@ class FreeOrbits:
 
 @dataclass(frozen=True)
 class HeldOrbits:
-    """Pins in a film with cavities, guided or on a spring.
+    """Pins in a film with cavities: guided, on a spring, or free on an elastic liner.
 
     Attributes
     ----------
     sideways : str
-        "guided" or "spring".
+        "guided", "spring" or "free".
     journal : Journal
-        The joint.
+        The joint. On an elastic liner the displacements are those that would leave its minimum film
+        between rigid walls: the deflected wall is what is measured.
     motion : Motion
         Its motion.
     cells : (int, int)
@@ -179,8 +183,9 @@ class HeldOrbits:
         def follow(cells: tuple[int, int], stride: int = _STRIDE) -> Array:
             return self._known(cells, stride, unknowns)
 
-        long = self.motion.time.size > _LONG
-        around, across = LONG_CELLS if long else FINE_CELLS
+        shaped = self.journal.axial_shape is not None
+        long = self.motion.time.size > _LONG and not shaped
+        around, across = LONG_CELLS if long else FINE_SHAPED if shaped else FINE_CELLS
         if long:  # the longest first, so that the others are followed beside it
             films = [((around, across), 1), ((2 * around, across), _STRIDE)]
             films += [((around, across), _STRIDE), (self.cells, _STRIDE)]
@@ -265,7 +270,7 @@ class HeldOrbits:
 
         # by secants, the start that leads to the same film at the first step
         known = self._known(self.cells, _STRIDE, unknowns)
-        aim, thickest = np.hypot(*known[0]), np.log(_THICKEST * self.journal.clearance)
+        aim, thickest = np.hypot(*known[0]), np.log(_THICKEST * self.journal.least_clearance)
         start = unknowns["start_film"]
         film, found = start + _NUDGE, follow(start)
         off = np.hypot(*found[0]) - aim
@@ -302,12 +307,13 @@ class HeldOrbits:
             journal = replace(journal, cavitation_pressure=-suction)
 
         # a pin whose mount has a place at rest starts there unless its attitude is known
-        eccentric = clearance - float(np.exp(start_film))
+        least = self.journal.least_clearance
+        eccentric = least - float(np.exp(start_film))
         side = rest * clearance
         if start_attitude is not None:
             side = eccentric * float(np.sin(start_attitude))
         start = float(np.sqrt(max(eccentric**2 - side**2, 0.0))), side
-        size = np.inf if self.sideways == "guided" else 10**stiffness
+        size = {"guided": np.inf, "free": 0.0}.get(self.sideways, 10**stiffness)
         mount = Mount(size, rest=rest * clearance, direction=0.0)
         own, lead = drifted(self.motion, self.lead, drift)
         whole = _joined(lead, self.turns, own)
@@ -324,12 +330,39 @@ class HeldOrbits:
             )
         except ModelError:
             return np.full((self.motion.time.size, 2), np.nan)
-        both = solved.displacement_load.values, solved.displacement_side.values
+        both = np.stack([solved.displacement_load.values, solved.displacement_side.values])
+        if journal.foundation is not None:
+            both *= 1 - peak_yield(solved, journal.foundation) / np.hypot(*both)
         return np.stack([np.interp(own.time, motion.time, axis) for axis in both], axis=1)
 
 
 # What follows pins through the motion of a run.
 Orbits: TypeAlias = FreeOrbits | HeldOrbits
+
+
+def peak_yield(solved: xr.Dataset, foundation: float) -> Array:
+    """Deflection of a liner by the highest pressure at each time, between those of the steps.
+
+    Parameters
+    ----------
+    solved : xarray.Dataset
+        Of `solve_journal`.
+    foundation : float
+        As of `Journal`. [Pa/m]
+
+    Returns
+    -------
+    array, (step,)
+        [m]
+
+    Examples
+    --------
+    >>> peaks = xr.Dataset({"peak_pressure": ("time", [np.nan, 3e6, 6e6])})
+    >>> peak_yield(peaks, 3e12)
+    array([1.0e-06, 1.5e-06, 2.0e-06])
+    """
+    steps = solved["peak_pressure"].values[1:] / foundation
+    return np.convolve(np.pad(steps, 1, mode="edge"), [0.5, 0.5], mode="valid")
 
 
 def film_change(place: Array, clearance: float, part: float) -> Array:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
@@ -114,7 +114,7 @@ class Problem:
         value, shared = measured.value[good], measured.shared[good]
         random = measured.random_cov[good]
         if isinstance(self.orbits, HeldOrbits):
-            clearance = self.orbits.journal.clearance
+            clearance = self.orbits.journal.least_clearance
             doubts = film_change(value, clearance, HELD_ERROR)[..., np.newaxis]
             if self.orbits.doubts is not None:
                 # a pin of which only minima are known stays on the load line
@@ -190,7 +190,8 @@ class Problem:
         slope, first = (
             np.polyfit(impulse, ratio, 1, w=weight) if np.ptp(impulse) > 0 else (0, ratio[0])
         )
-        middle = FullFilm.of(journal).damping(np.array([np.median(film)]))[0, 0] * clearance
+        full = FullFilm.of(replace(journal, foundation=None))
+        middle = full.damping(np.array([np.median(film)]))[0, 0] * clearance
         long = journal.squeeze_constant * (1 - (1 - np.median(film)) ** 2) ** -1.5
         fluidity = float(np.clip(slope * journal.squeeze_constant * middle / long, 0.02, 50.0))
         begin = max(float(first), 1e-3)
@@ -204,7 +205,7 @@ class Problem:
             attitude = float(np.arctan2(place[early, 1], place[early, 0]))
             rest = float(np.mean(place[:, 1])) / journal.clearance
         if self.sideways != "free":
-            start_film = journal.clearance * float(film[int(np.argmin(impulse))])
+            start_film = clearance * float(film[int(np.argmin(impulse))])
             fluidity = 1.0
         return {
             "fluidity": fluidity,

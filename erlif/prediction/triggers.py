@@ -18,6 +18,7 @@ from erlif.core.errors import ModelError
 from erlif.core.variables import FILM, FRAMES
 from erlif.models.reynolds import Journal, solve_journal
 from erlif.prediction.motion import FrameMotion
+from erlif.prediction.orbits import peak_yield
 from erlif.prediction.start import find_start_film
 
 # Cells round the joint and along half of its length; the film of half as many is within 0.7 %.
@@ -92,7 +93,7 @@ def predict_frames(
             "along the axis. Check load and viscosity, and the bore in [joint]."
         )
     if journal.foundation is not None:
-        solved["deflection"] = solved.peak_pressure.fillna(0.0) / journal.foundation
+        solved["deflection"] = "time", peak_yield(solved, journal.foundation)
         names.append("deflection")
     return xr.Dataset(
         {name: ("frame", solved[name].values[motion.steps], solved[name].attrs) for name in names}

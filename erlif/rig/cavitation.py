@@ -7,15 +7,17 @@ oil content of a cell, its film times the share of oil in it, then follows from 
 
 and one of the two holds as an equation in each cell. These conditions are those of the minimum of a
 convex quadratic function of the pressure above p_cav, which projected over-relaxation finds. The
-oil is conserved whatever the pressure.
+oil is conserved whatever the pressure. An elastic liner, whose film rises with the pressure, adds a
+term of the cell itself; the conductances of its film are found in rounds.
 """
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
-from scipy.interpolate import CubicSpline
+from scipy.interpolate import CubicSpline, interpn
 
 from erlif.core.arrays import Array
 from erlif.core.errors import ModelError
@@ -36,6 +38,8 @@ _BALANCED = 1e-5  # force that is left over the load
 _ROUNDS = 30  # places of the pin that are tried in one step with one derivative
 _NUDGE = 1e-3  # of the film, for the derivative of the forces
 _LEAST = 0.5  # of the film of the last trial that the next one keeps
+_YIELDED = 1e-8  # of the clearance, change of the film in the last round of a liner
+_AMPLITUDE, _DECAY = 0.9, 0.56  # of the pressure flow factor without lay. Patir and Cheng (1978)
 
 
 @njit(cache=True, nogil=True)
@@ -45,13 +49,14 @@ def relax_pressure(
     around: Array,
     along: Array,
     held: Array,
+    own: Array,
     cavity: float,
     relaxation: float,
 ) -> int:
     """Find the pressure over ambient, in place; gives the sweeps, -1 if it failed.
 
-    Minimum over q >= cavity of the quadratic function with gradient ``lack - sum g (q' - q)`` over
-    the neighbours q'.
+    Minimum over q >= cavity of the quadratic function with gradient
+    ``lack + own q - sum g (q' - q)`` over the neighbours q'.
 
     Parameters
     ----------
@@ -65,6 +70,8 @@ def relax_pressure(
         Conductance from each node to the next along the axis; that of the last column is 0.
     held : array, (around, along)
         1 where the pressure is given.
+    own : array, (around, along)
+        Volume by which the walls of a cell yield over its pressure.
     cavity : float
         Pressure of cavities.
     relaxation : float
@@ -79,7 +86,7 @@ def relax_pressure(
                 if held[i, j]:
                     continue
                 inflow = around[i, j] * pressure[after, j] + around[before, j] * pressure[before, j]
-                conductance = around[i, j] + around[before, j]
+                conductance = own[i, j] + around[i, j] + around[before, j]
                 if j > 0:
                     inflow += along[i, j - 1] * pressure[i, j - 1]
                     conductance += along[i, j - 1]
@@ -161,6 +168,8 @@ class _Film:
         self.form: Array = np.zeros(self.grid.axial.size)
         if bearing.shape is not None:
             self.form = bearing.shape(self.grid.axial * bearing.radius) / bearing.clearance
+        self.soft = bearing.yielding * self.unit / bearing.clearance
+        self.roughness = bearing.roughness / bearing.clearance
         self.pressure = np.zeros_like(self.grid.area)
         self.content, _ = self.measure(place, turn)
         self.before: Array | None = None
@@ -179,6 +188,7 @@ class _Film:
     def thicken(self, factor: float) -> None:
         """Multiply the viscosity of the oil by a factor."""
         self.unit *= factor
+        self.soft *= factor
         self.cavity /= factor
         self.pressure /= factor
 
@@ -188,34 +198,53 @@ class _Film:
         `turn` is the angle of the frame from the middle of the stroke. [rad]
         """
         grid = self.grid
-        self.film, face = self.measure(place, turn)
-        if self.film.min() < THINNEST:
+        rigid, rigid_face = self.measure(place, turn)
+        even, less = _RELAXATION
+        relaxation = even - less * float(place @ place)
+        new, known = self.difference()
+        lack = (new * rigid - known) * grid.area
+        for _ in range(_ROUNDS):
+            before = self.soft * self.pressure
+            self._conduct(rigid + before, rigid_face + (before + np.roll(before, -1, axis=0)) / 2)
+            sweeps = relax_pressure(
+                self.pressure,
+                lack,
+                self.around,
+                self.along,
+                grid.held,
+                new * self.soft * grid.area,
+                self.cavity,
+                relaxation,
+            )
+            self.film = rigid + self.soft * self.pressure
+            settled = float(np.abs(self.soft * self.pressure - before).max()) <= _YIELDED
+            if sweeps < 0 or settled:
+                break
+        if sweeps < 0 or not settled:
+            raise ModelError(
+                f"The pressure of the film did not settle within {_SWEEPS} sweeps. Choose a higher "
+                "viscosity, a stiffer liner or fewer cycles since loading."
+            )
+        sides = np.stack([np.cos(grid.angle + turn), np.sin(grid.angle + turn)])
+        return np.asarray(self.unit * self.area * (sides @ (self.pressure * grid.area).sum(axis=1)))
+
+    def _conduct(self, film: Array, face: Array) -> None:
+        """Conductances of a film over the clearance at the nodes and half-way to the next ones."""
+        if film.min() < THINNEST:
             raise ModelError(
                 "Expected a film that carries the load; the pin touches the bushing. Choose fewer "
                 "cycles since loading or a higher viscosity."
             )
-        breadth = grid.area[:, :1] / grid.width[0]
-        self.around = face**3 / grid.reach * grid.width
+        grid, along = self.grid, 0.5 * (film[:, 1:] + film[:, :-1])
+        self.around = self._open(face) / grid.reach * grid.width
         self.along = np.zeros_like(grid.area)
-        along = 0.5 * (self.film[:, 1:] + self.film[:, :-1])
-        self.along[:, :-1] = along**3 * breadth / grid.pitch
+        self.along[:, :-1] = self._open(along) * grid.area[:, :1] / grid.width[0] / grid.pitch
 
-        even, less = _RELAXATION
-        relaxation = even - less * float(place @ place)
-        new, known = self.difference()
-        lack = (new * self.film - known) * grid.area
-        if (
-            relax_pressure(
-                self.pressure, lack, self.around, self.along, grid.held, self.cavity, relaxation
-            )
-            < 0
-        ):
-            raise ModelError(
-                f"The pressure of the film did not settle within {_SWEEPS} sweeps. Choose a higher "
-                "viscosity or fewer cycles since loading."
-            )
-        sides = np.stack([np.cos(grid.angle + turn), np.sin(grid.angle + turn)])
-        return np.asarray(self.unit * self.area * (sides @ (self.pressure * grid.area).sum(axis=1)))
+    def _open(self, film: Array) -> Array:
+        """Cube of a film over the clearance, times what rough walls let through."""
+        if self.roughness == 0:
+            return film**3
+        return film**3 * (1 - _AMPLITUDE * np.exp(-_DECAY * film / self.roughness))
 
     def advance(self) -> None:
         """Accept the last trial: oil flows between the cells as its pressures drive it."""
@@ -240,6 +269,35 @@ class _Film:
         return 1.5, 2 * self.content - self.before / 2
 
 
+class Yield(NamedTuple):
+    """Deflection of a liner at one moment.
+
+    Attributes
+    ----------
+    angle : Array
+        From the load line, rising over a turn, (around,). [rad]
+    axial : Array
+        Rising places along the axis: of the whole length from its middle, or of one half, (along,).
+        [m]
+    depth : Array
+        (around, along). [m]
+    """
+
+    angle: Array
+    axial: Array
+    depth: Array
+
+    def at(self, phi: Array, axial: Array) -> Array:
+        """Deflection at angles from the load line [rad] and places along the axis [m], linear
+        between the nodes. [m]
+        """
+        turn = np.append(self.angle, self.angle[0] + 2 * np.pi)
+        depth = np.vstack([self.depth, self.depth[:1]])
+        place = np.clip(axial if self.axial[0] < 0 else np.abs(axial), None, self.axial[-1])
+        around = turn[0] + (phi - turn[0]) % (2 * np.pi)
+        return np.asarray(interpn((turn, self.axial), depth, np.stack([around, place], axis=-1)))
+
+
 def follow_cavitated(
     bearing: RigidBearing,
     time: Array,
@@ -252,6 +310,7 @@ def follow_cavitated(
     start: tuple[float, float] = (0.0, 0.0),
     thicker: Callable[[float], float] | None = None,
     tilt: float = 0.0,
+    walls: list[Yield] | None = None,
 ) -> Array:
     """Follow the pin from the moment of loading, with a full film at first.
 
@@ -268,6 +327,8 @@ def follow_cavitated(
         Of the mount against sideways motion; infinite where the pin is guided. [N/m]
     cavity : float
         Pressure of cavities over the ambient one, not above 0. [Pa]
+    walls : list, optional
+        Receives the deflection of an elastic liner at each time but the first.
 
     Raises
     ------
@@ -283,11 +344,12 @@ def follow_cavitated(
     moments = time[0] + step * np.arange(count + 1)
     places = np.empty((moments.size, 2))
     places[0], derivative, thickness = rest, None, 1.0
+    depth = np.zeros_like(film.pressure)
     for k, moment in enumerate(moments[1:], start=1):
         turn, weight = angle(moment) / 2, load(moment)
         if thicker is not None:
-            before, thickness = thickness, thicker(moment)
-            film.thicken(thickness / before)
+            thinner, thickness = thickness, thicker(moment)
+            film.thicken(thickness / thinner)
 
         def unbalance(place: Array, turn: float = turn, weight: float = weight) -> Array:
             side = -spring * (place[1] - rest[1])
@@ -298,6 +360,12 @@ def follow_cavitated(
         play = 1 + float(film.form.min())
         places[k], derivative = _balance(unbalance, places[k - 1], guess, derivative, free, play)
         film.advance()
+        if walls is not None:
+            before, depth = depth, bearing.clearance * film.soft * film.pressure
+            for one in time[(time > moments[k - 1]) & (time <= moment)]:
+                between = before + (one - moments[k - 1]) / step * (depth - before)
+                place = film.grid.axial * bearing.radius
+                walls.append(Yield(film.grid.angle + angle(one) / 2, place, between))
     return np.asarray(bearing.clearance * CubicSpline(moments, places)(time))
 
 

@@ -51,7 +51,7 @@ _OWN = re.compile(
     r"truth\.nc"
     r"|(run|fixture(_after)?)/camera[12]/frame_\d+\.tif"
     r"|(run|fixture(_after)?)/camera[12]_(dark|flat|background)\.tif"
-    r"|run/(run\.toml|encoder\.\w+)|fixture(_after)?/(fixture\.toml|profile\.csv)"
+    r"|run/(run\.toml|bore\.csv|encoder\.\w+)|fixture(_after)?/(fixture\.toml|profile\.csv)"
     r"|run/(\.?film\.(nc|zarr)[^/]*(/.*)?|figures/.*|report\.html)"
     r"|fixture(_after)?/calibration\.\w+"
 )
@@ -244,6 +244,8 @@ def write_run(
     energy = 1 + rig.pulse_jitter * rng.standard_normal(frames)
     marks = draw_marks(rig, random_stream(seed, "marks"))
     gaps = list_gaps(triggers, rig, marks)
+    if rig.rough:
+        setup = dataclasses.replace(setup, roughness=np.sqrt(2) * rig.roughness)
     setup = dataclasses.replace(setup, typical=median_light(setup, gaps))
 
     drift[int(rig.bump[0]) :] += rig.bump[1:]
@@ -273,6 +275,10 @@ def write_run(
         write_log_in_time(directory / "encoder.csv", triggers, rig, _TEMPERATURE[0])
     elif rig.mechanism != "static":
         write_encoder_log(directory / "encoder.csv", triggers, rig, energy, rng)
+    if rig.profile is not None:
+        place = np.linspace(-0.5, 0.5, len(rig.profile)) * rig.length
+        columns = {"axial_mm": (place, "%.5f"), "depth_um": (np.array(rig.profile), "%.4f")}
+        write_table(directory / "bore.csv", columns)
     (directory / "run.toml").write_text(run_toml(rig, triggers), encoding="utf-8")
 
 

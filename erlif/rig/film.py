@@ -204,10 +204,14 @@ def follow_film_law(rig: RigSettings, speed: Array, load: Array) -> Array:
 
 
 def bore_height(rig: RigSettings, axial: Array) -> Array:
-    """Height that lobes and edges add to the gap, at places from the middle of the joint [mm].
+    """Height that lobes and edges, or a profile, add to the gap at places from the middle of the
+    joint [mm].
 
     Of each lobe the circle is taken, not its parabola. [um]
     """
+    if rig.profile is not None:
+        ends = np.linspace(-0.5, 0.5, len(rig.profile)) * rig.length
+        return np.interp(axial, ends, rig.profile)
     total: Array = np.zeros(np.shape(axial))
     (radius, height), (edge, depth) = rig.lobe, rig.edge
     for place in rig.lobes or ():

@@ -1,15 +1,15 @@
 """The film of every frame: by the law of its trigger, or where load and motion put the pin.
 
-The film "reynolds" is that of two rigid parallel cylinders. It changes from cycle to cycle, so
-every frame has its own.
+The film "reynolds" is that of two parallel cylinders, rigid unless the bushing has a liner. It
+changes from cycle to cycle, so every frame has its own.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from erlif.core.arrays import Array
-from erlif.rig.cavitation import follow_cavitated
+from erlif.rig.cavitation import Yield, follow_cavitated
 from erlif.rig.film import (
     Gap,
     Marks,
@@ -40,17 +40,24 @@ class JournalGap(Gap):
         Displacement of the pin along the load. [um]
     side : float
         Displacement of the pin along +x. [um]
+    wall : Yield | None
+        Deflection of an elastic liner.
     """
 
     along: float
     side: float
+    wall: Yield | None = None
 
     def smooth(self, x: Array, y: Array) -> Array:
         """Film without marks, c - e cos(phi - attitude); phi = 0 is the load line. [um]"""
         rig = self.rig
         phi = ((x - rig.centre[0]) * rig.pitch - rig.thin_line) / rig.journal_radius
         gap = rig.clearance - self.along * np.cos(phi) - self.side * np.sin(phi)
-        return np.asarray(gap + self.shape(y))
+        gap = gap + self.shape(y)
+        if self.wall is not None:
+            axial = (y - rig.centre[1]) * rig.pitch - rig.axial_centre
+            gap = gap + 1e6 * self.wall.at(*np.broadcast_arrays(phi, 1e-3 * axial))
+        return np.asarray(gap)
 
     @property
     def eccentricity(self) -> float:
@@ -70,8 +77,24 @@ def list_gaps(triggers: Triggers, rig: RigSettings, marks: Marks) -> list[Gap]:
     """
     if rig.film == "law":
         return [Gap(rig, float(film), marks) for film in triggers.film_min]
-    place = 1e6 * follow_pin(frame_times(triggers, rig), rig)
-    return [_place_pin(rig, marks, float(along), float(side)) for along, side in place]
+    walls: list[Yield] = []
+    if not rig.liner[0]:
+        place = 1e6 * follow_pin(frame_times(triggers, rig), rig)
+        return [_place_pin(rig, marks, float(along), float(side)) for along, side in place]
+    place = 1e6 * follow_pin(frame_times(triggers, rig), rig, walls)
+    return [
+        _deflect(JournalGap(rig, np.nan, marks, float(along), float(side), wall))
+        for (along, side), wall in zip(place, walls, strict=True)
+    ]
+
+
+def _deflect(gap: JournalGap) -> JournalGap:
+    """The gap with the minimum of its film in the region, at the points of the pixels."""
+    x, y = (
+        np.linspace(*ends, 2 * size) / gap.rig.pitch
+        for ends, size in zip(gap.rig.region, (gap.rig.width, gap.rig.height), strict=True)
+    )
+    return replace(gap, film_min=float(gap.smooth(x, y[:, np.newaxis]).min()))
 
 
 def _place_pin(rig: RigSettings, marks: Marks, along: float, side: float) -> JournalGap:
@@ -91,11 +114,12 @@ def load_at(time: Array, rig: RigSettings) -> Array:
     return load_of(crank_at(time, rig), rig)
 
 
-def follow_pin(time: Array, rig: RigSettings) -> Array:
+def follow_pin(time: Array, rig: RigSettings, walls: list[Yield] | None = None) -> Array:
     """Displacement of the pin at rising times after the smallest rocker angle [s].
 
     The linkage turns all the time. The load comes on `elapsed` cycles before time 0, with the pin
     in the middle of the bushing. A rising rocker angle moves the surface of the bushing along +x.
+    `walls` receives the deflection of a liner at each time.
 
     Returns
     -------
@@ -108,6 +132,8 @@ def follow_pin(time: Array, rig: RigSettings) -> Array:
         length=1e-3 * rig.length,
         viscosity=rig.viscosity,
         shape=(lambda axial: 1e-6 * bore_height(rig, 1e3 * axial)) if rig.shaped else None,
+        yielding=_yielding(rig),
+        roughness=1e-6 * np.sqrt(2) * rig.roughness if rig.rough else 0.0,
     )
     cycle, middle = cycle_time(rig), float(np.mean(rocker_range(rig)))
     moments = np.append(-rig.elapsed * cycle, time)
@@ -123,7 +149,7 @@ def follow_pin(time: Array, rig: RigSettings) -> Array:
 
     # a free pin squeezes a full film, unless its pressure would fall below that of cavities
     cavity = 1e3 * rig.cavitation_pressure
-    if rig.sideways == "free" and not rig.shaped:
+    if rig.sideways == "free" and not (rig.shaped or bearing.yielding or rig.rough):
         history = np.linspace(moments[0], moments[-1], _HISTORY)
         looked_up = np.union1d(history, moments)
         path = follow_orbit(bearing, looked_up, load=load, rotation=speed)
@@ -143,4 +169,15 @@ def follow_pin(time: Array, rig: RigSettings) -> Array:
         step=cycle / _STEPS,
         stiffness=float(stiffness),
         cavity=cavity,
+        walls=walls,
     )[1:]
+
+
+def _yielding(rig: RigSettings) -> float:
+    """Deflection of the liner over the pressure on it [m/Pa]: Hooke's law without spread sideways.
+
+    With the strains along the wall zero, its stresses are nu/(1 - nu) of the pressure.
+    """
+    thickness, modulus, poisson = rig.liner
+    strain = 1 - 2 * poisson * poisson / (1 - poisson)
+    return 1e-3 * thickness * strain / (1e9 * modulus)

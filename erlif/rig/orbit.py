@@ -33,7 +33,7 @@ _TOLERANCE = 1e-8  # of the orbit; the clearance is its unit
 
 
 class RigidBearing(NamedTuple):
-    """Rigid parallel cylinders and an oil of constant viscosity.
+    """Parallel cylinders and an oil of constant viscosity; `follow_cavitated` alone has all walls.
 
     Attributes
     ----------
@@ -49,6 +49,10 @@ class RigidBearing(NamedTuple):
     shape : callable or None
         What a bore that is not straight adds to the gap [m] at places along the axis from its
         middle [m].
+    yielding : float
+        Deflection of an elastic liner over the pressure on it. [m/Pa]
+    roughness : float
+        Root of the sum of squares of the rms roughness of both walls. [m]
     """
 
     radius: float
@@ -56,6 +60,8 @@ class RigidBearing(NamedTuple):
     length: float
     viscosity: float
     shape: Callable[[Array], Array] | None = None
+    yielding: float = 0.0
+    roughness: float = 0.0
 
     @property
     def damping(self) -> float:

@@ -15,7 +15,7 @@ SIDEWAYS = ("free", "guided")
 # Angle through which the rocker of the thesis turns; the default one differs little. [degree]
 SWING = 24.0
 # Settings of any number of values.
-_LISTS = ("film_table", "flat_levels", "lobes")
+_LISTS = ("film_table", "flat_levels", "lobes", "profile")
 
 _Value = TypeVar("_Value")
 
@@ -128,6 +128,17 @@ class RigSettings:
     edge : tuple[float, float]
         Length at either end of the joint over which the bore recedes as a parabola [mm], and how
         far it recedes at the end [um]; 0 for a sharp edge.
+    profile : tuple[float, ...] | None
+        Depth of the bore beyond its radius at equal distances from one end of the joint to the
+        other, in place of lobes and edges; run.toml names it as a measured profile. [um]
+    liner : tuple[float, float, float]
+        Elastic layer in the bushing of the film "reynolds": thickness [mm], 0 for none, Young's
+        modulus [GPa] and Poisson's ratio.
+    roughness : float
+        Rms roughness of pin and of bushing, without lay. [um]
+    rough : bool
+        Whether it hinders the flow of the film "reynolds", and is in the picture: finer than a
+        pixel, which shows the mean light. Otherwise run.toml alone has it.
     axial_centre : float
         Position of the middle of the joint along y, from the middle of the field. [mm]
     load : float
@@ -327,6 +338,10 @@ class RigSettings:
     lobes: tuple[float, ...] | None = None
     lobe: tuple[float, float] = _limited((200.0, 20.0), 1e-3, 1e6)
     edge: tuple[float, float] = _limited((0.0, 0.0), 0, 1e4)
+    profile: tuple[float, ...] | None = None
+    liner: tuple[float, float, float] = _limited((0.0, 1.4, 0.4), 0, 1e4)
+    roughness: float = _limited(0.2, 0, 100)
+    rough: bool = False
     axial_centre: float = 0.0
     load: float = _limited(222.411, 1e-6, 1e9)
     load_swing: float = _limited(0.01, 0, 0.99)
@@ -526,6 +541,22 @@ class RigSettings:
                 f"{self.mechanism!r} and a tilt of {self.tilt:g} um. Choose another film, or leave "
                 "them out."
             )
+        thickness, modulus, poisson = self.liner
+        if (self.rough or thickness) and self.film != "reynolds":
+            raise ModelError(
+                "Expected liner and rough of the virtual rig with the film reynolds, that of a "
+                f"pressure; got {self.film!r}. Choose it, or leave them out."
+            )
+        if thickness and not (modulus > 0 and poisson < 0.5):
+            raise ModelError(
+                "Expected a liner of the virtual rig with a modulus above 0 and Poisson's ratio "
+                f"below 0.5; got {modulus:g} GPa and {poisson:g}. Correct them."
+            )
+        if self.profile is not None and (self.lobes or self.edge[0] or len(self.profile) < 2):
+            raise ModelError(
+                "Expected a profile of the virtual rig with two or more depths, without lobes and "
+                "edges, which it has already. Leave one of them out."
+            )
 
     @property
     def pitch(self) -> float:
@@ -545,7 +576,7 @@ class RigSettings:
     @property
     def shaped(self) -> bool:
         """Whether the bore is not straight along its axis."""
-        return bool(self.lobes) or self.edge[0] > 0
+        return bool(self.lobes) or self.edge[0] > 0 or self.profile is not None
 
     @property
     def region(self) -> tuple[tuple[float, float], tuple[float, float]]:

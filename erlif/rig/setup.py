@@ -7,7 +7,7 @@ No rendered picture is resampled: the light at any object point of a camera is e
 
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numba import njit
@@ -15,7 +15,7 @@ from numba import njit
 from erlif.core.arrays import Array, Counts
 from erlif.rig.camera import Camera, build_camera, displacement, expose, seen_from_camera_2
 from erlif.rig.dyes import DyedOil, signals_of
-from erlif.rig.film import Bubbles, Field
+from erlif.rig.film import BARE_FILM, Bubbles, Field
 from erlif.rig.settings import RigSettings
 from erlif.rig.wall import Texture, draw_texture
 
@@ -176,6 +176,8 @@ class Setup:
         Light of each camera that its background is a share of. [electron]
     texture : Texture | None
         Wall of the joint in place of an even one.
+    roughness : float
+        Of both walls together, rms, finer than a pixel. [um]
     """
 
     rig: RigSettings
@@ -186,6 +188,7 @@ class Setup:
     y: Array
     typical: tuple[float, float] = (0.0, 0.0)
     texture: Texture | None = None
+    roughness: float = 0.0
 
     def background(self, number: int, x: Array, y: Array) -> Array | float:
         """Electrons in camera `number` that do not come from the film, at object points (x, y).
@@ -203,8 +206,13 @@ class Setup:
     def light(self, number: int, film: Array, x: Array, y: Array) -> Array:
         """Electrons in camera `number` from the film at object points (x, y).
 
-        Transmission of the lens, speckle and pulse energy are not included.
+        Transmission of the lens, speckle and pulse energy are not included. Over rough walls it is
+        the mean of normal heights, by three points of Gauss and Hermite.
         """
+        if self.roughness:
+            smooth, off = replace(self, roughness=0.0), np.sqrt(3) * self.roughness
+            three = ((film + off, 1 / 6), (film, 2 / 3), (np.maximum(film - off, BARE_FILM), 1 / 6))
+            return np.asarray(sum(share * smooth.light(number, at, x, y) for at, share in three))
         scale = self.rig.light * self.rig.thick_film_signal[number - 1]
         if self.texture is not None and self.texture.signals:
             of_film = self.texture.light(number, film, x, y)

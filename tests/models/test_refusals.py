@@ -197,7 +197,7 @@ CALLS = {
     "rest of a mount must be finite": lambda: r.Mount(rest=NONE),
     "speed must not be zero": lambda: r.steady_journal(PIN, speed=0.0, load=1.0),
     "No film carries": lambda: r.steady_journal(PIN, speed=1.0, load=1e9, cells=(64, 2)),
-    "roughness": lambda: FullFilm.of(replace(PIN, roughness=1e-6)),
+    "has an elastic liner": lambda: FullFilm.of(replace(PIN, foundation=1e12)),
     "outside the clearance": lambda: follow_full_film(PIN, REST, start=np.array([[231e-6, 0.0]])),
     r"over \(x, z\)": lambda: e.subsurface_stress(
         xr.Dataset({"pressure": ("x", [1.0, 2.0])}), depth=1.0

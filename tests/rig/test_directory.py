@@ -17,6 +17,7 @@ from scenes.rig import QUICK, digest, read_frames
 from erlif import rig
 from erlif.core.errors import OutputError
 from erlif.core.terms import keys_in
+from erlif.io.settings import read_run_settings
 from erlif.joint import rig as joint_rig
 from erlif.rig import RigSettings, simulate
 from erlif.rig.directory import run_toml, write_encoder_log, write_profile
@@ -210,6 +211,34 @@ def test_the_mount_of_the_pin_reaches_run_toml_unless_it_is_withheld():
         assert settings["joint"][side]["youngs_modulus"] == "1000 GPa"
     stated = replace(rig, stated_viscosity=0.3)
     assert tomllib.loads(run_toml(stated, list_triggers(stated)))["oil"]["viscosity"] == "0.3 Pa s"
+
+
+def test_profile_liner_and_roughness_reach_the_settings_of_the_run(tmp_path):
+    """Read as erlif reads them: 0.8 um at the upper end, and half-way between two depths."""
+    rig = RigSettings(
+        width=64,
+        height=48,
+        spacing=8.0,
+        fixture_frames=1,
+        film="reynolds",
+        tilt=0.0,
+        elapsed=0.1,
+        length=30.0,
+        profile=(2.0, -1.0, 0.4, 0.8),
+        liner=(1.5, 0.5, 0.4),
+        roughness=0.6,
+        rough=True,
+        write_mount=False,
+    )
+    settings = read_run_settings(simulate(tmp_path, rig=rig) / "run")
+    place = np.array([-15e-3, -10e-3, 15e-3])
+    npt.assert_allclose(settings.joint.bore.shape(place, 0.03), [2e-6, 0.5e-6, 0.8e-6])
+    liner = settings.joint.liner
+    assert (liner.thickness, liner.youngs_modulus, liner.poissons_ratio) == (1.5e-3, 5e8, 0.4)
+    assert settings.joint.pin.roughness == settings.joint.bushing.roughness == 0.6e-6
+    assert settings.prediction.rough
+    simulate(tmp_path, rig=replace(rig, profile=None), overwrite=True)
+    assert not (tmp_path / "run" / "bore.csv").exists()
 
 
 def test_flats_rise_level_by_level(written):

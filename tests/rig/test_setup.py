@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import numpy.testing as npt
+from scipy.stats import norm
 
 from erlif.rig import RigSettings
 from erlif.rig.camera import displacement, seen_from_camera_2
@@ -81,6 +82,19 @@ def test_light_follows_exposure_beam_and_film():
         npt.assert_allclose(
             brighter.light(number, film, x, y), 2 * setup.light(number, film, x, y), rtol=1e-12
         )
+
+
+def test_light_of_rough_walls_is_the_mean_of_normal_heights():
+    """Over 2001 quantiles, to a ten-thousandth; that of the mean film is a half per cent off."""
+    smooth = build_setup(0, RigSettings(width=32, height=32))
+    rough, film = replace(smooth, roughness=0.5), np.full((32, 32), 3.0)
+    heights = 0.5 * norm.ppf((np.arange(2001) + 0.5) / 2001)
+    for number in (1, 2):
+        one, at = smooth.x[:1, :1], film[:1, :1]
+        mean = np.mean([smooth.light(number, at + off, one, one) for off in heights])
+        found = float(rough.light(number, film, smooth.x, smooth.y)[0, 0])
+        npt.assert_allclose(found, mean, rtol=1e-4)
+        assert abs(float(smooth.light(number, at, one, one)[0, 0]) / mean - 1) > 3e-3
 
 
 def test_grains_cover_every_object_point_of_camera_2():

@@ -38,8 +38,8 @@ class CompiledJoint(NamedTuple):
         And at their faces, (axial + 1,). [m]
     dx : float
         Size of a cell along. [m]
-    dz : float
-        Size of a cell across. [m]
+    dz : Array
+        Sizes of the cells across, (axial,). [m]
     images : int
         As `Medium.images`.
     radius : float
@@ -71,7 +71,7 @@ class CompiledJoint(NamedTuple):
     gap_cells: Array
     gap_faces: Array
     dx: float
-    dz: float
+    dz: Array
     images: int
     radius: float
     ways_across: Array
@@ -292,7 +292,7 @@ def _conduct(joint, work, single):  # type: ignore[no-untyped-def]
             thinnest = min(thinnest, film[i, j], face)
             face = gap_cells[j] - 0.5 * (taken_face + taken_face_before[i])
             a, b = _mobility(face, viscosity, roughness)
-            along[i, j], along_slope[i, j] = a * way_along, b * way_along
+            along[i, j], along_slope[i, j] = a * way_along[j], b * way_along[j]
         if single:
             continue
         for j in range(nz + 1):
@@ -338,7 +338,7 @@ def _flow(joint, work, content, storage, single):  # type: ignore[no-untyped-def
                 flow += across[i, j + 1] * steps_across[i, j + 1]
                 flow -= across[i, j] * steps_across[i, j]
             inflow[i, j] = flow
-            oil[i, j] = content[i, j] + flow / storage
+            oil[i, j] = content[i, j] + flow / storage[j]
 
 
 @_part
@@ -374,15 +374,15 @@ def _unbalanced(joint, drive, film, work, storage, k):  # type: ignore[no-untype
         for j in range(nz):
             if alpha > 0:
                 rest = max(1 - alpha * pressure[i, j], SMALLEST_FLUIDITY)
-                here = -np.log(rest) / alpha * area * images
+                here = -np.log(rest) / alpha * area[j] * images
             else:
-                here = pressure[i, j] * area * images
+                here = pressure[i, j] * area[j] * images
             force[0] += here * pulls[0, i]
             force[1] += here * pulls[1, i]
             if full[i, j] and not supplied[i]:
-                kept = storage * (gap[i, j] - content[i, j])
+                kept = storage[j] * (gap[i, j] - content[i, j])
                 error = abs(inflow[i, j] - kept)
-                worst = max(worst, error / (storage * gap[i, j]))
+                worst = max(worst, error / (storage[j] * gap[i, j]))
 
     # an unloaded film has no scale but its own pressure
     load = 0.5 * (drive.loads[0, k] + drive.loads[0, k - 1])
@@ -463,7 +463,7 @@ def _derive(film, work, storage, cut, single):  # type: ignore[no-untyped-def]
             r = c * nz + j
             if supplied[i] or not full[i, j]:
                 continue
-            kept = storage * (gap[i, j] - content[i, j])
+            kept = storage[j] * (gap[i, j] - content[i, j])
             sides[r, 0] = -(inflow[i, j] - kept)
             first = 0.5 * along_slope[behind, j] * steps_along[behind, j]
             second = 0.5 * along_slope[i, j] * steps_along[i, j]
@@ -472,12 +472,11 @@ def _derive(film, work, storage, cut, single):  # type: ignore[no-untyped-def]
                 side = 0.5 * across_slope[i, j + 1] * steps_across[i, j + 1]
                 side -= 0.5 * across_slope[i, j] * steps_across[i, j]
             sides[r, 1] = (
-                first * faces[0, behind] - second * faces[0, i] + (side - storage) * cells[0, i]
+                first * faces[0, behind] - second * faces[0, i] + (side - storage[j]) * cells[0, i]
             )
             if not guided:
-                sides[r, 2] = (
-                    first * faces[1, behind] - second * faces[1, i] + (side - storage) * cells[1, i]
-                )
+                sides[r, 2] = first * faces[1, behind] - second * faces[1, i]
+                sides[r, 2] += (side - storage[j]) * cells[1, i]
 
 
 @_part
@@ -492,7 +491,7 @@ def _shift(joint, work, cut, shift):  # type: ignore[no-untyped-def]
     for c in range(n):
         i = c + cut if c + cut < n else c + cut - n
         for j in range(nz):
-            slope = area * images
+            slope = area[j] * images
             if alpha > 0:
                 slope /= max(1 - alpha * pressure[i, j], SMALLEST_FLUIDITY)
             for s in range(push.shape[0]):
@@ -584,7 +583,7 @@ def _keep(joint, drive, film, work, single, k, row):  # type: ignore[no-untyped-
         for j in range(nz):
             gap = work.film[i, j]
             if work.supplied[i]:
-                supply += storage * (gap - film.content[i, j]) - work.inflow[i, j]
+                supply += storage[j] * (gap - film.content[i, j]) - work.inflow[i, j]
                 film.content[i, j] = gap
             else:
                 film.content[i, j] = work.oil[i, j]
@@ -595,14 +594,14 @@ def _keep(joint, drive, film, work, single, k, row):  # type: ignore[no-untyped-
                 other = -np.log(1 - alpha * other) / alpha
                 thick = viscosity * np.exp(alpha * here)
             peak = max(peak, here)
-            volume += film.content[i, j]
+            volume += area[j] * film.content[i, j]
 
             # shear and pressure belong to the film in the middle of the step
             taken = ex * work.cells[0, i] + ey * work.cells[1, i] + work.taken[0, i]
             middle = joint.gap_cells[j] - 0.5 * taken
-            shear += thick * (1 - min(max(film.void[i, j] / gap, 0.0), 1.0)) / middle
+            shear += area[j] * thick * (1 - min(max(film.void[i, j] / gap, 0.0), 1.0)) / middle
             taken = ex * work.faces[0, i] + ey * work.faces[1, i] + work.taken[1, i]
-            drag += (joint.gap_cells[j] - 0.5 * taken) * (here - other)
+            drag += joint.dz[j] * (joint.gap_cells[j] - 0.5 * taken) * (here - other)
             heat += work.along[i, j] * work.steps_along[i, j] * (here - other)
             film.pressure[i, j], film.full[i, j] = p[i, j], work.full[i, j]
         if not single:
@@ -613,14 +612,14 @@ def _keep(joint, drive, film, work, single, k, row):  # type: ignore[no-untyped-
                 if alpha > 0 and 0 < j < nz:
                     drop = np.log((1 - alpha * p[i, j - 1]) / (1 - alpha * p[i, j])) / alpha
                 heat += work.across[i, j] * work.steps_across[i, j] * drop
-    shear *= drive.speeds[k] * area * joint.images
+    shear *= drive.speeds[k] * joint.images
     film.earlier[0], film.earlier[1], film.earlier[2] = film.position[0], film.position[1], dt
     film.position[0], film.position[1] = ex, ey
     row[0], row[1] = ex, ey
     row[3], row[4], row[5] = peak, work.force[0], work.force[1]
-    row[6] = joint.radius * (shear + 0.5 * joint.images * joint.dz * drag)
+    row[6] = joint.radius * (shear + 0.5 * joint.images * drag)
     row[7], row[8] = joint.images * out, joint.images * supply
-    row[9], row[10] = joint.images * area * volume, joint.images * heat + drive.speeds[k] * shear
+    row[9], row[10] = joint.images * volume, joint.images * heat + drive.speeds[k] * shear
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

@@ -50,13 +50,13 @@ class FullFilm:
 
     @classmethod
     def of(cls, journal: Journal) -> FullFilm:
-        """The full film of a joint with rigid, smooth walls.
+        """The full film of a joint with rigid walls.
 
         Parameters
         ----------
         journal : Journal
-            Its pressure viscosity is left out; foundation and roughness are refused. Where it has a
-            shape along the axis, its clearance below is the least one.
+            Its pressure viscosity is left out. Where it has a shape along the axis, its clearance
+            below is the least one.
 
         Returns
         -------
@@ -65,7 +65,7 @@ class FullFilm:
         Raises
         ------
         ModelError
-            An elastic liner or roughness.
+            An elastic liner.
 
         Examples
         --------
@@ -77,12 +77,11 @@ class FullFilm:
         >>> print(f"{along / joint.squeeze_constant * (1 - 0.9**2) ** 1.5:.5f}")
         1.00000
         """
-        for name in ("foundation", "roughness"):
-            if getattr(journal, name) is not None:
-                raise ModelError(
-                    "The orbit in a full film is that of rigid and smooth walls; the joint has "
-                    f"{name}. Use solve_journal."
-                )
+        if journal.foundation is not None:
+            raise ModelError(
+                "The orbit in a full film is that of rigid walls; the joint has an elastic liner. "
+                "Use solve_journal."
+            )
         clearance, radius = journal.least_clearance, journal.radius
         return cls(
             journal.viscosity * journal.length * (radius / clearance) ** 3,

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from erlif.core.arrays import Array
+from erlif.models.reynolds.flow import mobility_of
 from erlif.models.reynolds.journal import Journal
 
 if TYPE_CHECKING:
@@ -27,7 +28,7 @@ _STRAIGHT, _SHAPED = (128, 16), (48, 4)
 
 
 def tabulate_squeeze(journal: Journal) -> tuple[CubicSpline, CubicSpline]:
-    """Tables of a joint with rigid, smooth walls.
+    """Tables of a joint with rigid walls.
 
     Parameters
     ----------
@@ -41,9 +42,10 @@ def tabulate_squeeze(journal: Journal) -> tuple[CubicSpline, CubicSpline]:
         clearance c; over -log(film/c).
     """
     slenderness = None if journal.long else journal.length / journal.radius
+    rough = (journal.roughness or 0.0) / journal.least_clearance
     if journal.axial_shape is None:
-        return _tabulate(slenderness, None)
-    return _tabulate(slenderness, (_rows(journal, _AXIAL), _rows(journal, 2 * _AXIAL)))
+        return _tabulate(slenderness, None, rough)
+    return _tabulate(slenderness, (_rows(journal, _AXIAL), _rows(journal, 2 * _AXIAL)), rough)
 
 
 class _Rows(NamedTuple):
@@ -70,7 +72,7 @@ def _rows(journal: Journal, along_half: int) -> _Rows:
 
 @cache
 def _tabulate(
-    slenderness: float | None, rows: tuple[_Rows, _Rows] | None
+    slenderness: float | None, rows: tuple[_Rows, _Rows] | None, rough: float
 ) -> tuple[CubicSpline, CubicSpline]:
     """The tables by two grids and Richardson's extrapolation."""
     from scipy.interpolate import CubicSpline
@@ -82,16 +84,21 @@ def _tabulate(
     grids = []
     for k, points in enumerate((_POINTS, 2 * _POINTS)):
         if rows is None:
-            solved = [_solve_squeeze(part, slenderness, points) for part in parts]
+            solved = [_solve_squeeze(part, slenderness, points, rough) for part in parts]
         else:
-            solved = [_solve_shaped(part, points, rows[k]) for part in parts]
+            solved = [_solve_shaped(part, points, rows[k], rough) for part in parts]
         grids.append(np.concatenate(solved))
     coarse, fine = grids
     logarithms = np.log(fine + (fine - coarse) / 3)
     return CubicSpline(thin, logarithms[:, :2]), CubicSpline(thin, logarithms[:, 2:])
 
 
-def _solve_shaped(eccentricity: Array, points: int, rows: _Rows) -> Array:
+def _conductance(gap: Array, rough: float) -> Array:
+    """Flow of a gap under pressure, with the roughness over the same clearance: H^3 if smooth."""
+    return mobility_of(gap, 1 / 12, rough)[0]
+
+
+def _solve_shaped(eccentricity: Array, points: int, rows: _Rows, rough: float) -> Array:
     """As `_solve_squeeze`, on a bore with a shape: one system of all cells.
 
     The gap over the least clearance is G(z) - eps cos a. Columns of cells, one at each angle, are
@@ -107,12 +114,12 @@ def _solve_shaped(eccentricity: Array, points: int, rows: _Rows) -> Array:
     angle = crest / np.sqrt(1 - eps**2) * width  # of the cells, and between their centres
 
     # conductances round the joint and along it, and the source of both velocities
-    side = (wide - eps * cosine[1]) ** 3 / angle[1] * length
+    side = _conductance(wide - eps * cosine[1], rough) / angle[1] * length
     side[-1] *= 2  # from the last centre to the flooded line
     apart = np.pad(0.5 * (length[1:] + length[:-1]), 1, constant_values=np.nan)
     apart[[0, -1]] = 0.5 * length[[0, -1]]
     cosine, angle = cosine[0, :-1], angle[0, :-1]
-    leak = (edge - eps * cosine) ** 3 * angle / apart
+    leak = _conductance(edge - eps * cosine, rough) * angle / apart
     sine = np.sqrt(1 - eps**2) * np.sin(g[0, :-1]) / (1 + eps * np.cos(g[0, :-1]))
     source = np.stack([cosine, sine], axis=-1) * angle[..., np.newaxis] * length[:, np.newaxis]
 
@@ -144,14 +151,17 @@ def _solve_shaped(eccentricity: Array, points: int, rows: _Rows) -> Array:
     return np.column_stack([force, lowest, np.abs(pressure[..., 1]).max(axis=(0, 2))])
 
 
-def _solve_squeeze(eccentricity: Array, slenderness: float | None, points: int) -> Array:
+def _solve_squeeze(
+    eccentricity: Array, slenderness: float | None, points: int, rough: float
+) -> Array:
     """Dampings of both velocities, and their lowest pressures, (eccentricity, 4).
 
     With H = 1 - eps cos a and p = eta R^2/c^3 v q, the share of q that varies as sin(b z) from one
     end, b = (2k + 1) pi / L, obeys (H^3 q')' - (b R)^2 H^3 q = -12 s {cos a, sin a}, with the share
     s = 4 / ((2k + 1) pi) of a source that is even along the axis; q = 0 at a = pi. In
     Sommerfeld's variable g, H = (1 - eps^2) / (1 + eps cos g), of which H dg = sqrt(1 - eps^2) da,
-    cells of equal width resolve a thin film too. Finite volumes of the second order.
+    cells of equal width resolve a thin film too. Between rough walls H^3 has a factor of
+    `mobility_of`. Finite volumes of the second order.
     """
     eps, shape = eccentricity, np.sqrt(1 - eccentricity**2)
     width = np.pi / points
@@ -162,7 +172,8 @@ def _solve_squeeze(eccentricity: Array, slenderness: float | None, points: int) 
     h = (1 - eps**2) / (1 + eps * np.cos(centre))
     cosine = (np.cos(centre) + eps) / (1 + eps * np.cos(centre))
     sine = shape * np.sin(centre) / (1 + eps * np.cos(centre))
-    conductance = shape * ((1 - eps**2) / (1 + eps * np.cos(face))) ** 2 / width
+    edge = (1 - eps**2) / (1 + eps * np.cos(face))
+    conductance = _conductance(edge, rough) * shape / edge / width
     conductance[-1] *= 2  # from the last centre to the flooded line
     area = h / shape * width
 
@@ -175,7 +186,7 @@ def _solve_squeeze(eccentricity: Array, slenderness: float | None, points: int) 
         mean = share / 2
         shares = np.sin(0.5 * np.pi * np.outer(odd_number, np.linspace(0.0, 1.0, _PLACES)))
         loss = np.asarray((odd_number * np.pi / slenderness) ** 2, np.float64)
-    leak = (h**3 * area)[..., np.newaxis] * loss
+    leak = (_conductance(h, rough) * area)[..., np.newaxis] * loss
 
     columns = []
     for source, begin in ((cosine, 0.0), (sine, 2.0)):

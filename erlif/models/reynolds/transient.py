@@ -88,8 +88,8 @@ def solve_journal(
         "half-angle" for the frame above. "laboratory" keeps the entrainment and its numerical
         diffusion, for comparison: an oscillating joint then shows a film that does not exist.
     compiled : bool, optional
-        Whether the steps are compiled, where they can be: half-angle frame, no foundation, cells
-        of equal length. By default above 1000 steps: the first use on a machine takes some seconds.
+        Whether the steps are compiled, where they can be: half-angle frame, no foundation. By
+        default above 1000 steps: the first use on a machine takes some seconds.
 
     Returns
     -------
@@ -130,8 +130,7 @@ def solve_journal(
     steps = motion.time.size
     if compiled is None:
         compiled = steps > FEWEST_COMPILED
-    even = bool(np.ptp(bearing.medium.grid.dz) < _STRAIGHT * journal.length)
-    compiled = compiled and film.turning and journal.foundation is None and even
+    compiled = compiled and film.turning and journal.foundation is None
 
     # from map to map, so that only their films are kept
     pictures = [(0, *film.picture())] if 0 in wanted else []
@@ -455,7 +454,7 @@ class TransientFilm:
             gap_cells=_owned(np.broadcast_to(bearing.rigid.centre[0], grid.across)),
             gap_faces=_owned(np.broadcast_to(bearing.rigid.across[0], grid.across + 1)),
             dx=float(grid.dx),
-            dz=float(grid.dz[0]),
+            dz=_owned(grid.dz),
             images=medium.images,
             radius=bearing.journal.radius,
             ways_across=_owned(grid.ways_across),

@@ -40,10 +40,10 @@ def foundation_of(joint: JointSettings) -> float | None:
     return float(modulus) / liner.thickness
 
 
-def departure(settings: RunSettings, *, straight: bool = True) -> str:
-    """Keys by which the joint is not `straight`, rigid and smooth; empty where it is."""
+def departure(settings: RunSettings) -> str:
+    """Keys by which the joint is not straight, rigid and smooth; empty where it is."""
     joint, rough = settings.joint, settings.prediction.rough
-    bore, liner = (None, None) if joint is None else (straight and joint.bore, joint.liner)
+    bore, liner = (None, None) if joint is None else (joint.bore, joint.liner)
     names = ("bore in [joint]", "liner in [joint]", "rough in [prediction]")
     return " and ".join(
         name for name, stated in zip(names, (bore, liner, rough), strict=True) if stated

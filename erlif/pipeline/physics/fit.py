@@ -36,7 +36,7 @@ from erlif.prediction import (
     measured_minima,
     measured_positions,
 )
-from erlif.prediction.comparison import HELD, STEADY
+from erlif.prediction.comparison import STEADY
 from erlif.prediction.fit import FEWEST_TRIGGERS, LOAD_LINE_STD, MISFIT
 from erlif.trend import VogelLaw, fast_triggers, viscosity_at
 
@@ -91,8 +91,7 @@ def fit_film(path: str | Path, *, progress: ShowProgress = None) -> ModelCompari
         run = film, source.settings, source.frames
         comparison = _compare_models(*run, ("free", "guided"), progress=report)
         # of four unknowns in a film with cavities: slow, and needed by no other film
-        straight = source.settings.joint is None or source.settings.joint.bore is None
-        if straight and not comparison.candidates[0].describes:
+        if not comparison.candidates[0].describes:
             comparison = _compare_models(*run, ("free", "guided", "spring"), progress=report)
 
     if comparison.fit is None:
@@ -183,6 +182,8 @@ def state_physics(
     contact = settings.joint is None and shared is not None and {*STEADY} <= set(film)
     if not contact and not {"film_predicted_min", *_POSITIONS} <= set(film):
         return "", {}
+    if settings.joint is not None and settings.joint.liner is not None:
+        return "", {}  # its films take a minute
     try:
         if settings.joint is None and shared is not None:
             return _compare_films(film, settings, shared).verdict, {}
@@ -212,16 +213,9 @@ def _compare_models(
             'Expected the load for a fit of the film: add load = "50 lbf" to [joint] in run.toml, '
             "or load_N to the log, and process the run again."
         )
-    if departs := departure(settings, straight=False):
-        raise ConfigError(
-            "Expected a rigid and smooth joint for a fit, whose orbits are tabulated; "
-            f"run.toml has {departs}. Use erlif predict without --fit."
-        )
     motion = build_motion(settings, frames)
     journal = build_journal(settings, motion.viscosity)
-    shaped = journal.axial_shape is not None
-    if shaped:
-        sideways = ["free"]
+    departs = departure(settings)
     given = given_errors(settings, film, frames)
     line = given.load_line
     measured = _measured_motion(film, journal)
@@ -230,17 +224,17 @@ def _compare_models(
         journal,
         motion,
         trigger=np.where(frames.used.values, frames.trigger.values, -1),
-        **_steady_films(film, settings, [] if shaped else STEADY),
+        **_steady_films(film, settings, [] if departs else STEADY),
         viscosity_std=joint_and_oil(settings)[1].viscosity_std,
         sideways=[one for one in sideways if one != "spring" or measured.is_position],
         load_line_std=LOAD_LINE_STD if line is None else line,
         given=given,
         progress=progress,
     )
-    if shaped:
-        others = HELD["guided"], HELD["spring"], *(STEADY[name] for name in STEADY if name in film)
-        straight = dict.fromkeys(others, "the bore is not straight")
-        found = replace(found, not_fitted={**found.not_fitted, **straight})
+    if departs:
+        others = (STEADY[name] for name in STEADY if name in film)
+        reason = f"of a straight, rigid and smooth joint; run.toml has {departs}"
+        found = replace(found, not_fitted={**found.not_fitted, **dict.fromkeys(others, reason)})
     rocking = _rocking(film)
     if not rocking:
         return found
@@ -329,8 +323,10 @@ def _tilt(film: xr.Dataset) -> float:
 
 
 def _measured_motion(film: xr.Dataset, journal: Journal) -> MeasuredMotion:
-    """Positions of the pin, else minima where too few positions are known."""
-    if all(name in film for name in _POSITIONS):
+    """Positions of the pin, else minima: where too few positions are known, and on a liner, whose
+    yield is part of the positions.
+    """
+    if journal.foundation is None and all(name in film for name in _POSITIONS):
         positions = measured_positions(film, calibration_of(film).full_covariance)
         if positions.known.sum() >= FEWEST_TRIGGERS:
             return positions

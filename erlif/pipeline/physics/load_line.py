@@ -11,7 +11,6 @@ import xarray as xr
 from erlif.calibration import calibration_of
 from erlif.core.errors import ErlifError
 from erlif.core.notes import Note, remark
-from erlif.pipeline.physics.bore import departure
 from erlif.pipeline.physics.prediction import build_journal, build_motion, swings
 from erlif.pipeline.plane import ObjectPlane
 from erlif.prediction import FrameMotion, MeasuredMotion, fit_motion, measured_positions
@@ -130,11 +129,12 @@ def _fit_load_line(
     plane: ObjectPlane, measured: MeasuredMotion, motion: FrameMotion, frames: xr.Dataset
 ) -> tuple[float, float] | None:
     """Deviation of the line from that of the view and its standard deviation [mm]; None without."""
-    if departure(plane.settings, straight=False):
-        return None
+    journal = build_journal(plane.settings, motion.viscosity)
+    if journal.foundation is not None:
+        return None  # its yield is part of the measured positions
     fit = fit_motion(
         measured,
-        build_journal(plane.settings, motion.viscosity),
+        journal,
         motion,
         trigger=np.where(frames.used.values, frames.trigger.values, -1),
         profiles=False,

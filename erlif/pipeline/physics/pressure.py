@@ -98,6 +98,11 @@ def pressure_from_film(
 def _find_pressure(film: xr.Dataset, progress: Progress) -> xr.Dataset:
     """The pressure of an open film."""
     settings = settings_of(film)
+    if settings.joint is not None and settings.joint.liner is not None:
+        raise ConfigError(
+            "Expected a rigid bushing for the pressure of the measured pin, whose position "
+            "includes the yield of a liner; run.toml has liner in [joint]. Use erlif predict."
+        )
     view = _view(film, settings)
     known = _known(film)
     positions = _follow_pin(film, settings, known)

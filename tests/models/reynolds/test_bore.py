@@ -21,10 +21,11 @@ SHAPES = {
 }
 
 
-def damping(film, journal, shape):
+def damping(film, journal, shape, rough=0.0):
     """Load over the rate of approach at a least film, of cells beside the load line alone. [N s/m]
 
-    div(h^3 grad p) = 12 eta dh/dt by five points, ambient at both ends and opposite to the load.
+    div(h^3 grad p) = 12 eta dh/dt by five points, ambient at both ends and opposite to the load;
+    between walls of a roughness [m] with the pressure flow factor of Patir and Cheng (1978).
     """
     phi = (np.arange(AROUND) + 0.5) / AROUND * np.pi  # half of the joint, the other is its image
     z = (np.arange(ALONG) + 0.5) / ALONG * LENGTH - LENGTH / 2
@@ -33,10 +34,11 @@ def damping(film, journal, shape):
 
     def gap(angle, place):
         added = np.interp(place, Z, shape)
-        return journal.clearance + added[None, :] - far * np.cos(angle)[:, None]
+        h = journal.clearance + added[None, :] - far * np.cos(angle)[:, None]
+        return h**3 * (1 - 0.9 * np.exp(-0.56 * h / rough) if rough else 1)
 
-    along = gap(np.arange(AROUND + 1) / AROUND * np.pi, z) ** 3 / dx**2
-    across = gap(phi, np.arange(ALONG + 1) / ALONG * LENGTH - LENGTH / 2) ** 3 / dz**2
+    along = gap(np.arange(AROUND + 1) / AROUND * np.pi, z) / dx**2
+    across = gap(phi, np.arange(ALONG + 1) / ALONG * LENGTH - LENGTH / 2) / dz**2
     along[0] = 0.0  # the load line
     along[-1] *= 2  # ambient, half a cell away
     across[:, [0, -1]] *= 2
@@ -76,12 +78,16 @@ def test_a_pin_sinks_on_a_shaped_bore_as_plain_differences_say(name):
     assert abs(straight / expected - 1) > 0.3
 
 
+@pytest.mark.parametrize("rough", [0.0, 1e-6])
 @pytest.mark.parametrize("name", SHAPES)
-def test_dampings_of_a_full_film_are_those_of_plain_differences(name):
-    joint = replace(STRAIGHT, axial_shape=SHAPES[name])
+def test_dampings_of_a_full_film_are_those_of_plain_differences(name, rough):
+    """Between smooth walls the damping at 2 um is 2 and 13 % less."""
+    joint = replace(STRAIGHT, axial_shape=SHAPES[name], roughness=rough or None)
     films = np.array([30e-6, 12e-6, 5e-6, 2e-6])
     found = FullFilm.of(joint).damping(films / joint.least_clearance)[:, 0]
-    npt.assert_allclose(found, [damping(film, joint, SHAPES[name]) for film in films], rtol=1e-3)
+    plain = [damping(film, joint, SHAPES[name], rough) for film in films]
+    npt.assert_allclose(found, plain, rtol=1e-3)
+    assert not rough or found[-1] > 1.01 * damping(films[-1], joint, SHAPES[name])
 
 
 @pytest.mark.parametrize("name", SHAPES)

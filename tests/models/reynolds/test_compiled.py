@@ -22,6 +22,10 @@ CASES = {
         {"axial_shape": [3e-5, 0.0, 1e-5]},
         {"grooves": [Groove(3.0, 0.4), Groove(-2.0)]},
     ),
+    "with cells of unequal length at a lobe": (
+        {"axial_shape": -1e-5 * np.maximum(1 - np.arange(-25.0, 16.0) ** 2 / 50, 0)},
+        {"sideways": "guided", "start": (2.1e-4, 0.0)},
+    ),
     "rough and piezoviscous": (
         {"roughness": 5e-6, "pressure_viscosity": 2e-7},
         {"sideways": "guided", "start": (2.2e-4, 0.0)},

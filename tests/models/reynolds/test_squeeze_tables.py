@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import numpy.testing as npt
+import pytest
 from scenes.orbits import STATED as JOINT
 
 from erlif.models.reynolds import Journal, Motion, solve_journal
@@ -39,10 +40,12 @@ def test_lowest_pressure_is_that_of_the_film():
         npt.assert_allclose(float(solved.pressure.min()), bound, rtol=0.01)
 
 
-def test_full_film_of_a_level_shape_is_that_of_the_straight_bore():
+@pytest.mark.parametrize("rough", [None, 1e-6])
+def test_full_film_of_a_level_shape_is_that_of_the_straight_bore(rough):
     """Of two solvers: all cells, and harmonics along the axis; 2 and 5 um of 230 by 3e-4."""
     films, force = np.array([1.0, 0.5, 0.1, 0.03, 0.01]), np.ones((5, 2))
-    level, straight = (FullFilm.of(replace(SHORT, axial_shape=one)) for one in (np.zeros(3), None))
+    short = replace(SHORT, roughness=rough)
+    level, straight = (FullFilm.of(replace(short, axial_shape=one)) for one in (np.zeros(3), None))
     npt.assert_allclose(level.damping(films), straight.damping(films), rtol=3e-4)
     pressures = (one.lowest_pressure(films, force) for one in (level, straight))
     npt.assert_allclose(*pressures, rtol=3e-4)

@@ -1,6 +1,7 @@
-"""A lobed bushing photographed by the rig, whose film two squeezed lobes carry."""
+"""Bushings with lobes, wear, roughness or a liner, photographed by the rig."""
 
 import hashlib
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -40,11 +41,12 @@ EXPECTED_WITHIN = 0.75
 """Share of 12 triggers within two standard deviations, of 0.954: three times the binomial less."""
 
 
+def follow(time, rig):
+    return kept_orbit(name_of(rig), lambda: follow_pin(time, rig))
+
+
 @pytest.fixture(scope="module")
 def lab(tmp_path_factory) -> Laboratory:
-    def follow(time, rig):
-        return kept_orbit(name_of(rig), lambda: follow_pin(time, rig))
-
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("erlif.rig.journal.follow_pin", follow)
         return Laboratory.simulated(tmp_path_factory.mktemp("lobed"), seed=1, rig=RIG)
@@ -152,13 +154,14 @@ def test_measured_profile_of_the_lobes_gives_the_same_film(lab, film):
 
 @pytest.mark.slow
 def test_fit_finds_the_viscosity_of_the_rig(lab, film):
-    """Within twice its stated error; that of a free pin alone is fitted."""
+    """Within twice its stated error; a guided pin on this bore is no rival."""
     found = fit_film(lab.film)
     viscosity = found.fit.estimates["viscosity"]
     assert abs(viscosity.value - RIG.viscosity) < 2 * viscosity.std < 0.06 * RIG.viscosity
     assert found.carrier == HELD["free"]
-    assert set(found.not_fitted) == {HELD["guided"], HELD["spring"], *STEADY.values()}
-    assert film.attrs["physics"] == found.verdict
+    assert set(found.not_fitted) == set(STEADY.values())
+    carried, stated = (one.split(" Second")[0] for one in (found.verdict, film.attrs["physics"]))
+    assert carried == stated
 
 
 @pytest.mark.slow
@@ -169,10 +172,46 @@ def test_load_line_is_found_in_the_orbit(lab, film):
     assert abs(line["load_line"] - given) < 2 * line["load_line_std"]
 
 
+PLACE = np.linspace(-1.0, 1.0, 121)
+WAVY = replace(
+    RIG,
+    lobes=None,
+    profile=tuple((18 * PLACE**2 + 3 * np.cos(2 * np.pi * PLACE / 0.6) + 2 * PLACE).tolist()),
+    roughness=0.4,
+    rough=True,
+    sideways="guided",
+    load=45.0,
+)
+"""A worn bore with waves of 9 mm, whose roughness is in flow and picture."""
+
+LINED = replace(RIG, lobes=None, liner=(2.0, 0.5, 0.4), load=120.0)
+"""A straight bore, lined with 2 mm that yield by 0.8 um, under films of 8 to 6 um."""
+
+
+@pytest.fixture(scope="module", params=[WAVY, LINED], ids=["wavy", "lined"])
+def other(request, tmp_path_factory):
+    with pytest.MonkeyPatch.context() as patch:
+        if request.param is WAVY:
+            patch.setattr("erlif.rig.journal.follow_pin", follow)
+        lab = Laboratory.simulated(tmp_path_factory.mktemp("other"), seed=1, rig=request.param)
+    return lab, request.param, erlif.process(lab.run, output=lab.film, workers=1)
+
+
 @pytest.mark.slow
-def test_a_fit_of_an_elastic_joint_is_refused_by_the_key(lab):
-    liner = '[joint.liner]\nthickness = "1 mm"\nyoungs_modulus = "1.4 GPa"\npoissons_ratio = 0.4\n'
-    film = lab.directory / "liner.nc"
-    erlif.process(lab.copy_run("liner", add=liner), output=film, workers=1)
-    with pytest.raises(ConfigError, match=r"run.toml has liner in \[joint\]"):
-        fit_film(film)
+def test_film_and_viscosity_of_a_worn_rough_or_lined_bore_are_found(other):
+    """The prediction of a lined one takes the highest yield, of 0.8 um, over the whole region."""
+    lab, rig, film = other
+    error = film.film_min - lab.truth.film_min.values
+    assert within_two(error, film.film_min_std) > EXPECTED_WITHIN
+    atol = 0.15 if rig is LINED else 0.05  # um
+    np.testing.assert_allclose(film.film_predicted_min, lab.truth.film_min, atol=atol)
+    found = fit_film(lab.film)
+    viscosity = found.fit.estimates["viscosity"]
+    assert abs(viscosity.value - rig.viscosity) < 2 * viscosity.std < 0.1 * rig.viscosity
+    assert found.carrier == HELD[rig.sideways]
+    reasons = [found.not_fitted[name] for name in STEADY.values()]
+    assert all(("liner" if rig is LINED else "rough") in one for one in reasons)
+    assert bool(film.attrs.get("physics")) == (rig is WAVY)
+    if rig is LINED:
+        with pytest.raises(ConfigError, match="includes the yield of a liner"):
+            erlif.pressure_from_film(film)
