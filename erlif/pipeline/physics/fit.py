@@ -36,7 +36,7 @@ from erlif.prediction import (
     measured_minima,
     measured_positions,
 )
-from erlif.prediction.comparison import STEADY
+from erlif.prediction.comparison import HELD, STEADY
 from erlif.prediction.fit import FEWEST_TRIGGERS, LOAD_LINE_STD, MISFIT
 from erlif.trend import VogelLaw, fast_triggers, viscosity_at
 
