@@ -321,6 +321,8 @@ class Gap:
         along = (x - rig.centre[0]) * rig.pitch - rig.thin_line
         if rig.contact == "ball":
             across = (y - rig.centre[1]) * rig.pitch
+            if rig.plateau[0] > 0:
+                return self.flattened(along, across)
             return np.asarray(self.film_min + 1e3 * (along**2 + across**2) / (2 * rig.ball_radius))
         phi = along / rig.journal_radius
         from_edge = y * rig.pitch - rig.region[1][0 if rig.tilt >= 0 else 1]  # mm
@@ -330,6 +332,24 @@ class Gap:
         rise = rise - self.least_shape
         gap = rig.clearance - (rig.clearance - self.film_min - rise) * np.cos(phi)
         return np.asarray(gap + self.shape(y))
+
+    def flattened(self, along: Array, across: Array) -> Array:
+        """Film of a ball with a plateau, at distances from its centre [mm]. [um]
+
+        Beside it is the gap of Hertz, a^2/(pi R) (sqrt(r^2 - 1) + (r^2 - 2) acos(1/r)) with r over
+        its radius a (Johnson 1985, section 4.2). The constriction at r = 0.85 is a Gaussian of the
+        standard deviation 0.1 in r, as deep as stated at both sides and 0.7 of that at the outlet,
+        at +x; the inlet has none.
+        """
+        radius, over = self.rig.plateau
+        r = np.hypot(along, across) / radius
+        beside = np.maximum(r, 1.0)
+        gap = np.sqrt(beside**2 - 1) + (beside**2 - 2) * np.arccos(1 / beside)
+        gap = 1e3 * radius**2 / (np.pi * self.rig.ball_radius) * gap
+        part = across**2 + 0.7 * np.maximum(along, 0.0) ** 2
+        part = part / np.maximum(along**2 + across**2, 1e-12)
+        ring = np.exp(-0.5 * ((r - 0.85) / 0.1) ** 2)
+        return np.asarray(self.film_min * (over - (over - 1) * part * ring) + gap)
 
     @property
     def least_shape(self) -> float:
