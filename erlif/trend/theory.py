@@ -205,8 +205,8 @@ def predict_film(triggers: xr.Dataset, contact: LubricatedContact | LubricatedJo
         film_hamrock_dowson, the piezoviscous-elastic minimum film [um], its formula and source as
         attributes; film_theory and film_theory_central, the minimum and central film over all
         regimes [um], with regime and limits as attributes; film_regime; film_parameter [1] where
-        roughness and film_min are given. The first two have formula_error [1], the relative
-        standard deviation of the formula in the regime of most triggers, and its source.
+        roughness and film_min are given. The films have formula_error [1], the relative standard
+        deviation of the formula in the regime of most triggers, and its source.
 
     Raises
     ------
@@ -257,7 +257,9 @@ def predict_film(triggers: xr.Dataset, contact: LubricatedContact | LubricatedJo
     own = np.where(np.asarray(theory.regime) == FILM_REGIMES[-1], known, np.inf)
     regime = np.broadcast_to(np.asarray(theory.regime, dtype=str), speed.shape)
     film_formula = FILM["film_hamrock_dowson"].fill(hard, **formula)
-    for one, error in ((film_formula, own), (film_theory, theory.error)):
+    film_central = FILM["film_theory_central"].fill(central)
+    errors = ((film_formula, own), (film_theory, theory.error), (film_central, theory.error))
+    for one, error in errors:
         finite = np.asarray(error)[~np.isnan(error)]
         one.attrs["formula_error"] = float(np.median(finite)) if finite.size else np.nan
         one.attrs["formula_error_source"] = _ERROR_SOURCE
@@ -265,7 +267,7 @@ def predict_film(triggers: xr.Dataset, contact: LubricatedContact | LubricatedJo
         {
             "film_hamrock_dowson": film_formula,
             "film_theory": film_theory,
-            "film_theory_central": FILM["film_theory_central"].fill(central),
+            "film_theory_central": film_central,
             "film_regime": FILM["film_regime"].fill(regime),
         }
     )

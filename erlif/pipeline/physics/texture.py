@@ -33,6 +33,8 @@ def with_texture(
         return list(results), calibration
     places = np.array([one.statistics.gap.place for one in results])
     shares = texture.in_numbers(plane.region, places, contact, along_x=plane.sliding_along_x)
+    if contact is GapShape.PLATEAU:
+        shares[1:] = 1.0  # numbers of few blocks
     systematics, (added,) = calibration.systematics, TERMS["texture"].parameters
     like = len(systematics.cross) + systematics.place("ratio", CONSTANT)
     found = systematics.with_parameter("texture", added, texture.size**2)

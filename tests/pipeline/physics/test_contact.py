@@ -19,7 +19,7 @@ def minimum(value, bend=(0.0, 0.0), misfit=0.1):
     """Minimum of a gap whose curvatures are known to 0.1 um."""
     gradient, known = np.ones(len(CALIBRATION.full_covariance)), np.full(2, 0.005)
     film = FilmNumber(value, 0.01, 0.02, gradient)
-    return GapMinimum(film, film, film, np.zeros(2), misfit, np.array(bend), known, known)
+    return GapMinimum(*(film,) * 4, np.zeros(2), misfit, np.array(bend), known, known)
 
 
 def result(bend, value=1.0, misfit=0.1):
