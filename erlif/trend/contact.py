@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from erlif.core.arrays import Array
-from erlif.trend.gap import GapMinimum, GapShape, departs
+from erlif.trend.gap import MISFIT, GapMinimum, GapShape
 
 # Curvature from which a gap is curved. [std]
 _CURVED = 3.0
@@ -67,8 +67,7 @@ def has_plateau(minima: Mapping[GapShape, GapMinimum]) -> bool:
     False
     """
     flat = minima.get(GapShape.PLATEAU)
-    known = flat is not None and np.isfinite(flat.central.value)
-    return bool(known and departs(minima[GapShape.POINT]))
+    return flat is not None and flat.misfit < MISFIT < minima[GapShape.POINT].misfit
 
 
 @dataclass

@@ -265,7 +265,8 @@ def find_gap_minima(
     Parameters
     ----------
     contacts : sequence of GapShape
-        A plateau after a point contact is looked for where the map departs from that.
+        A plateau after a point contact is looked for where the map departs from that; elsewhere,
+        and where there is none, it is the gap of the point contact.
 
     Returns
     -------
@@ -294,16 +295,12 @@ def find_gap_minima(
         point = found.get(GapShape.POINT)
         if contact is not GapShape.PLATEAU:
             found[contact] = _fit_gap(blocks, missing, curve, region, contact, bore, **options)
-        elif point is not None and not departs(point):
-            found[contact] = point
+        elif point is None or point.misfit > MISFIT:
+            plateau = _fit_plateau(blocks, curve, region, **options)
+            found[contact] = plateau if point is None or plateau.misfit < MISFIT else point
         else:
-            found[contact] = _fit_plateau(blocks, curve, region, **options)
+            found[contact] = point
     return found
-
-
-def departs(gap: GapMinimum) -> bool:
-    """Whether a gap has no minimum, as its map departs from it."""
-    return gap.misfit > MISFIT and math.isnan(gap.minimum.value)
 
 
 def _fit_plateau(

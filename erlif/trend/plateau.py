@@ -27,8 +27,8 @@ _LEAST_RING = 16  # blocks that determine an ellipse
 _ROUNDS = 8  # of the search, and of the weights
 
 # Ends of the splines in rho; the solved constrictions lie between 0.5 and 0.85. [1]
-_KNOTS = np.array([0, 0.35, 0.6, 0.75, 0.85, 0.95, 1.05, 1.15])
-_COARSE = np.array([0, 0.35, 0.75, 0.95, 1.15])
+_KNOTS = np.array([0, 0.2, 0.4, 0.55, 0.65, 0.75, 0.85, 0.95, 1.15])
+_COARSE = _KNOTS[::2]
 _HARMONICS = 4
 _SEARCHED = 0.95  # rho within which the minimum lies
 _CENTRE = 0.15  # rho over which the central film is averaged
@@ -36,7 +36,7 @@ _OFF = 0.1  # rho by which the centre of the outline may be off that of the dry 
 
 # Of the change of the minimum from splines of twice the width: that by still narrower ones, if the
 # error of a spline is of third order, and what is an error of the minimum.
-_FINER, _RESOLUTION = 1 / 7, 1 / 3
+_FINER, _RESOLUTION = 1 / 7, 1 / 2
 
 _THICKEST = 5.0  # film of a block that is fitted, over that of the plateau [1]
 _OUTLIER = 5.0  # departure beyond which a block does not count [std]
@@ -82,8 +82,8 @@ def find_plateau(blocks: BlockMeans, acts: Any, curve: FilmCurve) -> Plateau | N
 
     The minimum is that of the fitted film. Noise and marks make it too low, as the thinnest of many
     places is chosen; the mean over 200 draws of these errors is taken out. Splines of twice the
-    width change it by more than still narrower ones would: a seventh of that change is added, and a
-    third is part of its error.
+    width change it by more than still narrower ones would: a seventh of that change is added, and
+    half of it is part of its error.
 
     Parameters
     ----------

@@ -134,7 +134,8 @@ def test_flattened_ball_has_a_plateau_a_constriction_and_the_gap_of_hertz_beside
     y, x = np.meshgrid(np.arange(0, 256, 0.25), np.arange(0, 320, 0.25), indexing="ij")
     film = gap.smooth(x, y)
     npt.assert_allclose(film.min(), 2.0, atol=1e-3)
-    at = rig.centre[0] + np.array([0.0, 0.85, -0.85]) * radius / rig.pitch
+    lowest = 0.85 - 0.3 * 3.0 / (1e3 * radius**2 / ball)
+    at = rig.centre[0] + np.array([0.0, lowest, -lowest]) * radius / rig.pitch
     found = gap.smooth(at, np.full(3, rig.centre[1]))
     npt.assert_allclose(found, [3.0, 3.0 - 0.7, 3.0], atol=1e-6)
 

@@ -70,7 +70,7 @@ def test_soft_contact_that_is_solved_has_its_central_and_minimum_film(along_x):
     assert abs(gap.minimum.value - true) < 2 * np.hypot(own_std(gap.minimum), 0.03 * true)
     assert abs(gap.central.value - 4.0) < 2 * np.hypot(own_std(gap.central), 0.04)
     assert own_std(gap.minimum) < 0.1 * true
-    assert own_std(gap.central) < 0.1
+    assert own_std(gap.central) < 0.04 * 4.0
 
     # the oil moves to larger x: the constriction is there, symmetric about the axis
     place = gap.place if along_x else gap.place[::-1]

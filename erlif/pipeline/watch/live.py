@@ -100,7 +100,7 @@ class LiveGaps(NamedTuple):
     bent : GapMinimum
         The gap of a point contact, by whose curvatures the contact of the run is chosen.
     level : bool
-        Whether the pair has a plateau in its place.
+        Whether its map has a plateau.
     """
 
     films: Mapping[GapShape, tuple[float, float]]
