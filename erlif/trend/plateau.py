@@ -38,6 +38,7 @@ _OFF = 0.1  # rho by which the centre of the outline may be off that of the dry 
 # error of a spline is of third order, and what is an error of the minimum.
 _FINER, _RESOLUTION = 1 / 7, 1 / 2
 
+_TOLERATED = 1 / 3  # error above which a minimum is not stated, over it [1]
 _THICKEST = 5.0  # film of a block that is fitted, over that of the plateau [1]
 _OUTLIER = 5.0  # departure beyond which a block does not count [std]
 _TAIL = 0.9  # quantile of the departures by which their variance is found: 1.645 std
@@ -52,7 +53,8 @@ class Plateau(NamedTuple):
     Attributes
     ----------
     minimum : FilmNumber
-        NaN where the field of view does not hold the whole contact.
+        NaN where the region does not hold the whole contact, or where its own error is above a
+        third of it.
     central : FilmNumber
     along, across : float
         Place of the minimum, from -1 to 1 over the region.
@@ -145,10 +147,11 @@ def find_plateau(blocks: BlockMeans, acts: Any, curve: FilmCurve) -> Plateau | N
     beside = _splines(np.array([-_OFF, _OFF]), np.zeros(2), _KNOTS)
     steep = float(fit.amplitudes @ (beside[:, 1] - beside[:, 0])) / 2
     central = fit.number(shapes[:, middle].mean(axis=1), gradients, steep)
-    if not seen.all():
+    minimum = fit.number(shapes[:, lowest], gradients, _RESOLUTION * change)
+    own = math.hypot(minimum.random_std, minimum.surface_std)
+    if not seen.all() or own > _TOLERATED * minimum.value:
         unknown = FilmNumber.unknown(curve.parameters)
         return Plateau(unknown, central, math.nan, math.nan)
-    minimum = fit.number(shapes[:, lowest], gradients, _RESOLUTION * change)
     bias = fit.bias(shapes)
     side = ends[1] if abs(ends[1][lowest]) < abs(ends[2][lowest]) else ends[2]
     return Plateau(

@@ -76,8 +76,8 @@ def note_contact(results: Sequence[TriggerResult], contact: GapShape) -> list[No
     if cut:
         text = (
             f"NaN at {cut} of {len(gaps)} triggers: the region of interest does not hold the whole "
-            "contact, whose thinnest film may lie outside; film_central holds. Widen roi in "
-            "[thickness], or the field of view"
+            "contact, or its pixels do not resolve the constriction; film_central holds. Widen roi "
+            "in [thickness], or photograph the contact larger"
         )
         notes.append(warn("film_min", text))
     return notes

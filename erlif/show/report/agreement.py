@@ -85,7 +85,7 @@ def _describe_map(film: xr.Dataset, attrs: Mapping[str, float]) -> str:
         film[name].attrs["factor"] if name in film else np.nan
         for name in ("film_over_theory", "film_central_over_theory")
     )
-    centre = f", at the centre {central:.3g}" if shows_plateau(film) and central == central else ""
+    centre = f", h_c {central:.3g}" if shows_plateau(film) and central == central else ""
     if not formula_scope(attrs) or not np.isfinite(minimum):
         return f"; {centre[2:]} × regime map" if centre else ""
     return f"; {minimum:.3g}{centre} × regime map"

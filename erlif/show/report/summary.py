@@ -171,15 +171,15 @@ def _ends(film: xr.Dataset, variable: str) -> list[tuple[int, float, float]]:
 def _describe_films(film: xr.Dataset) -> str:
     """Range of the minimum and of the mean over the cycle; of a plateau, of its centre."""
     ranges = []
-    second = "central" if shows_plateau(film) else "mean"
-    for name in ("film_min", f"film_{second}"):
+    second = ("film_central", "h_c") if shows_plateau(film) else ("film_mean", "mean")
+    for name in ("film_min", second[0]):
         ends = _ends(film, name)
         digits = 2 if ends and ends[-1][1] < 10 else 1  # four numbers fit a line
         texts = [f"{value:.{digits}f} ± {std:.{digits}f}" for _, value, std in ends]
         ranges.append(" to ".join(texts) or "none")
     if ranges == ["none", "none"]:
         return "none: no trigger has enough valid pixels in the region"
-    return f"min {ranges[0]}, {second} {ranges[1]} um"
+    return f"min {ranges[0]}, {second[1]} {ranges[1]} um"
 
 
 def describe_film(film: xr.Dataset, shares: Array) -> dict[str, str]:

@@ -55,3 +55,17 @@ def test_triggers_without_a_smooth_gap_are_counted():
     _, note = note_contact(results, chosen)
     assert note.level is Level.WARNING
     assert "NaN at 1 of 2 triggers" in note.text
+
+
+def test_a_contact_that_the_region_cuts_keeps_its_centre():
+    cut = result((1.0, 1.0), misfit=8.0)
+    unknown = FilmNumber.unknown(len(CALIBRATION.full_covariance))
+    flat = cut.minima[GapShape.PLATEAU]._replace(minimum=unknown, misfit=0.0)
+    cut = replace(cut, minima={**cut.minima, GapShape.PLATEAU: flat})
+    results, chosen = settle_contact([cut, cut])
+    assert chosen is GapShape.PLATEAU
+    assert results[0].statistics.gap.central.value == 4.0
+    remarked, warned = note_contact(results, chosen)
+    assert "plateau" in remarked.text
+    assert warned.level is Level.WARNING
+    assert "NaN at 2 of 2 triggers: the region of interest does not hold" in warned.text
