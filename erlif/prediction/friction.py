@@ -60,7 +60,7 @@ def find_drag(
     --------
     >>> from erlif.trend import FilmNumber, FilmStatistics, GapMinimum
     >>> one, none = FilmNumber(5.0, 0.1, 0.0, np.zeros(3)), np.zeros(2)
-    >>> gap = GapMinimum(one, one, one.scaled(0), none, 0.0, none, none, none)
+    >>> gap = GapMinimum(one, one, one.scaled(0), one, none, 0.0, none, none, none)
     >>> film = FilmStatistics(one, gap, 0.0, FilmNumber(0.2, 0.01, 0.0, np.zeros(3)))
     >>> drag = find_drag([film], np.array([0.01]), area=1e-4, calibration_cov=np.eye(3))
     >>> drag.film_drag.values.round(3), drag.film_drag_std.values.round(3)

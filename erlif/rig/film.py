@@ -325,6 +325,8 @@ class Gap:
         along = (x - rig.centre[0]) * rig.pitch - rig.thin_line
         if rig.contact == "ball":
             across = (y - rig.centre[1]) * rig.pitch
+            if rig.plateau[0] > 0:
+                return self.flattened(along, across)
             return np.asarray(self.film_min + 1e3 * (along**2 + across**2) / (2 * rig.ball_radius))
         phi = along / rig.journal_radius
         from_edge = y * rig.pitch - rig.region[1][0 if rig.tilt >= 0 else 1]  # mm
@@ -334,6 +336,29 @@ class Gap:
         rise = rise - self.least_shape
         gap = rig.clearance - (rig.clearance - self.film_min - rise) * np.cos(phi)
         return np.asarray(gap + self.shape(y))
+
+    def flattened(self, along: Array, across: Array) -> Array:
+        """Film of a ball with a plateau, at distances from its centre [mm]. [um]
+
+        Beside it is the gap of Hertz, a^2/(pi R) (sqrt(r^2 - 1) + (r^2 - 2) acos(1/r)) with r over
+        its radius a (Johnson 1985, section 4.2). The constriction is as deep as stated at both
+        sides and 0.7 of that at the outlet, at +x; the inlet has none. It lies about r = c = 0.85
+        with s = (q exp(1 - q))^n, q = (r/c)^2, which has the standard deviation c/(2 sqrt(n)) = 0.1
+        and is 0 at the centre. Where the central film is no longer small beside a^2/R, it is wider
+        and farther inwards, as that of solved contacts.
+        """
+        radius, over = self.rig.plateau
+        r = np.hypot(along, across) / radius
+        beside = np.maximum(r, 1.0)
+        gap = np.sqrt(beside**2 - 1) + (beside**2 - 2) * np.arccos(1 / beside)
+        gap = 1e3 * radius**2 / (np.pi * self.rig.ball_radius) * gap
+        part = across**2 + 0.7 * np.maximum(along, 0.0) ** 2
+        part = part / np.maximum(along**2 + across**2, 1e-12)
+        thick = min(over * self.film_min * self.rig.ball_radius / (1e3 * radius**2), 1.0)
+        lowest, std = 0.85 - 0.3 * thick, 0.1 + 0.15 * thick
+        square = (r / lowest) ** 2
+        ring = (square * np.exp(1 - square)) ** ((lowest / (2 * std)) ** 2)
+        return np.asarray(self.film_min * (over - (over - 1) * part * ring) + gap)
 
     @property
     def least_shape(self) -> float:

@@ -166,6 +166,9 @@ class RigSettings:
         "pin" in its bushing, "ball" on a disc, or "plane": what the gap of the film law is.
     ball_radius : float
         Radius of the ball, whose contact is in the middle of the rows and at `thin_line`. [mm]
+    plateau : tuple[float, float]
+        Radius over which the load flattens the ball, 0: not [mm]; its central film over the
+        minimum, which lies in the constriction at its sides. [1]
     film_reference : float
         Minimum film thickness at the highest rocker speed and the mean load. [um]
     exponent : float
@@ -356,6 +359,7 @@ class RigSettings:
     write_mount: bool = True
     contact: str = _one_of("pin", "ball", "plane")
     ball_radius: float = _limited(100.0, 1e-3, 1e9)
+    plateau: tuple[float, float] = _limited((0.0, 1.0), 0, 1e6)
     film_reference: float = _limited(6.0, 1e-3, 1000)
     exponent: float = _limited(0.62, -10, 10)
     film_floor: float = _limited(0.3, 1e-3, 1000)

@@ -137,6 +137,9 @@ def _describe_gaps(file: h5netcdf.File, film: str, gaps: list[Gap]) -> None:
     put = partial(_put, file)
     of_gap = "minimum film thickness of the smooth gap in the region of interest"
     put("film_min", film, [gap.film_min for gap in gaps], "um", of_gap)
+    radius, over = gaps[0].rig.plateau
+    if radius > 0:
+        put("film_central", film, [over * gap.film_min for gap in gaps], "um", "of the plateau")
     pins = [gap for gap in gaps if isinstance(gap, JournalGap)]
     if pins:
         along, side = [pin.along for pin in pins], [pin.side for pin in pins]

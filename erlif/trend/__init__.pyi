@@ -15,6 +15,7 @@ from .blocks import sum_blocks as sum_blocks
 from .bore import AxialShape as AxialShape
 from .contact import ContactChoice as ContactChoice
 from .contact import choose_contact as choose_contact
+from .contact import has_plateau as has_plateau
 from .course import CourseChange as CourseChange
 from .course import find_ratio_change as find_ratio_change
 from .course import find_shift as find_shift

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from erlif.core.arrays import Array
-from erlif.trend.gap import GapMinimum, GapShape
+from erlif.trend.gap import MISFIT, GapMinimum, GapShape
 
 # Curvature from which a gap is curved. [std]
 _CURVED = 3.0
@@ -27,16 +27,17 @@ def choose_contact(triggers: Sequence[Mapping[GapShape, GapMinimum]]) -> GapShap
     Returns
     -------
     GapShape
-        A point contact where the mean curvature across sliding is above three standard deviations,
-        a line contact where only that along sliding is, else a plane. A line contact where no
-        trigger has a gap.
+        A plateau where the maps of most triggers have one and depart from a point contact. A point
+        contact where the mean curvature across sliding is above three standard deviations, a line
+        contact where only that along sliding is, else a plane. A line contact where no trigger has
+        a gap.
 
     Examples
     --------
     >>> from erlif.trend import FilmNumber
     >>> small, none = np.full(2, 1e-4), np.zeros(2)
     >>> film = FilmNumber(1.0, 0.1, 0.1, none)
-    >>> bent = GapMinimum(film, film, film, none, 0.0, np.array([3.0, 2.0]), small, small)
+    >>> bent = GapMinimum(*(film,) * 4, none, 0.0, np.array([3.0, 2.0]), small, small)
     >>> str(choose_contact([{GapShape.POINT: bent}]))
     'point'
     >>> bent = bent._replace(bend=np.array([3.0, 0.01]))
@@ -45,8 +46,28 @@ def choose_contact(triggers: Sequence[Mapping[GapShape, GapMinimum]]) -> GapShap
     """
     choice = ContactChoice()
     for one in triggers:
-        choice.add(one[GapShape.POINT])
+        choice.add(one[GapShape.POINT], level=has_plateau(one))
     return choice.contact
+
+
+def has_plateau(minima: Mapping[GapShape, GapMinimum]) -> bool:
+    """Whether a map departs from a point contact, and has a plateau.
+
+    Parameters
+    ----------
+    minima : mapping of GapShape to GapMinimum
+
+    Returns
+    -------
+    bool
+
+    Examples
+    --------
+    >>> has_plateau({})
+    False
+    """
+    flat = minima.get(GapShape.PLATEAU)
+    return flat is not None and flat.misfit < MISFIT < minima[GapShape.POINT].misfit
 
 
 @dataclass
@@ -63,16 +84,24 @@ class ContactChoice:
         Of their variances by noise, with the square of the weight. [1/um2]
     surface_std : Array
         Of their standard deviations by the surfaces, which all triggers share. [1/um]
+    triggers : int
+        With a gap.
+    level : int
+        Those with a plateau.
     """
 
     weight: Array = field(default_factory=lambda: np.zeros(2))
     value: Array = field(default_factory=lambda: np.zeros(2))
     random_var: Array = field(default_factory=lambda: np.zeros(2))
     surface_std: Array = field(default_factory=lambda: np.zeros(2))
+    triggers: int = 0
+    level: int = 0
 
-    def add(self, gap: GapMinimum) -> None:
-        """Add the gap of a point contact at one more trigger."""
+    def add(self, gap: GapMinimum, *, level: bool = False) -> None:
+        """Add the gap of a point contact at one more trigger, and whether it has a plateau."""
         if np.isfinite(gap.bend).all():
+            self.triggers += 1
+            self.level += level
             weight = 1 / (gap.bend_random_var + gap.bend_surface_var)
             self.weight += weight
             self.value += weight * gap.bend
@@ -84,6 +113,8 @@ class ContactChoice:
         """The contact that the triggers so far allow."""
         if not self.weight.any():
             return GapShape.LINE
+        if 2 * self.level > self.triggers:
+            return GapShape.PLATEAU
         variance = self.random_var + self.surface_std**2
         along, across = np.abs(self.value) > _CURVED * np.sqrt(variance)
         return GapShape.POINT if across else GapShape.LINE if along else GapShape.PLANE

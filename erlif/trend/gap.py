@@ -2,7 +2,8 @@
 
 The gap is h = a + b s + c z + d s^2 + e z^2, with s along sliding and z across, both from -1 to 1
 over the region. A plane has the tilts b and c alone, a line contact is curved along sliding, a
-point contact in both directions. A bore that is not straight adds its known shape along z.
+point contact in both directions. A bore that is not straight adds its known shape along z. An
+elastic point contact is a plateau (`erlif.trend.plateau`).
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ from erlif.trend.blocks import BLOCK, BlockSums, Region
 from erlif.trend.bore import AxialShape
 from erlif.trend.curve import FilmCurve
 from erlif.trend.number import FilmNumber
+from erlif.trend.plateau import find_plateau
 
 # Variance of a map by smooth departures from its gap, over that by noise and marks, from which the
 # gap does not describe the map. [1]
@@ -42,10 +44,11 @@ class GapShape(StrEnum):
     PLANE = "plane"
     LINE = "line"
     POINT = "point"
+    PLATEAU = "plateau"
 
 
 # Number of the shapes 1, s, z, s^2 and z^2 that a gap has.
-_SHAPES = {GapShape.PLANE: 3, GapShape.LINE: 4, GapShape.POINT: 5}
+_SHAPES = {GapShape.PLANE: 3, GapShape.LINE: 4, GapShape.POINT: 5, GapShape.PLATEAU: 5}
 
 
 def gap_shapes(along: Array, across: Array, contact: GapShape) -> Array:
@@ -65,6 +68,8 @@ class GapMinimum(NamedTuple):
     unseen : FilmNumber
         Sum of the inverse of the gap over the pixels without a measurable film, over all pixels of
         the region. [1/um]
+    central : FilmNumber
+        At the centre of a point contact; NaN for other gaps.
     place : Array
         Where the fitted gap has its minimum, (axis,): column and row of the image. [px]
     misfit : float
@@ -80,6 +85,7 @@ class GapMinimum(NamedTuple):
     minimum: FilmNumber
     mean: FilmNumber
     unseen: FilmNumber
+    central: FilmNumber
     place: Array
     misfit: float
     bend: Array
@@ -167,7 +173,7 @@ def _fit_gap(
     base = 0.0 if bore is None else bore.in_blocks(blocks, axial)
     fit = fit_blocks(blocks, curve, shapes[:count], base=base)
     unknown, number = np.full(2, math.nan), FilmNumber.unknown(curve.parameters)
-    nothing = GapMinimum(*(number,) * 3, unknown, math.nan, *(unknown,) * 3)
+    nothing = GapMinimum(*(number,) * 4, unknown, math.nan, *(unknown,) * 3)
     if fit is None:
         return nothing
 
@@ -212,6 +218,8 @@ def _fit_gap(
         return found
     place = _pixel_of(region, (along, across) if sliding_along_x else (across, along))
     found = found._replace(minimum=minimum, mean=mean, place=place)
+    if contact is GapShape.POINT:
+        found = found._replace(central=minimum)
 
     # where no film is measurable
     s, z = _places_of_blocks(region, missing > 0, sliding_along_x=sliding_along_x)
@@ -257,6 +265,8 @@ def find_gap_minima(
     Parameters
     ----------
     contacts : sequence of GapShape
+        A plateau after a point contact is looked for where the map departs from that; elsewhere,
+        and where there is none, it is the gap of the point contact.
 
     Returns
     -------
@@ -277,13 +287,40 @@ def find_gap_minima(
     nan
     """
     blocks = average_blocks(sums, sliding_along_x=sliding_along_x)
+    found: dict[GapShape, GapMinimum] = {}
     high, wide = ([min(BLOCK, size - at) for at in range(0, size, BLOCK)] for size in sums.size)
     missing = (np.outer(high, wide) - sums.measurable) / math.prod(sums.size)
     options = {"sliding_along_x": sliding_along_x}
-    return {
-        contact: _fit_gap(blocks, missing, curve, region, contact, bore, **options)
-        for contact in contacts
-    }
+    for contact in contacts:
+        point = found.get(GapShape.POINT)
+        if contact is not GapShape.PLATEAU:
+            found[contact] = _fit_gap(blocks, missing, curve, region, contact, bore, **options)
+        elif point is None or point.misfit > MISFIT:
+            plateau = _fit_plateau(blocks, curve, region, **options)
+            found[contact] = plateau if point is None or plateau.misfit < MISFIT else point
+        else:
+            found[contact] = point
+    return found
+
+
+def _fit_plateau(
+    blocks: BlockMeans, curve: FilmCurve, region: Region, *, sliding_along_x: bool
+) -> GapMinimum:
+    """Central and minimum film of an elastic contact; the gap that departs where there is none."""
+    s, z = blocks.along, blocks.across
+    middle = _pixel_of(region, (s, z) if sliding_along_x else (z, s))
+
+    def gradient(film: Array, use: Mask) -> Array:
+        return curve.calibration.gradient(film, place=(middle[0][use], middle[1][use]))
+
+    found = find_plateau(blocks, gradient, curve)
+    unknown, number = np.full(2, math.nan), FilmNumber.unknown(curve.parameters)
+    nothing = GapMinimum(*(number,) * 4, unknown, 2 * MISFIT, *(unknown,) * 3)
+    if found is None:
+        return nothing
+    at, beside = found.along, found.across
+    place = _pixel_of(region, (at, beside) if sliding_along_x else (beside, at))
+    return nothing._replace(minimum=found.minimum, central=found.central, place=place, misfit=0.0)
 
 
 def _lowest_place(slope: float, bend: float) -> float:

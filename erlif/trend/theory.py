@@ -40,6 +40,9 @@ _ELLIPTICAL = {
     "formula": "h/Rx = 3.63 U^0.68 G^0.49 W^-0.073 (1 - exp(-0.68 k))",
     "source": "Hamrock and Dowson (1977)",
 }
+# Error of the central film of soft ellipses beyond that of the minimum (docs/theory/film.md). [1]
+_SOFT_CENTRE = 0.1
+
 _ERROR_SOURCE = (
     "relative standard deviation against solutions of Reynolds' equation and the elastic "
     "half-space, docs/theory/film.md; infinite outside the regime of the formula"
@@ -205,8 +208,8 @@ def predict_film(triggers: xr.Dataset, contact: LubricatedContact | LubricatedJo
         film_hamrock_dowson, the piezoviscous-elastic minimum film [um], its formula and source as
         attributes; film_theory and film_theory_central, the minimum and central film over all
         regimes [um], with regime and limits as attributes; film_regime; film_parameter [1] where
-        roughness and film_min are given. The first two have formula_error [1], the relative
-        standard deviation of the formula in the regime of most triggers, and its source.
+        roughness and film_min are given. The films have formula_error [1], the relative standard
+        deviation of the formula in the regime of most triggers, and its source.
 
     Raises
     ------
@@ -257,7 +260,11 @@ def predict_film(triggers: xr.Dataset, contact: LubricatedContact | LubricatedJo
     own = np.where(np.asarray(theory.regime) == FILM_REGIMES[-1], known, np.inf)
     regime = np.broadcast_to(np.asarray(theory.regime, dtype=str), speed.shape)
     film_formula = FILM["film_hamrock_dowson"].fill(hard, **formula)
-    for one, error in ((film_formula, own), (film_theory, theory.error)):
+    film_central = FILM["film_theory_central"].fill(central)
+    soft = (regime == FILM_REGIMES[2]) & (contact.length is None)
+    of_centre = np.hypot(theory.error, _SOFT_CENTRE * soft)
+    errors = ((film_formula, own), (film_theory, theory.error), (film_central, of_centre))
+    for one, error in errors:
         finite = np.asarray(error)[~np.isnan(error)]
         one.attrs["formula_error"] = float(np.median(finite)) if finite.size else np.nan
         one.attrs["formula_error_source"] = _ERROR_SOURCE
@@ -265,7 +272,7 @@ def predict_film(triggers: xr.Dataset, contact: LubricatedContact | LubricatedJo
         {
             "film_hamrock_dowson": film_formula,
             "film_theory": film_theory,
-            "film_theory_central": FILM["film_theory_central"].fill(central),
+            "film_theory_central": film_central,
             "film_regime": FILM["film_regime"].fill(regime),
         }
     )

@@ -1,6 +1,6 @@
 """Films of points and ellipses: rigid bodies by a linear problem, elastic ones by Newton."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import scipy.sparse
@@ -10,10 +10,16 @@ from oracles.newton import take_step
 
 
 class PointFilm(NamedTuple):
-    """Smallest film and that at the point of least distance when dry, over Rx."""
+    """Smallest film and that at the point of least distance when dry, over Rx; all of an elastic.
+
+    Places over Rx: those along increase with the motion, those across go from the middle outwards.
+    """
 
     minimum: float
     central: float
+    film: Any = None  # (along, across)
+    along: Any = None
+    across: Any = None
 
 
 def stretched(low, high, cells, inner):
@@ -186,4 +192,4 @@ def solve_point(U, W, G, *, across=1.0, cells=(48, 18), far=12.0):
             raise RuntimeError(f"no solution at a load of {load:.3g}")
 
     film = (approach + gaps[0][0] + gaps[0][1] @ pressure).reshape(nx + 1, ny)
-    return PointFilm(film.min(), np.interp(0, fx, film[:, 0]))
+    return PointFilm(film.min(), np.interp(0, fx, film[:, 0]), film, fx, y)

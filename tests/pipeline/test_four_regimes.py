@@ -17,37 +17,45 @@ TOP = SPEED.max() * np.pi * 5 * 0.01  # the higher one [m/s]
 GROUPS = {
     "isoviscous-rigid": (4.0e-13, 5.5e-10, 300.0, 2e11, 0.06),
     "piezoviscous-rigid": (3e-12, 8e-9, 1e5, 1e12, 0.1),
-    "isoviscous-elastic": (5e-9, 3e-5, 0.2, 1e7, 0.06),
+    "isoviscous-elastic": (5e-9, 3e-5, 0.2, 1e7, 0.02),
     "piezoviscous-elastic": (5e-11, 2e-7, 2310.0, 1.15e11, 0.1),
 }
 
 
 def true_film(regime, U):
-    """Minimum over the radius by the solutions of tests/oracles."""
+    """Minimum and central film over the radius by the solutions of tests/oracles."""
     _, W, G, *_ = GROUPS[regime]
     if regime.endswith("elastic"):
-        return solve_point(U, W, G, cells=(24, 10) if G < 1 else (30, 12)).minimum
+        return solve_point(U, W, G, cells=(36, 14))[:2]
     gV = G * W**3 / U**2
     if regime == "isoviscous-rigid":
         near, film = rigid_film(1.0, 1e-3, cells=100, far=300.0)
         assert gV < near
-        return film * (U / W) ** 2
+        return (film * (U / W) ** 2,) * 2
     # beyond the load at which the pressure is unbounded the film depends on it no more
     limit, film = rigid_film(1.0, 1 - 1e-9, cells=100)
     assert gV > limit
-    return film * (G * U / limit) ** (2 / 3)
+    return (film * (G * U / limit) ** (2 / 3),) * 2
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("regime", GROUPS)
 def test_a_ball_of_each_regime_has_its_name_and_its_factor(regime, tmp_path):
-    """The rig takes the gap of undeformed bodies: its minimum is that of the solution, the form of
-    the gap is not.
+    """Minimum and, at the higher speed, central film of the rig are those of the solution.
+
+    Rigid bodies have the gap of undeformed ones, elastic ones a plateau of the radius of Hertz,
+    (3 w R/(2 E'))^(1/3).
     """
     U, W, G, modulus, radius = GROUPS[regime]
     speeds, place = np.unique(SPEED, return_inverse=True)
-    films = [1e6 * radius * true_film(regime, U * one / SPEED.max()) for one in speeds]
-    true = np.array(films)[place]
+    films = np.array([true_film(regime, U * one / SPEED.max()) for one in speeds])
+    true = 1e6 * radius * films[place, 0]
+    over = films[-1, 1] / films[-1, 0]
+    hertz = 1e3 * radius * (1.5 * W) ** (1 / 3)
+    elastic = regime.endswith("elastic")
+    pixels = 50 if G < 1 else 32  # of that radius: a light contact is wider
+    shown = {"width": 256, "height": 224, "field_width": 256 / pixels * hertz, "marks": 0.02}
+    shown |= {"plateau": (hertz, over)}
     rig = replace(
         SMALL,
         mechanism="sinusoidal",
@@ -58,7 +66,7 @@ def test_a_ball_of_each_regime_has_its_name_and_its_factor(regime, tmp_path):
         load_swing=0.0,
         thin_line=0.1,
         film_table=tuple(true),
-        field_width=3.0 * (radius / 0.1) ** 0.5,
+        **(shown if elastic else {"field_width": 3.0 * (radius / 0.1) ** 0.5}),
     )
     solid = f'youngs_modulus = "{modulus:.9g} Pa", poissons_ratio = 0'
     contact = f"""
@@ -72,6 +80,7 @@ pressure_viscosity = "{1e9 * G / modulus:.9g} 1/GPa"
 """
     film = Laboratory.simulated(tmp_path, seed=8, rig=rig).process_copy("theory", add=contact)
     assert set(film.film_regime.values) == {regime}
+    assert film.attrs["contact"] == ("plateau" if elastic else "point")
 
     # the measured film is that of the solution, and the formula is off by what it states
     found = film.film_over_theory.attrs
@@ -84,6 +93,16 @@ pressure_viscosity = "{1e9 * G / modulus:.9g} 1/GPa"
     given = found["viscosity_given"]
     std = np.hypot(found["viscosity_std"], found["viscosity_std_formula"])
     assert abs(found["viscosity"] - given) < 2 * std
+
+    # so is the central film
+    centre, central = film.film_central_over_theory.attrs, over * true
+    of_film = np.hypot(centre["factor_std_random"], centre["factor_std_shared"])
+    exact = np.median(central / film.film_theory_central.values)
+    assert abs(centre["factor"] - exact) < 3 * of_film
+    assert abs(centre["factor"] - 1) < 2 * np.hypot(
+        of_film, centre["factor"] * centre["formula_error"]
+    )
+    npt.assert_array_less(np.abs(film.film_central - central), 3 * film.film_central_std)
     formula = film.film_over_hamrock_dowson.attrs
     assert np.isfinite(formula["formula_error"]) == (regime == "piezoviscous-elastic")
 
@@ -92,4 +111,4 @@ pressure_viscosity = "{1e9 * G / modulus:.9g} 1/GPa"
     apart = film.film_min.values[:2] - film.film_min.values[2:]
     random = film.film_min_std_random.values.reshape(2, 2)
     assert (apart**2 / (random**2).sum(axis=0)).sum() < 13.8
-    assert (random < 0.02 * true.reshape(2, 2)).all()
+    assert (random < (0.04 if elastic else 0.02) * true.reshape(2, 2)).all()

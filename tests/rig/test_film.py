@@ -124,6 +124,40 @@ def test_ball_touches_at_a_point_and_planes_everywhere():
     npt.assert_allclose(np.diff(found), 0.5)
 
 
+def test_flattened_ball_has_a_plateau_a_constriction_and_the_gap_of_hertz_beside_it():
+    """Gap beside it: integral over the pressure of Hertz, by the potential of a disc of rings."""
+    radius, ball, over = 0.3, 20.0, 1.5
+    rig = RigSettings(
+        contact="ball", field_width=2.0, ball_radius=ball, thin_line=0.0, plateau=(radius, over)
+    )
+    gap = Gap(rig, 2.0, draw_marks(rig, np.random.default_rng(0)))
+    y, x = np.meshgrid(np.arange(0, 256, 0.25), np.arange(0, 320, 0.25), indexing="ij")
+    film = gap.smooth(x, y)
+    npt.assert_allclose(film.min(), 2.0, atol=1e-3)
+    lowest = 0.85 - 0.3 * 3.0 / (1e3 * radius**2 / ball)
+    at = rig.centre[0] + np.array([0.0, lowest, -lowest]) * radius / rig.pitch
+    found = gap.smooth(at, np.full(3, rig.centre[1]))
+    npt.assert_allclose(found, [3.0, 3.0 - 0.7, 3.0], atol=1e-6)
+
+    # p = 2 a E*/(pi R) sqrt(1 - t^2): deflection (1/(pi E*)) times the integral of p/distance
+    t, weight = np.polynomial.legendre.leggauss(200)
+    t, weight = (t + 1) / 2, weight / 2
+
+    def deflection(r):
+        turn = np.linspace(0, 2 * np.pi, 400, endpoint=False)[:, None]
+        ring = np.sin(np.pi / 2 * t)  # dense at the edge, where the pressure has its root
+        area = ring * np.pi / 2 * np.cos(np.pi / 2 * t) * weight
+        apart = np.sqrt(r**2 + ring**2 - 2 * r * ring * np.cos(turn))
+        return 4 / (np.pi * ball) * radius**2 * (np.sqrt(1 - ring**2) * area / apart).mean(0).sum()
+
+    away = np.array([1.3, 2.0, 3.0])
+    # at the edge the film is that of the plateau: the approach is a^2/R
+    sunk = np.array([deflection(r) for r in away]) * 1e3
+    hertz = 1e3 * (radius * away) ** 2 / (2 * ball) - 1e3 * radius**2 / ball + sunk
+    found = gap.smooth(rig.centre[0] - away * radius / rig.pitch, np.full(3, rig.centre[1]))
+    npt.assert_allclose(found - 3.0, hertz, rtol=1e-3)
+
+
 def test_marks_have_their_depth_and_run_along_sliding():
     rig = RigSettings(width=1000, height=1000, marks=0.1)
     y, x = np.indices((1000, 1000), dtype=float)

@@ -25,6 +25,7 @@ def make_statistics(
         FilmNumber(minimum, 1.5 * random, surface, gradients[1]),
         FilmNumber(mean + 1, 0.5 * random, 0.5 * surface, gradients[2]),
         FilmNumber(0.1 / mean, 0.1 * random / mean**2, 0.0, -0.1 * gradients[2] / mean**2),
+        FilmNumber(minimum + 0.5, random, surface, gradients[1]),
         np.array([70.0, 80.0]),
         misfit,
         *np.full((3, 2), np.nan),

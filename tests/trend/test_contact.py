@@ -4,7 +4,7 @@ import numpy as np
 from scenes.gap import WHOLE, X, Y, exact_ratios, known_calibration, known_gap, noisy_ratios
 
 from erlif.trend import FilmCurve, sum_blocks
-from erlif.trend.contact import choose_contact
+from erlif.trend.contact import choose_contact, has_plateau
 from erlif.trend.gap import GapShape, find_gap_minimum
 
 S, Z = np.linspace(-1, 1, X.size)[None, :], np.linspace(-1, 1, Y.size)[:, None]
@@ -46,3 +46,14 @@ def test_noise_averages_out_over_the_triggers_of_a_run_and_marks_do_not():
     assert choose_contact([{GapShape.POINT: noisy}] * 16) is GapShape.POINT
     assert choose_contact([{GapShape.POINT: noisy}] * 8) is GapShape.PLANE
     assert choose_contact([{GapShape.POINT: marked}] * 16) is GapShape.PLANE
+
+
+def test_plateau_is_chosen_where_most_triggers_have_one():
+    level = fit(exact_ratios(ball(2.0)))._replace(misfit=5.0)
+    flat = {GapShape.POINT: level, GapShape.PLATEAU: level._replace(misfit=0.0)}
+    round_one = {GapShape.POINT: level._replace(misfit=0.1)}
+    round_one[GapShape.PLATEAU] = round_one[GapShape.POINT]
+    none = {GapShape.POINT: level, GapShape.PLATEAU: level}
+    assert [has_plateau(one) for one in (flat, round_one, none)] == [True, False, False]
+    assert choose_contact([flat, flat, round_one]) is GapShape.PLATEAU
+    assert choose_contact([flat, round_one, none]) is GapShape.POINT

@@ -13,6 +13,7 @@ from .contents import has_identity as has_identity
 from .contents import motion_of as motion_of
 from .contents import region_of as region_of
 from .contents import settings_of as settings_of
+from .contents import shows_plateau as shows_plateau
 from .coordinates import set_coordinates as set_coordinates
 from .film import describe_hashes as describe_hashes
 from .film import open_film as open_film

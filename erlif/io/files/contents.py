@@ -337,6 +337,26 @@ def formula_scope(attrs: Mapping[str, Any]) -> str:
     return str(attrs.get("formula_of", "not its regime")) if outside else ""
 
 
+def shows_plateau(film: xr.Dataset) -> bool:
+    """Whether a film is that of an elastic contact, whose central film differs from the minimum.
+
+    Parameters
+    ----------
+    film : Dataset
+
+    Returns
+    -------
+    bool
+
+    Examples
+    --------
+    >>> from erlif.show.plots import example_film
+    >>> shows_plateau(example_film())
+    False
+    """
+    return film.attrs.get("contact") == "plateau" and "film_central" in film
+
+
 @takes(film="part of a film")
 def flag_shares(film: xr.Dataset) -> Array:
     """Share of valid pixels and of each flag in every map.

@@ -188,6 +188,7 @@ class TriggerResult:
                 minimum=extended(statistics.gap.minimum, weight if minimum is None else minimum),
                 mean=extended(statistics.gap.mean),
                 unseen=extended(statistics.gap.unseen),
+                central=extended(statistics.gap.central, weight if minimum is None else minimum),
             ),
         )
         if position is not None:
@@ -273,10 +274,12 @@ def _number(arrays: Mapping[str, AnyArray], name: str) -> FilmNumber:
 
 def _gap(arrays: Mapping[str, AnyArray], name: str) -> GapMinimum:
     """Read back what `_flatten` made of a gap."""
-    lowest, mean, unseen = (_number(arrays, f"{name}_{part}") for part in GapMinimum._fields[:3])
-    place, misfit, *bends = (arrays[f"{name}_{part}"] for part in GapMinimum._fields[3:])
+    lowest, mean, unseen, central = (
+        _number(arrays, f"{name}_{part}") for part in GapMinimum._fields[:4]
+    )
+    place, misfit, *bends = (arrays[f"{name}_{part}"] for part in GapMinimum._fields[4:])
     bend, random, surface = bends
-    return GapMinimum(lowest, mean, unseen, place, float(misfit), bend, random, surface)
+    return GapMinimum(lowest, mean, unseen, central, place, float(misfit), bend, random, surface)
 
 
 def frames_in(results: Iterable[TriggerResult]) -> list[FrameResult]:

@@ -32,6 +32,7 @@ from erlif.trend import (
 _RATIOS = {
     "film_over_hamrock_dowson": ("film_min", "film_hamrock_dowson"),
     "film_over_theory": ("film_min", "film_theory"),
+    "film_central_over_theory": ("film_central", "film_theory_central"),
     "film_over_predicted": ("film_min", "film_predicted_min"),
     "film_gap_mean_over_predicted": ("film_gap_mean", "film_predicted_mean"),
 }
@@ -66,7 +67,7 @@ def _compare_with_theories(film: xr.Dataset, settings: RunSettings, speed: str) 
     contact = describe_contact(settings)
     ratios: dict[str, Any] = {}
     for name, (measured, theory) in _RATIOS.items():
-        if theory not in film:
+        if theory not in film or measured not in film:
             continue
         expected = np.where(fast & (film[theory].values > 0), film[theory].values, np.nan)
         ratio, std, random = (
@@ -85,7 +86,8 @@ def _compare_with_theories(film: xr.Dataset, settings: RunSettings, speed: str) 
             attrs |= {"formula_error": error}
             if "formula_of" in film[theory].attrs:
                 attrs |= {"formula_of": film[theory].attrs["formula_of"]}
-            attrs |= _match_viscosity(film, contact, theory, speed, factor.std, error)
+            names = measured, theory, speed
+            attrs |= _match_viscosity(film, contact, *names, factor.std, error)
         ratios[name] = FILM[name].fill(ratio, **attrs)
         ratios[f"{name}_std"] = FILM[f"{name}_std"].fill(std)
         ratios[f"{name}_std_random"] = FILM[f"{name}_std_random"].fill(random)
@@ -95,6 +97,7 @@ def _compare_with_theories(film: xr.Dataset, settings: RunSettings, speed: str) 
 def _match_viscosity(
     film: xr.Dataset,
     contact: LubricatedContact,
+    name: str,
     theory: str,
     speed: str,
     factor_std: float,
@@ -103,7 +106,7 @@ def _match_viscosity(
     """Viscosity with which the median of the film over a theory is 1, beside that of [oil]."""
     fast = fast_triggers(film[speed].values)
     given = float(np.median(viscosity_at(film, contact.viscosity)[fast]))
-    measured = film.film_min.values
+    measured = film[name].values
 
     def factor(log: float) -> float:
         """Median factor at a viscosity times exp(log)."""

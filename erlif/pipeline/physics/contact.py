@@ -16,6 +16,7 @@ _GAPS = {
     GapShape.PLANE: "a plane film with a tilt",
     GapShape.LINE: "a gap that is curved along sliding (line contact)",
     GapShape.POINT: "a gap that is curved along and across sliding (point contact)",
+    GapShape.PLATEAU: "a plateau with a constriction at its edge (elastic contact)",
 }
 
 
@@ -57,12 +58,10 @@ def note_contact(results: Sequence[TriggerResult], contact: GapShape) -> list[No
     notes = []
     gaps = [gap for one in results for gap in one.minima.values()]
     if any(np.isfinite(gap.bend).all() for gap in gaps):
-        text = (
-            f"the minimum of {_GAPS[contact]}, as the curvatures of the maps of all triggers ask "
-            "for"
-        )
+        text = f"the minimum of {_GAPS[contact]}, as the maps of all triggers ask for"
         notes.append(remark("film_min", text))
     statistics = [one.statistics for one in results]
+    gaps = [one.gap for one in statistics]
     count = sum(one.departs and math.isnan(one.gap.minimum.value) for one in statistics)
     if count:
         total = len(results)
@@ -71,6 +70,14 @@ def note_contact(results: Sequence[TriggerResult], contact: GapShape) -> list[No
             "than noise and marks. Its minimum is off by more than 0.1 um and a tenth; maps and "
             "film_mean hold: take quantiles of the maps, or a smaller region of interest about the "
             "thinnest film"
+        )
+        notes.append(warn("film_min", text))
+    cut = sum(np.isnan(one.minimum.value) and np.isfinite(one.central.value) for one in gaps)
+    if cut:
+        text = (
+            f"NaN at {cut} of {len(gaps)} triggers: the region of interest does not hold the whole "
+            "contact, or its pixels do not resolve the constriction; film_central holds. Widen roi "
+            "in [thickness], or photograph the contact larger"
         )
         notes.append(warn("film_min", text))
     return notes

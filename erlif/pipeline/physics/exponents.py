@@ -28,6 +28,7 @@ _FILM_OF = {
     "speed_exponent": "film_min",
     "speed_exponent_mean": "film_mean",
     "speed_exponent_gap_mean": "film_gap_mean",
+    "speed_exponent_central": "film_central",
 }
 
 
@@ -54,6 +55,8 @@ def describe_exponents(
         "speed_exponent_mean": [one.mean for one in statistics],
         "speed_exponent_gap_mean": [one.gap.mean for one in statistics],
     }
+    if "film_central" in film:
+        numbers["speed_exponent_central"] = [one.gap.central for one in statistics]
     part = np.array([one.beyond_range > LARGEST_BEYOND for one in statistics])
     speed, load = film[name].values, film["joint_load"].values
     shared = scipy.linalg.block_diag(calibration.full_covariance, np.eye(1))

@@ -37,6 +37,8 @@ def with_texture(
     places = np.array([one.statistics.gap.place for one in results])
     along_x, size = plane.sliding_along_x, texture.size
     shares = texture.in_numbers(plane.region, places, contact, along_x=along_x)
+    if contact is GapShape.PLATEAU:
+        shares[1:] = 1.0  # numbers of few blocks
     if on_patch and plane.patch is not None:
         of_patch = texture.in_numbers(plane.patch, places, contact, along_x=along_x)[0]
         shares = np.hypot(shares, of_patch) / np.hypot(1.0, of_patch)

@@ -21,7 +21,7 @@ from erlif.pipeline.engines.triggers import TriggerTask
 from erlif.pipeline.recording.prepare import prepare_run
 from erlif.pipeline.recording.register import FixtureMap
 from erlif.ratio import PulseSample
-from erlif.trend import GapMinimum, GapShape
+from erlif.trend import GapMinimum, GapShape, has_plateau
 
 # Every n-th row and column gives the mean light and the share of saturated pixels. [px]
 _EVERY = 4
@@ -99,10 +99,13 @@ class LiveGaps(NamedTuple):
         Minimum and its standard deviation. [um]
     bent : GapMinimum
         The gap of a point contact, by whose curvatures the contact of the run is chosen.
+    level : bool
+        Whether its map has a plateau.
     """
 
     films: Mapping[GapShape, tuple[float, float]]
     bent: GapMinimum
+    level: bool
 
 
 @dataclass(frozen=True)
@@ -197,7 +200,7 @@ class LiveFilm:
             contact: (gap.minimum.value, gap.minimum.std(covariance))
             for contact, gap in result.minima.items()
         }
-        return LiveGaps(films, result.minima[GapShape.POINT])
+        return LiveGaps(films, result.minima[GapShape.POINT], has_plateau(result.minima))
 
 
 def measure_counts(

@@ -117,7 +117,8 @@ def _profile_of(film: xr.Dataset, trigger: int) -> xr.Dataset:
 def is_local(film: xr.Dataset) -> bool:
     """Whether the gap of a film differs along the axis: a point contact, or a bore with a shape."""
     joint = settings_of(film).joint
-    return film.attrs.get("contact") == GapShape.POINT or bool(joint and joint.bore)
+    local = film.attrs.get("contact") in (GapShape.POINT, GapShape.PLATEAU)
+    return local or bool(joint and joint.bore)
 
 
 def mark_minimum(ax: Axes, film: xr.Dataset, trigger: int, axis: str) -> list[Artist]:

@@ -13,7 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
 from erlif.core.arrays import Array
-from erlif.io.files import formula_label, formula_scope
+from erlif.io.files import formula_label, formula_scope, shows_plateau
 from erlif.show.plots import style
 from erlif.show.plots.style import MEAN, MINIMUM, MUTED, OUTWARD, RETURN, AnyFigure, pt, styled
 from erlif.show.plots.triggers import (
@@ -45,6 +45,7 @@ _MARGIN = 0.06  # of the axis on either side of the curves
 _RATIOS = {
     "film_over_hamrock_dowson": (OUTWARD, ""),
     "film_over_theory": (RETURN, "regime map"),
+    "film_central_over_theory": (MINIMUM, "regime map, at the centre"),
     "film_over_predicted": (MEAN, "transient film"),
 }
 
@@ -237,7 +238,7 @@ def has_ratio(film: xr.Dataset) -> bool:
 
 @style.film_panel
 def film_over_theory(film: xr.Dataset, *, ax: Axes = style.NEW) -> list[Artist]:
-    """Draw the minimum film thickness over each theory against the size of the speed.
+    """Draw the minimum film thickness over each theory, and the central one of a plateau.
 
     Bars are one standard deviation of the film, random and shared. Lines are the medians, which
     the legend states. Triggers below a tenth of the highest speed are left out, and theories that
@@ -269,6 +270,8 @@ def film_over_theory(film: xr.Dataset, *, ax: Axes = style.NEW) -> list[Artist]:
     ax.axhline(1.0, color=style.MUTED, linewidth=pt(0.5))
     artists: list[Artist] = []
     known = [one for one in _RATIOS if one in film and np.isfinite(film[one].values).any()]
+    if not shows_plateau(film):
+        known = [one for one in known if one != "film_central_over_theory"]
     off = {one: abs(math.log(float(film[one].attrs["factor"]))) for one in known}
     for ratio in known:
         (colour, title), values = _RATIOS[ratio], film[ratio].values

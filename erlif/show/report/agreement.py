@@ -8,7 +8,13 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from erlif.io.files import applicable_theory, fastest_trigger, formula_label, formula_scope
+from erlif.io.files import (
+    applicable_theory,
+    fastest_trigger,
+    formula_label,
+    formula_scope,
+    shows_plateau,
+)
 from erlif.show.report.layout import decimals
 
 # Rank, logarithms, and the ends of their interval.
@@ -16,6 +22,7 @@ _CORRELATION = [f"speed_correlation{part}" for part in ("_rank", "", "_low", "_h
 
 _OTHERS = {
     "film_over_theory": "regime map",
+    "film_central_over_theory": "central film, regime map",
     "film_over_predicted": "transient film, start fitted",
     "film_gap_mean_over_predicted": "mean of the gap over that of the transient film",
 }
@@ -73,9 +80,15 @@ def describe_factor(film: xr.Dataset) -> str:
 
 
 def _describe_map(film: xr.Dataset, attrs: Mapping[str, float]) -> str:
-    """Factor over the regime map where the formula does not hold."""
-    factor = film["film_over_theory"].attrs["factor"] if "film_over_theory" in film else np.nan
-    return f"; {factor:.3g} × regime map" if formula_scope(attrs) and np.isfinite(factor) else ""
+    """Factor over the regime map where the formula does not hold, and that at the centre."""
+    minimum, central = (
+        film[name].attrs["factor"] if name in film else np.nan
+        for name in ("film_over_theory", "film_central_over_theory")
+    )
+    centre = f", h_c {central:.3g}" if shows_plateau(film) and central == central else ""
+    if not formula_scope(attrs) or not np.isfinite(minimum):
+        return f"; {centre[2:]} × regime map" if centre else ""
+    return f"; {minimum:.3g}{centre} × regime map"
 
 
 def _describe_error(attrs: Mapping[str, Any]) -> str:
@@ -104,7 +117,8 @@ def describe_other_factors(film: xr.Dataset) -> str:
     """Film over the regime map and over the transient film, each with its viscosity."""
     texts = []
     for name, title in _OTHERS.items():
-        attrs = film[name].attrs if name in film else {}
+        told = name in film and (name != "film_central_over_theory" or shows_plateau(film))
+        attrs = film[name].attrs if told else {}
         if np.isfinite(attrs.get("factor", np.nan)):
             std = np.hypot(attrs["factor_std_random"], attrs["factor_std_shared"])
             digits = decimals(std, 2)

@@ -11,10 +11,7 @@ from erlif.core.arrays import Array
 from erlif.core.flags import Flag, describe_share
 from erlif.core.notes import Level, split_notes
 from erlif.core.units import count_of
-from erlif.io.files import (
-    flag_shares,
-    takes,
-)
+from erlif.io.files import flag_shares, shows_plateau, takes
 from erlif.show.report.agreement import (
     describe_correlations,
     describe_delay,
@@ -172,16 +169,17 @@ def _ends(film: xr.Dataset, variable: str) -> list[tuple[int, float, float]]:
 
 
 def _describe_films(film: xr.Dataset) -> str:
-    """Range of the minimum and of the mean over the cycle."""
+    """Range of the minimum and of the mean over the cycle; of a plateau, of its centre."""
     ranges = []
-    for name in ("film_min", "film_mean"):
+    second = ("film_central", "h_c") if shows_plateau(film) else ("film_mean", "mean")
+    for name in ("film_min", second[0]):
         ends = _ends(film, name)
         digits = 2 if ends and ends[-1][1] < 10 else 1  # four numbers fit a line
         texts = [f"{value:.{digits}f} ± {std:.{digits}f}" for _, value, std in ends]
         ranges.append(" to ".join(texts) or "none")
     if ranges == ["none", "none"]:
         return "none: no trigger has enough valid pixels in the region"
-    return f"min {ranges[0]}, mean {ranges[1]} um"
+    return f"min {ranges[0]}, {second[1]} {ranges[1]} um"
 
 
 def describe_film(film: xr.Dataset, shares: Array) -> dict[str, str]:
@@ -191,6 +189,9 @@ def describe_film(film: xr.Dataset, shares: Array) -> dict[str, str]:
     rows = {
         "warnings": warned,
         "minimum film thickness": _describe_statistic(film, "film_min"),
+        "central film thickness": _describe_statistic(film, "film_central")
+        if shows_plateau(film)
+        else "",
         "mean film thickness": _describe_statistic(film, "film_mean"),
         "largest error": str(film.attrs.get("largest_error", "")),
         "displacement of the pin": _describe_pin(film),
@@ -310,6 +311,8 @@ def _describe_trend(film: xr.Dataset) -> str:
     of_gap = float(film.get("speed_exponent_gap_mean", np.nan))
     if np.isfinite(of_gap) and not np.isfinite(float(film.speed_exponent_mean)):
         mean = f"of the gap {_power(film, 'speed_exponent_gap_mean')}"
+    if shows_plateau(film) and "speed_exponent_central" in film:
+        return f"minimum {minimum}, central {_power(film, 'speed_exponent_central')}"
     return f"minimum {minimum}, mean {mean}"
 
 

@@ -19,7 +19,7 @@ def minimum(value, bend=(0.0, 0.0), misfit=0.1):
     """Minimum of a gap whose curvatures are known to 0.1 um."""
     gradient, known = np.ones(len(CALIBRATION.full_covariance)), np.full(2, 0.005)
     film = FilmNumber(value, 0.01, 0.02, gradient)
-    return GapMinimum(film, film, film, np.zeros(2), misfit, np.array(bend), known, known)
+    return GapMinimum(*(film,) * 4, np.zeros(2), misfit, np.array(bend), known, known)
 
 
 def result(bend, value=1.0, misfit=0.1):
@@ -55,3 +55,17 @@ def test_triggers_without_a_smooth_gap_are_counted():
     _, note = note_contact(results, chosen)
     assert note.level is Level.WARNING
     assert "NaN at 1 of 2 triggers" in note.text
+
+
+def test_a_contact_that_the_region_cuts_keeps_its_centre():
+    cut = result((1.0, 1.0), misfit=8.0)
+    unknown = FilmNumber.unknown(len(CALIBRATION.full_covariance))
+    flat = cut.minima[GapShape.PLATEAU]._replace(minimum=unknown, misfit=0.0)
+    cut = replace(cut, minima={**cut.minima, GapShape.PLATEAU: flat})
+    results, chosen = settle_contact([cut, cut])
+    assert chosen is GapShape.PLATEAU
+    assert results[0].statistics.gap.central.value == 4.0
+    remarked, warned = note_contact(results, chosen)
+    assert "plateau" in remarked.text
+    assert warned.level is Level.WARNING
+    assert "NaN at 2 of 2 triggers: the region of interest does not hold" in warned.text

@@ -102,3 +102,17 @@ def test_marks_of_the_surfaces_widen_the_exponent_of_the_minimum_alone(power_law
     found = xr.Dataset(describe_exponents(film, marked, calibration))
     assert found.speed_exponent_std > 2 * plain.speed_exponent_std
     assert found.speed_exponent_mean_std == plain.speed_exponent_mean_std
+
+
+def test_central_film_has_an_exponent_where_there_is_one(power_law, calibration):
+    film, results = power_law
+    assert "speed_exponent_central" not in describe_exponents(film, results, calibration)
+    films = 4 * film.rocker_speed.values**0.67
+    changed = []
+    for one, value in zip(results, films, strict=True):
+        gap = one.statistics.gap
+        gap = gap._replace(central=gap.central._replace(value=value))
+        changed.append(replace(one, statistics=replace(one.statistics, gap=gap)))
+    film = film.assign(film_central=("trigger", films))
+    found = xr.Dataset(describe_exponents(film, changed, calibration))
+    npt.assert_allclose([found.speed_exponent_central, found.speed_exponent], [0.67, 0.62], 1e-6)

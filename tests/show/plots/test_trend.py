@@ -129,6 +129,16 @@ def test_points_and_median_are_those_of_the_film(ratios):
     assert len(ax.get_legend().get_texts()) == 1
 
 
+def test_central_film_over_theory_is_drawn_for_a_plateau(ratios):
+    central = (2 * ratios.film_over_theory).assign_attrs(factor=1.0)
+    ratios = ratios.assign(film_central=ratios.film_min, film_central_over_theory=central)
+    ratios["film_central_over_theory_std"] = 0.1 * central
+    for contact, count in (("point", 1), ("plateau", 2)):
+        points = film_over_theory(ratios.assign_attrs(contact=contact))
+        labels = [one.get_text() for one in points[0].axes.get_legend().get_texts()]
+        assert labels == ["over regime map: 0.5", "over regime map, at the centre: 1"][:count]
+
+
 def test_a_film_without_a_ratio_has_no_panel(film, ratios):
     assert has_ratio(ratios)
     assert not has_ratio(film)

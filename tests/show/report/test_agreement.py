@@ -39,6 +39,18 @@ def test_each_theory_has_a_line_with_its_viscosity():
     ]
 
 
+def test_the_centre_of_a_plateau_has_its_factor():
+    """That of a point contact is the factor of the minimum, and is left out."""
+    film = with_ratio("film_over_hamrock_dowson", formula_error=np.inf)
+    film = film.merge(with_ratio("film_over_theory")).assign(film_hamrock_dowson=1.0)
+    film = film.merge(with_ratio("film_central_over_theory", factor=1.5)).assign(film_central=1.0)
+    plateau, point = (film.assign_attrs(contact=one) for one in ("plateau", "point"))
+    assert describe_factor(plateau).endswith("; 2, h_c 1.5 × regime map")
+    assert "central film, regime map: 1.500 ± 0.022" in describe_other_factors(plateau)
+    assert describe_factor(point).endswith("; 2 × regime map")
+    assert "central" not in describe_other_factors(point)
+
+
 def test_the_error_of_the_formula_stands_beside_it_and_is_part_of_the_viscosity():
     """0.02 and 0.15 Pa s are 0.15 Pa s together; 2.65 does not hold outside its regime."""
     viscosity = {"viscosity": 0.25, "viscosity_std": 0.02, "viscosity_given": 0.12}

@@ -120,7 +120,23 @@ def test_a_short_summary_has_ten_lines_and_one_for_each_warning(film):
     )
     outside = noted.copy()
     outside.film_over_hamrock_dowson.attrs["formula_error"] = np.inf
-    for shown in (film, noted, outside, scene.without_valid_pixels(noted), noted.isel(trigger=[0])):
+    flat = outside.assign(film_central=2 * film.film_min, film_central_std=film.film_min_std)
+    central = outside.film_over_hamrock_dowson.assign_attrs(factor=0.987)
+    flat = flat.assign(film_central_over_theory=central, film_over_theory=central)
+    flat = flat.assign_attrs(contact="plateau")
+    named = {"formula": "h/Rx", "long_name": "Hamrock-Dowson, elliptical"}
+    formula = flat.film_hamrock_dowson.assign_attrs(named)
+    flat = flat.assign(film_hamrock_dowson=formula)
+    assert "h_c" in line_of(summarise_briefly(flat), "film")
+    assert "mean" not in line_of(summarise_briefly(flat), "film")
+    for shown in (
+        film,
+        noted,
+        outside,
+        flat,
+        scene.without_valid_pixels(noted),
+        noted.isel(trigger=[0]),
+    ):
         lines = summarise_briefly(shown).splitlines()
         warned = str(shown.attrs.get("notes", "")).count("warning: ")
         assert len(lines) <= 10 + warned
