@@ -26,7 +26,7 @@ from erlif.trend.gap import GapShape, gap_shapes
 _MOST_FRAMES = 100  # as for the errors of the gap
 _DEGREE = 3  # of the smooth gap, and of what is smooth over the picture: beyond the term field
 _STEPS = 3  # of Gauss and Newton to the gap of each frame
-_FEWEST = 30  # cells whose factor is known
+_FEWEST = 20  # cells whose factor is known
 _LONGEST = 4  # cells: a third of the picture
 _LENGTHS, _SIZES = 8, 200  # that are tried, to 8 % of the variance
 _SMALLEST, _LARGEST = 1e-3, 0.3  # sizes among which the true one is sought

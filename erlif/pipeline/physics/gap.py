@@ -11,12 +11,14 @@ import numpy as np
 from erlif.calibration import RunCurve
 from erlif.core.arrays import Array
 from erlif.core.notes import Note, remark, warn
+from erlif.correction.light import BLOCK
 from erlif.io.settings import JointSettings
 from erlif.models.contact import contact_modulus
 from erlif.pipeline.engines.results import FrameResult, shares_passed
 from erlif.pipeline.physics.position import clearance_std
 from erlif.pipeline.plane import ObjectPlane
 from erlif.ratio import NO_CELLS, LightCells, cell_centres
+from erlif.ratio.cells import CELLS
 from erlif.trend import ErrorEstimate, estimate_errors
 
 # Shift over its standard deviation from which a note is a warning.
@@ -43,10 +45,21 @@ def cells_of_region(
     if not np.isfinite(parts).any():
         return None
 
-    # beside the region of interest there may be a patch, or no joint
+    # beside the region of interest there may be no joint, and the film of a patch is another one
     x, y = centres = cell_centres(plane.shape)
     rows, columns = plane.region.rows, plane.region.columns
     inside = (rows.start <= y) & (y < rows.stop) & (columns.start <= x) & (x < columns.stop)
+    if plane.patch is not None:
+        across, along = (
+            0.5 * size / cells + BLOCK for size, cells in zip(plane.shape, CELLS, strict=True)
+        )
+        rows, columns = plane.patch.rows, plane.patch.columns
+        inside &= (
+            (y < rows.start - across)
+            | (y > rows.stop + across)
+            | (x < columns.start - along)
+            | (x > columns.stop + along)
+        )
     parts[:, :, ~inside] = np.nan
     return LightCells(*parts.transpose(1, 0, 2)), centres
 

@@ -15,8 +15,9 @@ from erlif.core.notes import Level
 from erlif.pipeline.physics.gap import cells_of_region, describe_gap, find_errors
 from erlif.pipeline.physics.light import is_beyond_widths
 from erlif.pipeline.plane import ObjectPlane
+from erlif.ratio import LightCells
 from erlif.show.plots import example_calibration
-from erlif.trend import CourseChange, Trend
+from erlif.trend import CourseChange, Region, Trend
 
 RIG = small_rig(
     width=160,
@@ -155,3 +156,16 @@ def test_a_wrong_dark_leaves_the_errors_to_their_widths(tmp_path):
 
 def test_without_light_there_are_no_cells():
     assert cells_of_region({}, None) is None
+
+
+def test_cells_that_touch_a_patch_are_not_those_of_the_joint():
+    lights = {0: SimpleNamespace(cells=LightCells(*np.ones((4, 120))))}
+    plane = SimpleNamespace(shape=(240, 320), region=Region(slice(0, 240), slice(66, 320)))
+    whole, (x, y) = cells_of_region(lights, SimpleNamespace(**vars(plane), patch=None))
+    # its last column is in the cells from 54 to 81
+    patch = Region(slice(96, 160), slice(24, 56))
+    beside, _ = cells_of_region(lights, SimpleNamespace(**vars(plane), patch=patch))
+    lost = np.isfinite(whole.log_ratio[0]) & np.isnan(beside.log_ratio[0])
+    assert lost.any()
+    assert (x[lost] < 82).all()
+    assert ((y[lost] > 76) & (y[lost] < 180)).all()
