@@ -60,6 +60,9 @@ class Sinusoid:
     frequency: float
 
 
+_USUAL_RPM = (0.1, 20_000.0)  # speeds of discs on test rigs [rpm]
+
+
 def locate_rotation(
     log: EncoderLog,
     *,
@@ -104,15 +107,19 @@ def locate_rotation(
     array([0.2, 0.2])
     """
     require(log, "number")
-    columns = _logged_columns(log)
+    columns, unusual = _logged_columns(log), dict[str, str]()
     if "angle" in log:
         disc = (log.angle.values + math.degrees(zero)) % _TURN
         columns["crank_angle"] = (disc, "angle of the disc")
     if "sliding_speed" not in log:
-        speed = np.abs(_choose_rate(log, rotation)) * rotation.radius
-        columns["sliding_speed"] = (np.broadcast_to(speed, log.sizes["frame"]), "")
+        rate = np.abs(_choose_rate(log, rotation))
+        columns["sliding_speed"] = (
+            np.broadcast_to(rate * rotation.radius, log.sizes["frame"]),
+            "",
+        )
+        unusual = _judge_rate(rate)
     located = _number_frames(log, columns, triggers_per_cycle, bins)
-    return located.assign_attrs(_compare_rate(log, rotation.speed, "speed"))
+    return located.assign_attrs(unusual | _compare_rate(log, rotation.speed, "speed"))
 
 
 def locate_slider(
@@ -287,6 +294,15 @@ def _angle_falls(log: EncoderLog, angle: Array) -> bool:
         return bool(np.median(log["angle_rate"].values) < 0)
     step = _wrap(np.diff(angle))
     return bool(step.size and -_LARGEST_STEP < np.median(step) < 0)
+
+
+def _judge_rate(rate: float | Array) -> dict[str, str]:
+    """A remark on a disc that turns [rad/s] as none does on a test rig."""
+    rpm = 60 * float(np.median(rate)) / (2 * math.pi)
+    if not rpm or _USUAL_RPM[0] < rpm < _USUAL_RPM[1]:
+        return {}
+    text = f"the disc turns at {rpm:.3g} rpm, as on no test rig"
+    return {"contradiction": f"{text}. Correct speed, or the units of angle and time of the log"}
 
 
 def _compare_rate(log: EncoderLog, given: float | None, key: str) -> dict[str, str]:
