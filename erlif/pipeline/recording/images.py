@@ -7,21 +7,19 @@ cameras are not registered anew, so that the ratio is the one that the map was i
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import xarray as xr
 
-from erlif.core.arrays import Array
 from erlif.core.errors import FrameError, OutputError
 from erlif.core.products import RatioImages
 from erlif.correction import CAMERA_NOISE, CameraNoise
 from erlif.io.files import check_trigger, open_film, settings_of, takes
 from erlif.io.ingest import Run, open_run
-from erlif.io.settings import RunSettings
 from erlif.pipeline.chain import FrameChain, one_thread_per_frame
 from erlif.pipeline.physics.clock import fit_start
 from erlif.pipeline.recording.prepare import restore_chain
@@ -77,100 +75,61 @@ def restore_images(
     erlif.core.errors.OutputError: Expected a film file; nowhere.nc does not exist...
     """
     film_path, run_dir = Path(film_path), Path(run_dir)
-    stored = _read_stored(film_path, trigger)
+    with open_film(film_path) as film:
+        check_trigger(film, trigger)
+        settings, image = settings_of(film), film[["x", "y"]].load()
+    with open_film(film_path, group="registration") as registration:
+        camera_map = CameraMap.from_dataset(registration)
+        blur, noise = _read_cameras(registration.attrs, film_path.name)
+    with open_film(film_path, group="frames") as group:
+        stored = group.load()
     opened = open_run(
         run_dir, skip_bad_frames=True, find_start=fit_start, allow_outside=allow_outside
     )
-    run = replace(opened, settings=stored.settings)
-    _check_run(run, stored)
-    frames = [k for k in run.pairs.usable if stored.trigger_of[k] == trigger]
+    run = replace(opened, settings=settings)
+    _check_run(run, stored, (image.sizes["y"], image.sizes["x"]), film_path.name)
+    frames = [k for k in run.pairs.usable if stored.trigger.values[k] == trigger]
     if not frames:
         raise FrameError(
             f"Expected a frame pair of trigger {trigger}; all of them were left out when the film "
             "was made. Name another trigger."
         )
 
-    chain = restore_chain(run, stored.camera_map, stored.blur, stored.noise)
-    chain = replace(chain, ratio_change=stored.ratio_change)
+    change = stored.ratio_change.values if "ratio_change" in stored else None
+    chain = replace(restore_chain(run, camera_map, blur, noise), ratio_change=change)
     if chain.correct.energies is None:
-        chain = replace(chain, correct=replace(chain.correct, energies=stored.energies))
-    return _combine_frames(chain, stored, frames, trigger)
+        energies = np.nan_to_num(stored.pulse_energy.values, nan=1.0)
+        chain = replace(chain, correct=replace(chain.correct, energies=energies))
+    images = _combine_frames(chain, stored, frames, settings.thickness.smoothing)
+    return images.assign_coords(image.coords).assign_attrs(trigger=trigger, frames=frames)
 
 
-@dataclass(frozen=True)
-class _Stored:
-    """Results of the stages before the maps, as a film stores them."""
-
-    settings: RunSettings  # settings of the run
-    camera_map: CameraMap  # camera map, with the mean drift taken up
-    blur: BlurDifference  # difference of sharpness. [px2]
-    noise: Sequence[CameraNoise]  # of both cameras, as it was in use
-    trigger_of: npt.NDArray[np.int64]  # (frame,): trigger of each frame
-    # (frame, axis x y): drift on top of the camera map; NaN where it is not known. [px]
-    drift: Array
-    energies: Array  # (frame,): pulse energy over the mean of the run. [1]
-    ratio_change: Array | None  # (frame,): what was taken out of the log ratio. [1]
-    files: tuple[list[str], list[str]]  # file of each frame, camera 1 and camera 2
-    x: xr.DataArray  # columns in the object plane. [mm]
-    y: xr.DataArray  # rows in the object plane. [mm]
-
-
-def _read_stored(film_path: Path, trigger: int) -> _Stored:
-    with open_film(film_path) as film:
-        check_trigger(film, trigger)
-        settings, x, y = settings_of(film), film.x.load(), film.y.load()
-
-    with open_film(film_path, group="registration") as registration:
-        camera_map = CameraMap.from_dataset(registration)
-        try:
-            difference = registration.attrs["blur_difference"]
-            std = registration.attrs["blur_difference_std"]
-            numbers = [registration.attrs[f"camera_{name}"] for name in CAMERA_NOISE]
-            # a film of an earlier version has none taken out
-            excess = [registration.attrs.get(f"ratio_excess{end}", 0.0) for end in ("", "_std")]
-        except KeyError as missing:
-            raise OutputError(
-                f"Expected the attribute {missing.args[0]} in the group registration of "
-                f"{film_path.name}; there is none. Make the film again with: erlif process RUN_DIR"
-            ) from missing
-
-    with open_film(film_path, group="frames") as frames:
-        if "file_camera1" not in frames or "file_camera2" not in frames:
-            raise OutputError(
-                f"Expected the names of the frames in the group frames of {film_path.name}; there "
-                "are none. Make the film again with: erlif process RUN_DIR"
-            )
-        drift = np.column_stack([frames.drift_x.values, frames.drift_y.values])
-        files = [[str(name) for name in frames[f"file_camera{n}"].values] for n in (1, 2)]
-        energies = np.nan_to_num(frames.pulse_energy.values, nan=1.0)
-        change = frames.ratio_change.values if "ratio_change" in frames else None
-        trigger_of = frames.trigger.values.astype(np.int64)
-
-    blur = BlurDifference(*map(float, (*difference, *std, *excess)))
-    noise = [
+def _read_cameras(attrs: Mapping[str, Any], film: str) -> tuple[BlurDifference, list[CameraNoise]]:
+    """Sharpness of the cameras, and the noise of both as it was in use."""
+    try:
+        difference, std = attrs["blur_difference"], attrs["blur_difference_std"]
+        numbers = [attrs[f"camera_{name}"] for name in CAMERA_NOISE]
+    except KeyError as missing:
+        raise OutputError(
+            f"Expected the attribute {missing.args[0]} in the group registration of {film}; there "
+            "is none. Make the film again with: erlif process RUN_DIR"
+        ) from missing
+    # a film of an earlier version has none taken out
+    excess = [attrs.get(f"ratio_excess{end}", 0.0) for end in ("", "_std")]
+    return BlurDifference(*map(float, (*difference, *std, *excess))), [
         CameraNoise(float(gain), 0.0, float(read), 0.0, float(spread))
         for gain, read, spread in zip(*numbers, strict=True)
     ]
-    return _Stored(
-        settings,
-        camera_map,
-        blur,
-        noise,
-        trigger_of,
-        drift,
-        energies,
-        change,
-        (files[0], files[1]),
-        x,
-        y,
-    )
 
 
-def _check_run(run: Run, stored: _Stored) -> None:
+def _check_run(run: Run, stored: xr.Dataset, shape: tuple[int, int], film: str) -> None:
     """Refuse a run directory whose frames are not those of the film."""
-    shape = (stored.y.size, stored.x.size)
-    count = len(stored.trigger_of)
-    total = len(run.pairs.pages[0])
+    if "file_camera1" not in stored or "file_camera2" not in stored:
+        raise OutputError(
+            f"Expected the names of the frames in the group frames of {film}; there are none. Make "
+            "the film again with: erlif process RUN_DIR"
+        )
+    count, total = stored.sizes["frame"], len(run.pairs.pages[0])
     if run.pairs.shape != shape or total != count:
         raise FrameError(
             f"Expected the run that the film was made from, {count} frames of {shape[1]} x "
@@ -178,17 +137,18 @@ def _check_run(run: Run, stored: _Stored) -> None:
             f"{run.pairs.shape[0]} px. Name the right one as run_dir."
         )
 
-    names = tuple([page.name for page in pages] for pages in run.pairs.pages)
-    if names != stored.files:
+    names = [[page.name for page in pages] for pages in run.pairs.pages]
+    files = [[str(name) for name in stored[f"file_camera{n}"].values] for n in (1, 2)]
+    if names != files:
         raise FrameError(
-            f"Expected the run that the film was made from, with {stored.files[0][0]} to "
-            f"{stored.files[0][-1]} of camera 1; {run.directory.name} has {names[0][0]} to "
-            f"{names[0][-1]}. Name the right one as run_dir."
+            f"Expected the run that the film was made from, with {files[0][0]} to {files[0][-1]} "
+            f"of camera 1; {run.directory.name} has {names[0][0]} to {names[0][-1]}. Name the "
+            "right one as run_dir."
         )
 
 
 def _combine_frames(
-    chain: FrameChain, stored: _Stored, frames: list[int], trigger: int
+    chain: FrameChain, stored: xr.Dataset, frames: list[int], smoothing: float | None
 ) -> xr.Dataset:
     """Mean light and combined ratio of the frames of a trigger."""
     shape = chain.pairs.shape
@@ -197,8 +157,8 @@ def _combine_frames(
     count = np.zeros_like(light)
     with one_thread_per_frame():
         for frame in frames:
-            drift_x, drift_y = stored.drift[frame].tolist()
-            pair, signal = chain.restore(frame, (drift_x, drift_y))
+            drift = float(stored.drift_x[frame]), float(stored.drift_y[frame])
+            pair, signal = chain.restore(frame, drift)
             if len(frames) > 1:  # the ratio of a single frame is the one behind the map
                 total.add(pair)
 
@@ -212,15 +172,13 @@ def _combine_frames(
     # a single frame holds numbers in flagged pixels, which mean nothing
     sound = ratio.flags == 0
     ratio = RatioImages(ratio.assign({name: ratio[name].where(sound) for name in _RATIO}))
-    smoothing = stored.settings.thickness.smoothing
     if smoothing is not None:
         ratio = smooth_ratio(ratio, resolution=smoothing)
 
     mean = np.divide(light, count, out=np.full_like(light, np.nan), where=count > 0)
     images = xr.Dataset(
         {"light": (("camera", "y", "x"), mean.astype(np.float32), {"units": "DN"})},
-        {"camera": [1, 2], "x": stored.x, "y": stored.y},
-        {"trigger": trigger, "frames": frames},
+        {"camera": [1, 2]},
     )
     names = ("log_ratio", "log_ratio_var", "log_ratio_var_shared", "flags")
     return images.assign({name: ratio[name].variable for name in names})
