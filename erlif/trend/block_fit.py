@@ -250,14 +250,12 @@ def sum_by_strips(scores: Array, strip: npt.NDArray[np.intp]) -> Array:
 def average_blocks(sums: BlockSums, *, sliding_along_x: bool) -> BlockMeans:
     """Average the log ratio over blocks with equal weights: others would depend on the noise."""
     names = "lit", "lit_ratio", "lit_var", "row", "row_squared", "column", "column_squared"
-    merged = {name: getattr(sums, name) for name in names}
+    parts = [getattr(sums, name) for name in names]
     if sums.lit.size > _MANY:
-        merged = {name: _merge_blocks(blocks) for name, blocks in merged.items()}
-    some = merged["lit"] > 0
+        parts = [_merge_blocks(part) for part in parts]
+    some = parts[0] > 0
     down, right = np.nonzero(some)
-    count, ratio, var, row, row_squared, column, column_squared = (
-        merged[name][some] for name in names
-    )
+    count, ratio, var, row, row_squared, column, column_squared = (part[some] for part in parts)
     log_ratio = sums.offset + ratio / count
     variance = sums.noise_correlation * var / count**2
 

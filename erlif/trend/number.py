@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import operator
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -38,18 +40,11 @@ class FilmNumber(NamedTuple):
 
     def scaled(self, by: float) -> FilmNumber:
         """Return this number times another."""
-        value, random, surface, gradient = self
-        return FilmNumber(by * value, by * random, by * surface, by * gradient)
+        return FilmNumber(*map(partial(operator.mul, by), self))
 
     def plus(self, other: FilmNumber) -> FilmNumber:
         """Return the sum with a number from the same pixels, whose errors add up."""
-        value, random, surface, gradient = other
-        return FilmNumber(
-            self.value + value,
-            self.random_std + random,
-            self.surface_std + surface,
-            self.gradient + gradient,
-        )
+        return FilmNumber(*map(operator.add, self, other))
 
     @classmethod
     def unknown(cls, parameters: int) -> FilmNumber:
