@@ -150,7 +150,8 @@ def read_torque_log(
     36000.0
     """
     path, columns = Path(path), columns or LogColumns()
-    table = with_clocks(_read_table(path, columns))
+    wanted = [name for quantity in QUANTITIES for name in columns.chosen(quantity)]
+    table = with_clocks(read_log_table(path, wanted, TORQUE_LOG))
     found = _find(table, columns, with_load=load is None)
     used = [column for members in found.values() for column in members]
     others = [column.name for column in table.columns if column not in used]
@@ -179,21 +180,6 @@ def read_torque_log(
     log.attrs["unused"] = ", ".join(repr(name) for name in others if name)
     log.attrs["left_out"] = left_out
     return log
-
-
-def _read_table(path: Path, columns: LogColumns) -> LogTable:
-    """The table of a file, with messages that suit it."""
-    if not path.is_file():
-        what = "it is no regular file" if path.exists() else "there is no such file"
-        raise EnduranceError(
-            f"Expected a log of load and torque in {path}; {what}. Give the name of a file."
-        )
-    if path.stat().st_size == 0:
-        raise EnduranceError(
-            f"Expected a log of load and torque in {path}; it is empty. Export the log again."
-        )
-    wanted = [name for quantity in QUANTITIES for name in columns.chosen(quantity)]
-    return read_log_table(path, wanted, TORQUE_LOG)
 
 
 # columns

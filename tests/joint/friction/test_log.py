@@ -82,9 +82,9 @@ def test_values_that_cannot_be_are_refused_with_their_row(tmp_path, place, value
 def test_files_that_are_no_log_are_refused(tmp_path):
     (tmp_path / "empty.csv").touch()
     for name, rows, message in (
-        ("empty.csv", None, "it is empty"),
-        ("none.csv", None, "no such file"),
-        (".", None, "no regular file"),
+        ("empty.csv", None, "rows found: 0"),
+        ("none.csv", None, "No such file"),
+        (".", None, "not a regular file"),
         ("short.csv", ROWS[:20], "at least 60 rows"),
         ("head.csv", [], "rows of numbers"),
         ("back.csv", ROWS[::-1], "order of time"),

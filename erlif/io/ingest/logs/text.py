@@ -182,7 +182,7 @@ def _read_content(path: Path, use: LogUse) -> bytes:
         return read_bounded(path, largest=LARGEST_FILE)
     except OSError as error:
         raise EncoderError(
-            f"Expected the table {path.name}; it cannot be read: {error.strerror}. Save it there, "
+            f"Expected the table {path}; it cannot be read: {error.strerror}. Save it there, "
             f"or correct {use.name}."
         ) from error
 
