@@ -149,14 +149,7 @@ def warm_play(state: JointState) -> Result:
         valid=not doubts,
         variant="at_rest" if at_rest else "",
         missing=name_missing(
-            joint,
-            {
-                "conductivity of [pin]": joint.pin.conductivity,
-                "conductivity of [bushing]": joint.bushing.conductivity,
-                "expansion of [pin]": joint.pin.expansion,
-                "expansion of [bushing]": joint.bushing.expansion,
-                "expansion of [housing]": joint.housing.expansion,
-            },
+            joint, conductivity=("pin", "bushing"), expansion=("pin", "bushing", "housing")
         ),
         values={"doubts": doubts, "least": (size.play - warm) * 1e6, "loss": loss * 1e6},
     )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from erlif.joint.models.wear import pressure_velocity, steady_bushing_wear
 from erlif.joint.sizing.joint import Joint, known
@@ -17,17 +17,31 @@ FRICTION = (0.1, 0.8)
 LARGEST_ROUGHNESS = 1e-6
 
 
-def name_missing(joint: Joint, values: Mapping[str, float | None]) -> str:
+def name_missing(
+    joint: Joint, values: Mapping[str, float | None] | None = None, **properties: Sequence[str]
+) -> str:
     """List what is not given of the motion and of further values, by its place in joint.toml.
+
+    Parameters
+    ----------
+    joint : Joint
+        Joint that the values belong to.
+    values : Mapping[str, float or None]
+        Further values by their place.
+    **properties : Sequence[str]
+        Parts of the joint whose material needs the property of this name.
 
     Examples
     --------
     >>> from erlif.joint.sizing.design import example_joint
-    >>> name_missing(example_joint(), {"[life] time": 3.6e6, "wear of [bushing]": None})
-    'wear of [bushing]'
+    >>> name_missing(example_joint(), {"[life] time": None}, expansion=["pin", "bushing"])
+    '[life] time'
     """
     moves = joint.half_swing is not None and joint.period is not None
-    places = {"[motion] half_swing and period": joint.half_swing if moves else None, **values}
+    places = {"[motion] half_swing and period": joint.half_swing if moves else None}
+    places |= values or {}
+    for name, parts in properties.items():
+        places |= {f"{name} of [{part}]": getattr(joint.parts[part], name) for part in parts}
     return ", ".join(place for place, value in places.items() if value is None)
 
 
@@ -79,13 +93,7 @@ def temperature(state: JointState) -> Result:
         margin=-1.0 if limit < outside else margin_below(rise, limit - outside),
         valid=not doubt,
         variant="hot_outside" if limit <= outside else "",
-        missing=name_missing(
-            joint,
-            {
-                "conductivity of [pin]": joint.pin.conductivity,
-                "conductivity of [bushing]": joint.bushing.conductivity,
-            },
-        ),
+        missing=name_missing(joint, conductivity=("pin", "bushing")),
         values={
             "outside": outside,
             "doubt": doubt,
