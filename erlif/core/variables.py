@@ -5,7 +5,7 @@ The table is ``variables.toml`` beside this module; its head names the keys.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Any
@@ -96,17 +96,13 @@ def _read_variables() -> dict[str, Mapping[str, Variable]]:
     """The variables by the file or group that they belong to."""
     rows: dict[str, dict[str, dict[str, Any]]] = {}
     for file, entries in read_table("erlif.core", "variables.toml").items():
-        common = {key: value for key, value in entries.items() if not isinstance(value, dict)}
-        further: dict[str, Any] = {name: {} for name in common.pop("alike", "").split()}
         rows[file] = {}
-        for name, own in (entries | further).items():
-            if not isinstance(own, dict):
-                continue
-            keys = common | own
+        for name, keys in _ungroup(entries, {}):
             keys = rows.get(keys.pop("like", ""), {}).get(name, {}) | keys
             stds = {end: keys.pop(key, "") for key, end in _FOLLOWING.items()}
             rows[file][name] = keys
             same = {key: keys[key] for key in ("dims", "units", "when") if key in keys}
+            same |= {"needs": name, "low": 0}
             rows[file] |= {
                 f"{name}_{end}": same | {"long_name": title} for end, title in stds.items() if title
             }
@@ -114,6 +110,19 @@ def _read_variables() -> dict[str, Mapping[str, Variable]]:
         file: MappingProxyType({name: _make_variable(name, keys) for name, keys in each.items()})
         for file, each in rows.items()
     }
+
+
+def _ungroup(entries: dict[str, Any], common: dict[str, Any]) -> Iterator[tuple[str, Any]]:
+    """Names and keys of the variables, with the keys of the groups in which they stand."""
+    common = common | {key: value for key, value in entries.items() if not isinstance(value, dict)}
+    alike = common.pop("alike", "").split()
+    for name, own in entries.items():
+        if isinstance(own, dict) and ("alike" in own or dict in map(type, own.values())):
+            yield from _ungroup(own, common)
+        elif isinstance(own, dict):
+            yield name, common | own
+    for name in alike:
+        yield name, dict(common)
 
 
 def _make_variable(name: str, keys: dict[str, Any]) -> Variable:

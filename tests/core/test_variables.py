@@ -20,3 +20,13 @@ def test_every_variable_is_an_attribute_of_a_dataset_that_holds_it():
     taken = set(dir(xr.Dataset)) | set(dir(xr.DataArray))
     tables = (FILM, FRAMES, REGISTRATION, CALIBRATION, PREDICTION, PRESSURE)
     assert not [name for table in tables for name in table if name in taken]
+
+
+def test_groups_pass_their_keys_on_and_standard_deviations_need_their_variable():
+    whens = {FILM[name].when for name in ("film_curvature", "film_curvature_axial_std", "axis")}
+    assert whens == {"[joint] is given"}
+    assert FILM["speed_exponent_std"].dims == FILM["speed_exponent"].dims == ()
+    for name in ("speed_exponent", "film_drag", "friction_torque"):
+        std = FILM[f"{name}_std"]
+        assert (std.needs, std.low) == ((name,), 0)
+    assert [PREDICTION[name].when for name in ("x", "film_min")] == ["", "a film was there"]
