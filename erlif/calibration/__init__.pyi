@@ -5,11 +5,11 @@ from .comparison import Comparison as Comparison
 from .comparison import compare_calibrations as compare_calibrations
 from .curve import DIRECTION as DIRECTION
 from .curve import Calibration as Calibration
+from .curve import InverseTable as InverseTable
 from .curve import RatioCurve as RatioCurve
 from .fit import DIM_LIGHT as DIM_LIGHT
 from .fit import USEFUL as USEFUL
 from .fit import fit_calibration as fit_calibration
-from .inverse import InverseTable as InverseTable
 from .profile import Profile as Profile
 from .profile import read_profile as read_profile
 from .regression import Reabsorption as Reabsorption

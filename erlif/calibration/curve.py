@@ -15,7 +15,6 @@ import scipy
 import xarray as xr
 
 from erlif.calibration.departure import Departure
-from erlif.calibration.inverse import InverseTable
 from erlif.calibration.pose import FoundPose
 from erlif.calibration.regression import BLACK, Reabsorption
 from erlif.calibration.systematics import NO_SYSTEMATICS, Systematics
@@ -44,6 +43,10 @@ PARAMETERS = (
 # Films at which the end of a curve with a maximum is sought, and its slope there over that at the
 # end of the calibrated range.
 _BEYOND, _FLAT = 501, 0.1
+
+# Entries of the table of the inverse.
+_ENTRIES = 20001
+
 # Points of the curve in a notebook.
 _CURVE_POINTS = 60
 
@@ -196,6 +199,64 @@ class RatioCurve(ABC):
     def inverse(self) -> InverseTable:
         """Table from the logarithm of the ratio to thickness, for whole images."""
         return InverseTable.of(self)
+
+
+@dataclass(frozen=True)
+class InverseTable:
+    """Thickness, slope and calibration error on an even grid of the logarithm of the ratio.
+
+    Attributes
+    ----------
+    start : float
+        Logarithm of the ratio at the first entry. [1]
+    step : float
+        Distance of the entries in the logarithm of the ratio. [1]
+    thickness : Array
+        Film thickness, (entry,). [um]
+    per_log_ratio : Array
+        Derivative of the thickness by the logarithm of the ratio, (entry,). [um]
+    calibration_std : Array
+        Standard deviation of the thickness due to the calibration, (entry,). [um]
+    """
+
+    start: float
+    step: float
+    thickness: Array
+    per_log_ratio: Array
+    calibration_std: Array
+
+    @classmethod
+    def of(cls, calibration: RatioCurve) -> InverseTable:
+        """Tabulate the inverse over the range of the fixture.
+
+        Linear interpolation in it is good to 1e-5 um.
+        """
+        low, high = calibration.covered_range
+        first, last = calibration.predict_log([low, high])
+        grid = np.linspace(first, last, _ENTRIES)
+
+        # Newton's steps from a dense direct table: the curve is monotonic and smooth
+        dense = np.linspace(low, high, _ENTRIES)
+        thickness = np.interp(grid, calibration.predict_log(dense), dense)
+        for _ in range(3):  # quadratic from an error of 1e-3 um: the third reaches rounding
+            thickness -= (calibration.predict_log(thickness) - grid) / calibration.slope(thickness)
+        thickness = np.clip(thickness, low, high)
+        return cls(
+            start=float(first),
+            step=float(grid[1] - grid[0]),
+            thickness=thickness,
+            per_log_ratio=1 / calibration.slope(thickness),
+            calibration_std=calibration.thickness_std(thickness),
+        )
+
+    @cached_property
+    def log_ratio(self) -> Array:
+        """Logarithm of the ratio of each entry, (entry,). [1]"""
+        return np.asarray(self.start + self.step * np.arange(self.thickness.size))
+
+    def look_up(self, log_ratio: Array) -> Array:
+        """Thickness by linear interpolation, that of the ends beyond them. [um]"""
+        return np.interp(log_ratio, self.log_ratio, self.thickness)
 
 
 @dataclass(frozen=True, repr=False)
