@@ -23,8 +23,7 @@ import numpy.typing as npt
 import scipy
 import xarray as xr
 
-from erlif.calibration.points import Points
-from erlif.calibration.pose import Freedom
+from erlif.calibration.pose import Freedom, Points
 from erlif.calibration.regression import VERY_STRONG, Fit
 from erlif.core.arrays import Array, Mask
 
