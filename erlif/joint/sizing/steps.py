@@ -283,7 +283,8 @@ def make_step(key: str, result: Result) -> Step:
     >>> make_step("pv", Result(0.1, most=1.5)).state, make_step("pv", Result()).missing
     ('holds', '[motion] half_swing and period')
     """
-    table = read_table("erlif.joint.sizing", "steps.toml")[key]
+    steps = read_table("erlif.joint.sizing", "steps.toml")
+    table = steps.get(steps[key].get("like"), {}) | steps[key]
     text, values = table | table.get(result.variant, {}), result.values
     title, kind = text["title"].format(**values), text.get("kind", "limit")
     if result.unknown and (missing := result.missing or text["missing"]):
@@ -295,7 +296,7 @@ def make_step(key: str, result: Result) -> Step:
         text["equation"],
         "result" if result.unlimited and kind == "limit" else kind,
         quantity=text["quantity"],
-        unit=text["unit"],
+        unit=text.get("unit", "MPa"),
         present=result.present,
         allowed=(result.least, result.most),
         margin=result.share,

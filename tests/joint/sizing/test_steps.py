@@ -39,5 +39,21 @@ def test_the_state_of_a_step(key, present, valid, state):
 def test_each_step_of_the_table_has_an_equation_and_words_for_it():
     table = read_table("erlif.joint.sizing", "steps.toml")
     assert set(table) == set(EQUATIONS)
-    words = {"title", "equation", "quantity", "unit", "validity", "reason"}
-    assert all(words <= set(texts) for texts in table.values())
+    words = {"title", "equation", "quantity", "validity", "reason"}
+    assert all(words <= {*texts, *table.get(texts.get("like"), ())} for texts in table.values())
+
+
+@pytest.mark.parametrize(
+    ("key", "unit", "kind", "quantity"),
+    [
+        ("pressure_cosine", "MPa", "comparison", "pressure"),
+        ("press_housing", "MPa", "limit", "von Mises stress at the bore of the housing"),
+        ("press_bushing", "MPa", "limit", "von Mises stress at the bore of the bushing"),
+        ("friction", "kN", "result", "friction force"),
+    ],
+)
+def test_a_step_has_the_words_of_the_one_that_it_is_like_and_a_unit(key, unit, kind, quantity):
+    values = dict.fromkeys(("angle", "from_angle", "interference", "stress"), 1.0)
+    values |= dict.fromkeys(("low", "high", "friction", "moment", "pressure", "hoop"), 1.0)
+    step = make_step(key, Result(0.1, most=1.0, values=values))
+    assert (step.unit, step.kind, step.quantity) == (unit, kind, quantity)
