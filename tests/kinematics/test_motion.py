@@ -41,7 +41,7 @@ def test_a_disc_slides_at_speed_times_radius():
 def test_a_disc_that_turns_as_none_does_has_times_of_another_unit(step, rpm):
     """40 degrees in 0.1 s are 66.7 rpm; in 0.1 ms, and in 1000 s, times were misread."""
     log = make_log(30, angle=40.0 * np.arange(30) % 360, time=step * np.arange(30))
-    notes = [note for note in encoder_notes(locate_rotation(log, rotation=TurningDisc(0.02)))]
+    notes = list(encoder_notes(locate_rotation(log, rotation=TurningDisc(0.02))))
     assert any(f"turns at {rpm} rpm, as on no test rig" in str(note) for note in notes) == bool(rpm)
 
 

@@ -40,12 +40,6 @@ from erlif.prediction.comparison import HELD, STEADY
 from erlif.prediction.fit import FEWEST_TRIGGERS, LOAD_LINE_STD, MISFIT
 from erlif.trend import VogelLaw, fast_triggers, viscosity_at
 
-_POSITIONS = (
-    "pin_displacement",
-    "pin_position_cov",
-    "pin_position_cov_random",
-    "pin_position_gradient",
-)
 _FAR = 3.0  # standard deviations of a fitted load line from that of the film, from which it counts
 _MILLI = 1e3
 _CHANCE = 1e-3  # that errors alone move the tilt so far, from which the pin rocks
@@ -180,7 +174,7 @@ def state_physics(
         the film. [Pa s]
     """
     contact = settings.joint is None and shared is not None and {*STEADY} <= set(film)
-    if not contact and not {"film_predicted_min", *_POSITIONS} <= set(film):
+    if not contact and not {"film_predicted_min", "pin_displacement"} <= set(film):
         return "", {}
     if settings.joint is not None and settings.joint.liner is not None:
         return "", {}  # its films take a minute
@@ -279,7 +273,7 @@ def _rocking(film: xr.Dataset) -> float:
     """Range of the tilt of the pin towards the load where it moves beyond its random error, else 0.
     [nm/mm]
     """
-    if not all(name in film for name in ("pin_tilt", *_POSITIONS)):
+    if "pin_tilt" not in film:
         return 0.0
     tilt, variance = film.pin_tilt.values[:, 0], film.pin_position_cov_random.values[:, 2, 2]
     known = np.isfinite(tilt) & (variance > 0)
@@ -313,7 +307,7 @@ def _tilt(film: xr.Dataset) -> float:
 
     The measured mean, and its error by what all triggers share; zero where none is measured.
     """
-    if not all(name in film for name in ("pin_tilt", *_POSITIONS)):
+    if "pin_tilt" not in film:
         return 0.0
     tilt, cov = film.pin_tilt.values[:, 0], film.pin_position_cov.values[:, 2, 2]
     known = np.isfinite(tilt) & np.isfinite(cov)
@@ -326,7 +320,7 @@ def _measured_motion(film: xr.Dataset, journal: Journal) -> MeasuredMotion:
     """Positions of the pin, else minima: where too few positions are known, and on a liner, whose
     yield is part of the positions.
     """
-    if journal.foundation is None and all(name in film for name in _POSITIONS):
+    if journal.foundation is None and "pin_displacement" in film:
         positions = measured_positions(film, calibration_of(film).full_covariance)
         if positions.known.sum() >= FEWEST_TRIGGERS:
             return positions

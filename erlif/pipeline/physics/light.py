@@ -30,7 +30,6 @@ from erlif.pipeline.physics.reference import (
 from erlif.pipeline.physics.systematics import (
     with_background,
     with_scale_of_patch,
-    without_background,
 )
 from erlif.pipeline.physics.texture import describe_texture
 from erlif.pipeline.plane import ObjectPlane
@@ -126,7 +125,7 @@ def find_background(
     estimate = estimate_background(
         record,
         cell_places(),
-        without_background(calibration),
+        replace(calibration, systematics=calibration.systematics.prior),
         energies=None if energies is None else energies[frames],
         passed=shares_passed(frames, pairs),
     )

@@ -209,8 +209,6 @@ def turn_positions(
     dict of str to variable
     """
     turned = dict(variables)
-    if "pin_displacement" not in turned:
-        return turned
     angle = (line.place - float(turned["pin_displacement"].attrs["load_line"])) / radius
     if angle:
         cosine, sine = np.cos(angle), np.sin(angle)

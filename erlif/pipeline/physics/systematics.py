@@ -149,11 +149,6 @@ def _error_of_dry_joint(chain: FrameChain, sample: Sequence[Bands], energy_std: 
     return np.outer(dry, dry) * (energy_std**2 + np.diag(by_chance))
 
 
-def without_background(calibration: RunCurve) -> RunCurve:
-    """Remove the background from the systematics of the calibration."""
-    return replace(calibration, systematics=calibration.systematics.prior)
-
-
 def with_background(calibration: RunCurve, measured: Systematics) -> RunCurve:
     """The calibration with the error of a background that was measured.
 

@@ -135,7 +135,10 @@ class LiveFilm:
         ErlifError
             As `prepare_run`.
         """
-        run = replace(run, settings=_for_single_pairs(run.settings))
+        # without corrections that need a log or the whole run
+        light = LightOptions(background=run.settings.light.background)
+        alone = {"light": light, "temperature": TemperatureOptions()}
+        run = replace(run, settings=run.settings.model_copy(update=alone))
         trigger = xr.Dataset({"trigger": ("frame", np.arange(len(run.pairs.pages[0])))})
         ready = prepare_run(run, trigger, calibration, known, silent)
         task = replace(TriggerTask.of(ready), sampled=frozenset(), with_position=False)
@@ -225,9 +228,3 @@ def measure_counts(
 def run_of(directory: Any, settings: RunSettings, pairs: FramePairs) -> Run:
     """A run of the pairs so far; its frames are numbered in place of a log."""
     return Run(directory, settings, pairs, number_frames(pairs))
-
-
-def _for_single_pairs(settings: RunSettings) -> RunSettings:
-    """Settings without corrections that need a log or the whole run."""
-    light = LightOptions(background=settings.light.background)
-    return settings.model_copy(update={"light": light, "temperature": TemperatureOptions()})

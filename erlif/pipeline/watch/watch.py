@@ -248,7 +248,10 @@ class Watch(Follower):
     def _work(self) -> None:
         """Prepare, or measure the newest pair that waits, or wait for one."""
         with self._changed:
-            prepare = self._is_due()
+            # references and camera map are to be found, or found again
+            known = 0 if self._film is None else self._film.pairs
+            due = any(known < n <= len(self._arrived) for n in _REFINED)
+            prepare = due and not self._preparing
             if prepare:
                 self._preparing = True
             elif self._film is None or not self._waiting:
@@ -261,11 +264,6 @@ class Watch(Follower):
             self._prepare(run_of(self.directory, self.settings, pairs))
         else:
             self._measure(film, pairs, frame)
-
-    def _is_due(self) -> bool:
-        """Whether references and camera map are to be found, or found again."""
-        known = 0 if self._film is None else self._film.pairs
-        return not self._preparing and any(known < n <= len(self._arrived) for n in _REFINED)
 
     def _prepare(self, run: Run) -> None:
         try:
