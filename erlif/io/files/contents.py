@@ -376,7 +376,7 @@ def flag_shares(film: xr.Dataset) -> Array:
     >>> from erlif.show.plots import example_film
     >>> shares = flag_shares(example_film())
     >>> shares.shape[1], bool(0 < shares[0, 0] <= 1)
-    (9, True)
+    (10, True)
     """
     if "flagged_pixels" in film:
         counts = np.column_stack([film.valid_pixels.values, film.flagged_pixels.values])

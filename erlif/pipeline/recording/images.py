@@ -25,6 +25,7 @@ from erlif.pipeline.physics.clock import fit_start
 from erlif.pipeline.recording.prepare import restore_chain
 from erlif.ratio import BlurDifference, RatioSum, smooth_ratio
 from erlif.registration import CameraMap
+from erlif.thickness import flag_steps
 
 _RATIO = ("log_ratio", "log_ratio_var", "log_ratio_var_fixed", "log_ratio_var_shared")
 
@@ -167,6 +168,7 @@ def _combine_frames(
             count += np.isfinite(signal)
 
     combined = pair if len(frames) == 1 else total.mean()
+    flag_steps(combined.log_ratio, combined.variance, combined.flags)
     ratio = RatioImages(combined.to_images().isel(frame=0))
 
     # a single frame holds numbers in flagged pixels, which mean nothing

@@ -1,6 +1,7 @@
 """film.nc and film.zarr: names, dims and units as documented, the same bytes however made."""
 
 import json
+import re
 import tomllib
 from dataclasses import replace
 
@@ -26,7 +27,8 @@ LEFT_OUT = {
 """What a film of this run lacks without a table of run.toml; maps and statistics need none."""
 GROUPS = {
     "theory": {"film_hamrock_dowson", "film_theory"},
-    "exponents": {name for name in FILM if name.startswith("speed_exponent")},
+    # that of the central film needs a contact
+    "exponents": {name for name in FILM if re.match("speed_exponent(?!_central)", name)},
     "position": {"pin_displacement", "pin_tilt", "film_curvature", "film_curvature_axial"},
 }
 

@@ -80,7 +80,7 @@ def test_tables_have_the_columns_of_the_motion():
         assert title not in table
     table = trigger_section(slider_film(), SHARES)
     assert all(title in table for title in ("Drive [°]", "Position [mm]", "Sliding [mm/s]"))
-    rows = dict(results_table(static_film(), np.full((6, 9), 0.9)).rows)
+    rows = dict(results_table(static_film(), np.full((6, 10), 0.9)).rows)
     assert "Load" not in rows
     assert "(trigger 4)" in rows["Minimum film thickness"]  # no angle to name
 
