@@ -146,8 +146,9 @@ def describe_delay(film: xr.Dataset) -> str:
     delay = float(film.get("speed_delay", np.nan))
     if not np.isfinite(delay):
         return ""
-    side = "late" if delay > 0 else "early"
-    return f"{abs(delay):.0f} ± {float(film.speed_delay_std):.0f}° {side}"
+    std, side = float(film.speed_delay_std), "late" if delay > 0 else "early"
+    digits = decimals(std, 2)
+    return f"{abs(delay):.{digits}f} ± {std:.{digits}f}° {side}"
 
 
 def describe_correlations(film: xr.Dataset) -> str:

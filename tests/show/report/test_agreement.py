@@ -81,4 +81,4 @@ def test_correlations_and_delay_that_are_not_known_are_left_out():
     )
     assert describe_following(film) == describe_correlations(film) == describe_delay(film) == ""
     late = film.assign(speed_delay=12.4, speed_delay_std=2.0)
-    assert describe_delay(late) == describe_correlations(late) == "12 ± 2° late"
+    assert describe_delay(late) == describe_correlations(late) == "12.4 ± 2.0° late"

@@ -157,7 +157,7 @@ def test_film_over_hamrock_dowson_and_its_correlation_are_stated(film):
     assert f"{factor}; 1.23 to 1.23, out 1.23, back 1.23" in text
     assert "back 1.23; takes 0.12 ± 0.03, oil 0.12 Pa s" in text
     assert "correlation -0.12 (-0.12 to -0.12), rank -0.12; of the mean -0.12" in text
-    assert "n = 0.600 ± 0.010, mean n = 0.400 ± 0.010; 12 ± 2° early" in text
+    assert "n = 0.600 ± 0.010, mean n = 0.400 ± 0.010; 12.3 ± 2.3° early" in text
     whole = summarise(with_agreement(film))
     assert line_of(whole, "correlation with the speed").startswith("speed: film_min -0.12 (-0.12")
 
