@@ -12,9 +12,11 @@ from erlif.core.statistics import robust_rms
 # Difference of the cells on either side of a place, less the mean of those between them and the
 # cells beyond: zero for a film that is inclined or bends, the whole of a step. [1]
 _ACROSS = np.array([0.5, 0, -1.5, 0, 1.5, 0, -0.5], np.float32)
+_REACH = _ACROSS.size // 2  # cells
 _ALONG = np.full(5, 1 / 5, np.float32)  # cells along the step
 _SAMPLED = 10_000  # differences from which the scatter is taken
 _SURE = 5.0  # standard deviations of such a difference from which it is a step
+_LEAST = 0.005  # step of the logarithm of the ratio that matters: 0.15 um in 6 um [1]
 _LARGEST = 0.7  # of the largest difference within three cells: beside a step others follow from it
 
 
@@ -54,14 +56,18 @@ def flag_steps(log_ratio: Image, variance: Image, flags: FlagImage) -> None:
     cells = cv2.resize(sound, size, interpolation=cv2.INTER_AREA)
     noise = cv2.sqrt(cv2.resize(variance[even], size, interpolation=cv2.INTER_NEAREST))
     held = np.zeros(cells.shape, np.uint8)
-    for kernels in ((_ACROSS, _ALONG), (_ALONG, _ACROSS)):
+    for kernels, axis in (((_ACROSS, _ALONG), 1), ((_ALONG, _ACROSS), 0)):
         step = np.abs(cv2.divide(cv2.sepFilter2D(cells, -1, *kernels), noise))
+        # beyond the border there is no film to compare with
+        ends = np.moveaxis(step, axis, 0)
+        ends[:_REACH] = ends[-_REACH:] = np.nan
         some = step[:: max(step.size // _SAMPLED, 1)]
         least = _SURE * robust_rms(some[np.isfinite(some)]) if np.isfinite(some).any() else np.inf
         step = np.nan_to_num(step, copy=False, posinf=0.0)
         if step.max() > least > 0:
             near = np.ones((kernels[1].size, kernels[0].size), np.uint8)
-            held |= (step > np.maximum(least, _LARGEST * cv2.dilate(step, near))).astype(np.uint8)
+            sure = step > np.maximum(least, _LARGEST * cv2.dilate(step, near))
+            held |= (sure & (step * noise > _LEAST)).astype(np.uint8)
     if held.any():
         pixels = cv2.resize(held, (2 * width, 2 * height), interpolation=cv2.INTER_NEAREST)
         around = cv2.dilate(pixels, np.ones((3, 3), np.uint8)).astype(bool)

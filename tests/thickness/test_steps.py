@@ -49,6 +49,11 @@ def test_a_film_that_is_inclined_and_bends_has_no_step(noise):
     assert flags_of(SMOOTH, noise).mean() < 2e-4
 
 
+@pytest.mark.parametrize("noise", [1e-5, NOISE])
+def test_a_steep_film_has_no_step_at_the_border(noise):
+    assert flags_of(0.2 + 3e-5 * (X - 160.0) ** 2 + 2e-3 * Y, noise).mean() < 2e-4
+
+
 def test_a_bubble_is_no_step():
     bubble = FROM_AXIS < 20
     assert flags_of(SMOOTH, flagged=bubble).mean() < 2e-4
