@@ -289,11 +289,11 @@ class Yield(NamedTuple):
 
     def at(self, phi: Array, axial: Array) -> Array:
         """Deflection at angles from the load line [rad] and places along the axis [m], linear
-        between the nodes. [m]
+        between the nodes; 0 beyond the ends of the joint. [m]
         """
         turn = np.append(self.angle, self.angle[0] + 2 * np.pi)
         depth = np.vstack([self.depth, self.depth[:1]])
-        place = np.clip(axial if self.axial[0] < 0 else np.abs(axial), None, self.axial[-1])
+        place = np.clip(axial if self.axial[0] < 0 else np.abs(axial), *self.axial[[0, -1]])
         around = turn[0] + (phi - turn[0]) % (2 * np.pi)
         return np.asarray(interpn((turn, self.axial), depth, np.stack([around, place], axis=-1)))
 

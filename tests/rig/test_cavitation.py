@@ -8,7 +8,7 @@ from scenes.rig import ACRYLIC, CYCLE, LOAD
 from erlif.core.errors import ModelError
 from erlif.models.mechanism import CrankRocker
 from erlif.models.reynolds import Journal, Motion, crank_motion, solve_journal
-from erlif.rig.cavitation import follow_cavitated, relax_pressure
+from erlif.rig.cavitation import Yield, follow_cavitated, relax_pressure
 from erlif.rig.film import bore_height, crank_at, rocker_angle, rocker_range, rocker_speed
 from erlif.rig.orbit import RigidBearing, follow_orbit
 from erlif.rig.settings import RigSettings
@@ -168,6 +168,15 @@ def test_a_pin_sinks_on_a_liner_and_between_rough_walls_as_finite_volumes_say(ow
     else:
         npt.assert_allclose(yielded, solved.pressure[-1] / joint.foundation, atol=2e-8)
         assert 1.4e-6 < yielded.max() < 1.5e-6
+
+
+def test_a_liner_deflects_nothing_beyond_the_ends_of_the_joint():
+    """A parabola along a length of 10 mm, of both halves and of one, in a picture of 16 mm."""
+    place, angle = np.linspace(-5e-3, 5e-3, 41), np.linspace(-3.0, 3.0, 60)
+    shown, depth = np.linspace(-8e-3, 8e-3, 65), lambda axial: 1e-6 * (1 - (axial / 5e-3) ** 2)
+    for axial in (place, place[20:]):
+        found = Yield(angle, axial, np.tile(depth(axial), (60, 1))).at(np.full(65, 3.1), shown)
+        npt.assert_allclose(found, np.maximum(depth(shown), 0.0), atol=1e-12)
 
 
 def test_a_pin_sinks_on_lobes_as_finite_volumes_say():
