@@ -35,10 +35,10 @@ _RELAXATION = 1.95, 0.14  # over-relaxation of an even film, and how much less a
 _SWEEPS = 20_000  # most sweeps of a pressure
 _SETTLED = 1e-8  # largest change in a sweep over the largest pressure
 _BALANCED = 1e-5  # force that is left over the load
-_ROUNDS = 30  # places of the pin that are tried in one step with one derivative
+_ROUNDS = 30  # of one step: places of the pin with one derivative, films of a liner for one place
 _NUDGE = 1e-3  # of the film, for the derivative of the forces
 _LEAST = 0.5  # of the film of the last trial that the next one keeps
-_YIELDED = 1e-8  # of the clearance, change of the film in the last round of a liner
+_DEFLECTED = 1e-8  # of the clearance, change of the film in the last round of a liner
 _AMPLITUDE, _DECAY = 0.9, 0.56  # of the pressure flow factor without lay. Patir and Cheng (1978)
 
 
@@ -49,14 +49,14 @@ def relax_pressure(
     around: Array,
     along: Array,
     held: Array,
-    own: Array,
+    compliance: Array,
     cavity: float,
     relaxation: float,
 ) -> int:
     """Find the pressure over ambient, in place; gives the sweeps, -1 if it failed.
 
     Minimum over q >= cavity of the quadratic function with gradient
-    ``lack + own q - sum g (q' - q)`` over the neighbours q'.
+    ``lack + compliance q - sum g (q' - q)`` over the neighbours q'.
 
     Parameters
     ----------
@@ -70,8 +70,8 @@ def relax_pressure(
         Conductance from each node to the next along the axis; that of the last column is 0.
     held : array, (around, along)
         1 where the pressure is given.
-    own : array, (around, along)
-        Volume by which the walls of a cell yield over its pressure.
+    compliance : array, (around, along)
+        Change of the volume of a cell with its pressure, by elastic walls.
     cavity : float
         Pressure of cavities.
     relaxation : float
@@ -86,7 +86,7 @@ def relax_pressure(
                 if held[i, j]:
                     continue
                 inflow = around[i, j] * pressure[after, j] + around[before, j] * pressure[before, j]
-                conductance = own[i, j] + around[i, j] + around[before, j]
+                conductance = compliance[i, j] + around[i, j] + around[before, j]
                 if j > 0:
                     inflow += along[i, j - 1] * pressure[i, j - 1]
                     conductance += along[i, j - 1]
@@ -168,7 +168,7 @@ class _Film:
         self.form: Array = np.zeros(self.grid.axial.size)
         if bearing.shape is not None:
             self.form = bearing.shape(self.grid.axial * bearing.radius) / bearing.clearance
-        self.soft = bearing.yielding * self.unit / bearing.clearance
+        self.soft = bearing.compliance * self.unit / bearing.clearance
         self.roughness = bearing.roughness / bearing.clearance
         self.pressure = np.zeros_like(self.grid.area)
         self.content, _ = self.measure(place, turn)
@@ -216,8 +216,9 @@ class _Film:
                 self.cavity,
                 relaxation,
             )
-            self.film = rigid + self.soft * self.pressure
-            settled = float(np.abs(self.soft * self.pressure - before).max()) <= _YIELDED
+            deflection = self.soft * self.pressure
+            self.film = rigid + deflection
+            settled = float(np.abs(deflection - before).max()) <= _DEFLECTED
             if sweeps < 0 or settled:
                 break
         if sweeps < 0 or not settled:
@@ -269,7 +270,7 @@ class _Film:
         return 1.5, 2 * self.content - self.before / 2
 
 
-class Yield(NamedTuple):
+class Deflection(NamedTuple):
     """Deflection of a liner at one moment.
 
     Attributes
@@ -310,7 +311,7 @@ def follow_cavitated(
     start: tuple[float, float] = (0.0, 0.0),
     thicker: Callable[[float], float] | None = None,
     tilt: float = 0.0,
-    walls: list[Yield] | None = None,
+    deflections: list[Deflection] | None = None,
 ) -> Array:
     """Follow the pin from the moment of loading, with a full film at first.
 
@@ -327,7 +328,7 @@ def follow_cavitated(
         Of the mount against sideways motion; infinite where the pin is guided. [N/m]
     cavity : float
         Pressure of cavities over the ambient one, not above 0. [Pa]
-    walls : list, optional
+    deflections : list, optional
         Receives the deflection of an elastic liner at each time but the first.
 
     Raises
@@ -360,12 +361,12 @@ def follow_cavitated(
         play = 1 + float(film.form.min())
         places[k], derivative = _balance(unbalance, places[k - 1], guess, derivative, free, play)
         film.advance()
-        if walls is not None:
+        if deflections is not None:
             before, depth = depth, bearing.clearance * film.soft * film.pressure
             for one in time[(time > moments[k - 1]) & (time <= moment)]:
                 between = before + (one - moments[k - 1]) / step * (depth - before)
                 place = film.grid.axial * bearing.radius
-                walls.append(Yield(film.grid.angle + angle(one) / 2, place, between))
+                deflections.append(Deflection(film.grid.angle + angle(one) / 2, place, between))
     return np.asarray(bearing.clearance * CubicSpline(moments, places)(time))
 
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from erlif.core.arrays import Array
-from erlif.rig.cavitation import Yield, follow_cavitated
+from erlif.rig.cavitation import Deflection, follow_cavitated
 from erlif.rig.film import (
     Gap,
     Marks,
@@ -40,13 +40,13 @@ class JournalGap(Gap):
         Displacement of the pin along the load. [um]
     side : float
         Displacement of the pin along +x. [um]
-    wall : Yield | None
-        Deflection of an elastic liner.
+    deflection : Deflection | None
+        Of an elastic liner.
     """
 
     along: float
     side: float
-    wall: Yield | None = None
+    deflection: Deflection | None = None
 
     def smooth(self, x: Array, y: Array) -> Array:
         """Film without marks, c - e cos(phi - attitude); phi = 0 is the load line. [um]"""
@@ -54,9 +54,9 @@ class JournalGap(Gap):
         phi = ((x - rig.centre[0]) * rig.pitch - rig.thin_line) / rig.journal_radius
         gap = rig.clearance - self.along * np.cos(phi) - self.side * np.sin(phi)
         gap = gap + self.shape(y)
-        if self.wall is not None:
+        if self.deflection is not None:
             axial = (y - rig.centre[1]) * rig.pitch - rig.axial_centre
-            gap = gap + 1e6 * self.wall.at(*np.broadcast_arrays(phi, 1e-3 * axial))
+            gap = gap + 1e6 * self.deflection.at(*np.broadcast_arrays(phi, 1e-3 * axial))
         return np.asarray(gap)
 
     @property
@@ -77,19 +77,19 @@ def list_gaps(triggers: Triggers, rig: RigSettings, marks: Marks) -> list[Gap]:
     """
     if rig.film == "law":
         return [Gap(rig, float(film), marks) for film in triggers.film_min]
-    walls: list[Yield] = []
     if not rig.liner[0]:
         place = 1e6 * follow_pin(frame_times(triggers, rig), rig)
         return [_place_pin(rig, marks, float(along), float(side)) for along, side in place]
-    place = 1e6 * follow_pin(frame_times(triggers, rig), rig, walls)
+    deflections: list[Deflection] = []
+    place = 1e6 * follow_pin(frame_times(triggers, rig), rig, deflections)
     return [
-        _deflect(JournalGap(rig, np.nan, marks, float(along), float(side), wall))
-        for (along, side), wall in zip(place, walls, strict=True)
+        _deflect(JournalGap(rig, np.nan, marks, float(along), float(side), deflection))
+        for (along, side), deflection in zip(place, deflections, strict=True)
     ]
 
 
 def _deflect(gap: JournalGap) -> JournalGap:
-    """The gap with the minimum of its film in the region, at the points of the pixels."""
+    """The gap with the minimum of its film in the region, at two places a pixel."""
     x, y = (
         np.linspace(*ends, 2 * size) / gap.rig.pitch
         for ends, size in zip(gap.rig.region, (gap.rig.width, gap.rig.height), strict=True)
@@ -114,12 +114,12 @@ def load_at(time: Array, rig: RigSettings) -> Array:
     return load_of(crank_at(time, rig), rig)
 
 
-def follow_pin(time: Array, rig: RigSettings, walls: list[Yield] | None = None) -> Array:
+def follow_pin(time: Array, rig: RigSettings, deflections: list[Deflection] | None = None) -> Array:
     """Displacement of the pin at rising times after the smallest rocker angle [s].
 
     The linkage turns all the time. The load comes on `elapsed` cycles before time 0, with the pin
     in the middle of the bushing. A rising rocker angle moves the surface of the bushing along +x.
-    `walls` receives the deflection of a liner at each time.
+    `deflections` receives the deflection of a liner at each time.
 
     Returns
     -------
@@ -132,7 +132,7 @@ def follow_pin(time: Array, rig: RigSettings, walls: list[Yield] | None = None) 
         length=1e-3 * rig.length,
         viscosity=rig.viscosity,
         shape=(lambda axial: 1e-6 * bore_height(rig, 1e3 * axial)) if rig.shaped else None,
-        yielding=_yielding(rig),
+        compliance=_liner_compliance(rig),
         roughness=1e-6 * np.sqrt(2) * rig.roughness if rig.rough else 0.0,
     )
     cycle, middle = cycle_time(rig), float(np.mean(rocker_range(rig)))
@@ -149,7 +149,7 @@ def follow_pin(time: Array, rig: RigSettings, walls: list[Yield] | None = None) 
 
     # a free pin squeezes a full film, unless its pressure would fall below that of cavities
     cavity = 1e3 * rig.cavitation_pressure
-    if rig.sideways == "free" and not (rig.shaped or bearing.yielding or rig.rough):
+    if rig.sideways == "free" and not (rig.shaped or bearing.compliance or rig.rough):
         history = np.linspace(moments[0], moments[-1], _HISTORY)
         looked_up = np.union1d(history, moments)
         path = follow_orbit(bearing, looked_up, load=load, rotation=speed)
@@ -169,11 +169,11 @@ def follow_pin(time: Array, rig: RigSettings, walls: list[Yield] | None = None) 
         step=cycle / _STEPS,
         stiffness=float(stiffness),
         cavity=cavity,
-        walls=walls,
+        deflections=deflections,
     )[1:]
 
 
-def _yielding(rig: RigSettings) -> float:
+def _liner_compliance(rig: RigSettings) -> float:
     """Deflection of the liner over the pressure on it [m/Pa]: Hooke's law without spread sideways.
 
     With the strains along the wall zero, its stresses are nu/(1 - nu) of the pressure.

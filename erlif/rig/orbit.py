@@ -49,7 +49,7 @@ class RigidBearing(NamedTuple):
     shape : callable or None
         What a bore that is not straight adds to the gap [m] at places along the axis from its
         middle [m].
-    yielding : float
+    compliance : float
         Deflection of an elastic liner over the pressure on it. [m/Pa]
     roughness : float
         Root of the sum of squares of the rms roughness of both walls. [m]
@@ -60,7 +60,7 @@ class RigidBearing(NamedTuple):
     length: float
     viscosity: float
     shape: Callable[[Array], Array] | None = None
-    yielding: float = 0.0
+    compliance: float = 0.0
     roughness: float = 0.0
 
     @property

@@ -8,7 +8,7 @@ from scenes.rig import ACRYLIC, CYCLE, LOAD
 from erlif.core.errors import ModelError
 from erlif.models.mechanism import CrankRocker
 from erlif.models.reynolds import Journal, Motion, crank_motion, solve_journal
-from erlif.rig.cavitation import Yield, follow_cavitated, relax_pressure
+from erlif.rig.cavitation import Deflection, follow_cavitated, relax_pressure
 from erlif.rig.film import bore_height, crank_at, rocker_angle, rocker_range, rocker_speed
 from erlif.rig.orbit import RigidBearing, follow_orbit
 from erlif.rig.settings import RigSettings
@@ -142,32 +142,32 @@ def test_a_tilted_pin_is_held_as_finite_volumes_of_the_whole_length_hold_it():
 
 @pytest.mark.parametrize(
     ("own", "other"),
-    [({"yielding": 1 / 3e11}, {"foundation": 3e11}), ({"roughness": 3e-6}, {"roughness": 3e-6})],
+    [({"compliance": 1 / 3e11}, {"foundation": 3e11}), ({"roughness": 3e-6}, {"roughness": 3e-6})],
 )
-def test_a_pin_sinks_on_a_liner_and_between_rough_walls_as_finite_volumes_say(own, other):
-    """From 12 to 6 um in 0.5 s; the liner yields by 1.5 um, and rough walls hold back 0.3 um."""
+def test_a_pin_sinks_on_a_liner_and_between_rough_walls_as_finite_volumes_do(own, other):
+    """From 12 to 6 um in 0.5 s; the liner deflects by 1.5 um, and rough walls hold back 0.3 um."""
     joint = Journal(0.03336, 0.03359, 0.024, 0.12, **other)
     bearing = RigidBearing(ACRYLIC.radius, ACRYLIC.clearance, 0.024, 0.12, **own)
-    time, start, walls = np.linspace(0, 0.5, 51), (joint.clearance - 12e-6, 0.0), []
+    time, start, deflections = np.linspace(0, 0.5, 51), (joint.clearance - 12e-6, 0.0), []
     motion = Motion(time, [bushing(one) for one in time], load=100.0)
     sunk = {"load": lambda _: 100.0, "angle": bushing, "step": 0.01, "start": start}
-    places = follow_cavitated(bearing, time, walls=walls, **sunk)
+    places = follow_cavitated(bearing, time, deflections=deflections, **sunk)
     solved = solve_journal(joint, motion, start=start, cells=(192, 12), maps=[25, 50])
     volumes = solved[["displacement_load", "displacement_side"]].to_array().values.T
     films = [joint.clearance - np.hypot(*place.T) for place in (places, volumes)]
     filled = time >= 0.05  # of the liner, within some steps of 10 ms
     npt.assert_allclose(films[0][filled], films[1][filled], atol=1e-8)
-    rigid = follow_cavitated(bearing._replace(yielding=0.0, roughness=0.0), time, **sunk)
+    rigid = follow_cavitated(bearing._replace(compliance=0.0, roughness=0.0), time, **sunk)
     assert abs(films[0][-1] - (joint.clearance - np.hypot(*rigid[-1]))) > 0.2e-6
 
     # the deflection of the wall at rest in the image, up to 1.5 um
     phi, axial = np.meshgrid(solved.circumference / joint.radius, solved.axial, indexing="ij")
-    yielded = walls[-1].at(phi, axial)
+    deflected = deflections[-1].at(phi, axial)
     if joint.foundation is None:
-        assert not yielded.any()
+        assert not deflected.any()
     else:
-        npt.assert_allclose(yielded, solved.pressure[-1] / joint.foundation, atol=2e-8)
-        assert 1.4e-6 < yielded.max() < 1.5e-6
+        npt.assert_allclose(deflected, solved.pressure[-1] / joint.foundation, atol=2e-8)
+        assert 1.4e-6 < deflected.max() < 1.5e-6
 
 
 def test_a_liner_deflects_nothing_beyond_the_ends_of_the_joint():
@@ -175,11 +175,11 @@ def test_a_liner_deflects_nothing_beyond_the_ends_of_the_joint():
     place, angle = np.linspace(-5e-3, 5e-3, 41), np.linspace(-3.0, 3.0, 60)
     shown, depth = np.linspace(-8e-3, 8e-3, 65), lambda axial: 1e-6 * (1 - (axial / 5e-3) ** 2)
     for axial in (place, place[20:]):
-        found = Yield(angle, axial, np.tile(depth(axial), (60, 1))).at(np.full(65, 3.1), shown)
+        found = Deflection(angle, axial, np.tile(depth(axial), (60, 1))).at(np.full(65, 3.1), shown)
         npt.assert_allclose(found, np.maximum(depth(shown), 0.0), atol=1e-12)
 
 
-def test_a_pin_sinks_on_lobes_as_finite_volumes_say():
+def test_a_pin_sinks_on_lobes_as_finite_volumes_do():
     """A swinging bushing of 24 mm with two lobes, by two solvers; films of 12 to 7 um."""
     lobed = RigSettings(length=24.0, lobes=(-5.0, 4.0), lobe=(200.0, 20.0))
     bearing = RigidBearing(

@@ -91,28 +91,28 @@ def test_a_vented_film_has_cavities():
     assert 1.005 < vented[0] / filled[0] < 1.05
 
 
-def test_a_lined_bushing_yields_by_hookes_law_where_the_film_carries_the_load():
+def test_a_lined_bushing_deflects_by_hookes_law_where_the_film_carries_the_load():
     """A block of the layer that cannot spread, by the compliances of an isotropic solid."""
     rig = replace(RIG, length=30.0, liner=(2.0, 0.5, 0.4), load=120.0, elapsed=0.3, cycles=1)
     modulus, poisson = 5e8, 0.4
     compliance = (np.eye(3) * (1 + poisson) - poisson) / modulus
     side = -np.linalg.solve(compliance[:2, :2], compliance[:2, 2])  # stresses for one of 1 Pa
     strain = compliance[2] @ [*side, 1.0]
-    walls = []
-    follow_pin(np.array([0.0, 0.1]), rig, walls)
+    deflections = []
+    follow_pin(np.array([0.0, 0.1]), rig, deflections)
     phi, axial = np.meshgrid(np.linspace(-np.pi, np.pi, 801), np.linspace(-0.015, 0.015, 401))
-    pressure = walls[1].at(phi, axial) / (2e-3 * strain)
+    pressure = deflections[1].at(phi, axial) / (2e-3 * strain)
     cell = 2 * np.pi * rig.journal_radius * 1e-3 / 800 * 30e-3 / 400
     force = (pressure * np.cos(phi)).sum() * cell
     npt.assert_allclose(force, float(load_at(np.array(0.1), rig)), rtol=0.02)
 
     # the film of the picture is that between the circles, and the deflection
     gap = list_gaps(list_triggers(rig), rig, draw_marks(rig, np.random.default_rng(0)))[0]
-    rigid = replace(gap, wall=None)
+    rigid = replace(gap, deflection=None)
     x, y = np.array([rig.centre[0]]), np.array([rig.centre[1] + 20.0])
     off = np.array([-rig.thin_line / rig.journal_radius]), np.array([20e-3 * rig.pitch])
     deflected = gap.smooth(x, y) - rigid.smooth(x, y)
-    npt.assert_allclose(deflected, 1e6 * gap.wall.at(*off), rtol=1e-9)
+    npt.assert_allclose(deflected, 1e6 * gap.deflection.at(*off), rtol=1e-9)
     assert deflected > 0.1
     (left, right), (top, bottom) = rig.region
     y, x = np.mgrid[top:bottom:600j, left:right:800j] / rig.pitch
