@@ -23,10 +23,10 @@ _GAP, _LATEST = 90.0, 90.0
 # Error of a cubic in the middle of a gap between triggers whose slopes are known, of a sine, over
 # the fourth power of the gap.
 _CUBIC = 1 / 384
-# Gain in chi-square by the speed that is no chance, of 37 delays, and no other smooth course: it
-# explains more than half of what the trend leaves as well.
+# Gain in chi-square by the speed from which it is no chance among 37 delays. Other smooth courses
+# reach it too; the speed has to explain half of the variance about the trend as well.
 _GAIN = 20.0
-_MOST_ALIKE = 0.95  # of neighbours
+_MOST_ALIKE = 0.95  # correlation of neighbouring residuals above which it is not determined [1]
 _DETERMINED = 20.0  # largest standard deviation of a delay that is stated [degree]
 
 
@@ -175,7 +175,10 @@ def _lag_one(values: Array) -> float:
 
 
 def _alike(residual: Array) -> float:
-    """Correlation of neighbours among residuals of a fit, from 0, without its loss by the fit."""
+    """Correlation of neighbours among residuals of a fit, from 0, without its loss by the fit.
+
+    The loss of n values about their mean is (1 + 4 r)/n to first order.
+    """
     if not residual.any():
         return 0.0
     found = _lag_one(residual)
@@ -235,9 +238,9 @@ def find_delay(film: Array, speed: Array, angle: Array) -> tuple[float, float]:
 
     def fit(delay: float) -> tuple[float, float]:
         """Mean square about the fit at a delay, and its b."""
-        design = np.vstack([np.abs(spline(angle[use] - delay)), rest])
-        amplitudes = np.linalg.lstsq(design.T, film[use], rcond=None)[0]
-        return float(np.mean((film[use] - amplitudes @ design) ** 2)), float(amplitudes[0])
+        shapes = np.vstack([np.abs(spline(angle[use] - delay)), rest])
+        amplitudes, residual = _fit_shapes(shapes, film[use])
+        return float(np.mean(residual**2)), float(amplitudes[0])
 
     # the film of a joint rises with the speed; the best of a grid is refined
     grid = np.arange(-_LATEST, _LATEST + 1, 5.0)
@@ -246,25 +249,31 @@ def find_delay(film: Array, speed: Array, angle: Array) -> tuple[float, float]:
     search = scipy.optimize.minimize_scalar
     found = search(lambda one: fit(one)[0], bounds=(best - 5, best + 5), method="bounded")
     delay = float(found.x)
-    square, slope = fit(delay)
 
-    # change of the fitted film with the delay, as far as the other amplitudes do not follow it
+    # neighbours that are alike count as fewer triggers
     before, at, after = (np.abs(spline(angle[use] - delay + step)) for step in (1.0, 0.0, -1.0))
-    others = np.vstack([at, rest]).T
-    bend = slope * (after - before) / 2
-    bend = bend - others @ np.linalg.lstsq(others, bend, rcond=None)[0]
-    free = use.sum() - 4
-    off = film[use] - np.linalg.lstsq(rest.T, film[use], rcond=None)[0] @ rest
-    explained = float(np.mean(off**2)) - square
-    about = film[use] - others @ np.linalg.lstsq(others, film[use], rcond=None)[0]
-    alike = _alike(about)
+    shapes = np.vstack([at, rest])
+    amplitudes, residual = _fit_shapes(shapes, film[use])
+    slope, square, free = float(amplitudes[0]), float(np.mean(residual**2)), use.sum() - 4
+    alike = _alike(residual)
     wider = (1 + alike) / (1 - alike)
+
+    explained = float(np.mean(_fit_shapes(rest, film[use])[1] ** 2)) - square
     gain = max(_GAIN * wider, free)
     if slope <= 0 or abs(best) == _LATEST or explained * free < gain * square:
         return unknown
+
+    # change of the fitted film with the delay, as far as the other amplitudes do not follow it
+    bend = _fit_shapes(shapes, slope * (after - before) / 2)[1]
     scatter = wider * square * use.sum() / free / float(bend @ bend)
-    by_gap = (
-        math.degrees(_CUBIC * math.radians(gap) ** 4) * gap / 360
-    )  # the share of triggers there
+
+    # the share gap/360 of a cycle has the error of the spline
+    by_gap = math.degrees(_CUBIC * math.radians(gap) ** 4) * gap / 360
     std = math.hypot(math.sqrt(scatter), by_gap)
     return (delay, std) if std < _DETERMINED else unknown
+
+
+def _fit_shapes(shapes: Array, values: Array) -> tuple[Array, Array]:
+    """Least-squares amplitudes of shapes, (shape, value), and what they leave of the values."""
+    amplitudes = np.asarray(np.linalg.lstsq(shapes.T, values, rcond=None)[0], float)
+    return amplitudes, values - amplitudes @ shapes
