@@ -10,10 +10,11 @@ cos(k theta), k = 0 to 4, with theta about the centre: symmetric about the direc
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from typing import Any, NamedTuple
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 import scipy
 
 from erlif.core.arrays import Array, Mask
@@ -31,6 +32,7 @@ _KNOTS = np.array([0, 0.2, 0.4, 0.55, 0.65, 0.75, 0.85, 0.95, 1.15])
 _COARSE = _KNOTS[::2]
 _HARMONICS = 4
 _SEARCHED = 0.95  # rho within which the minimum lies
+_STEPS = 77  # of the search along either axis: about 0.025, a quarter of the closest knots
 _CENTRE = 0.15  # rho over which the central film is averaged
 _OFF = 0.1  # rho by which the centre of the outline may be off that of the dry contact
 
@@ -44,6 +46,7 @@ _OUTLIER = 5.0  # departure beyond which a block does not count [std]
 _TAIL = 0.9  # quantile of the departures by which their variance is found: 1.645 std
 _TINY = 1e-6  # share of their mean by which the squares of the splines are raised: those unseen
 _DRAWS = 200  # of the errors, for the bias of a minimum
+_INNER = 0.5  # rho within which the film is that of the plateau, in the search for the outline
 _PLACES = 4  # of a block along either side, at which the splines are averaged
 
 
@@ -78,8 +81,16 @@ class _Outline(NamedTuple):
         (s, z), (a, b) = self.centre, self.axes
         return (along - s) / a, (across - z) / b
 
+    def position(self, along: Array, across: Array) -> tuple[Array, Array]:
+        """Positions over the region; of both sides of the axis, that nearer to its middle."""
+        (s, z), (a, b) = self.centre, self.axes
+        left, right = z - across * b, z + across * b
+        return s + along * a, np.where(np.abs(left) < np.abs(right), left, right)
 
-def find_plateau(blocks: BlockMeans, acts: Any, curve: FilmCurve) -> Plateau | None:
+
+def find_plateau(
+    blocks: BlockMeans, gradient: Callable[[Array, Mask], Array], curve: FilmCurve
+) -> Plateau | None:
     """Central and minimum film of an elastic contact in the means of the blocks of a region.
 
     The minimum is that of the fitted film. Noise and marks make it too low, as the thinnest of many
@@ -90,9 +101,9 @@ def find_plateau(blocks: BlockMeans, acts: Any, curve: FilmCurve) -> Plateau | N
     Parameters
     ----------
     blocks : BlockMeans
-    acts : function
+    gradient : callable
         Change of the log ratio with each parameter of the calibration, (parameter, block), from
-        films and the mask of their blocks.
+        films [um], (block,), and the mask of their blocks.
     curve : FilmCurve
 
     Returns
@@ -114,8 +125,8 @@ def find_plateau(blocks: BlockMeans, acts: Any, curve: FilmCurve) -> Plateau | N
     True
     """
     value = blocks.log_ratio
-    place, beside = curve.find_bins(value)
-    film, rate = curve.film[place] + curve.rate[place] * beside, curve.rate[place]
+    place, off = curve.find_bins(value)
+    film, rate = curve.film[place] + curve.rate[place] * off, curve.rate[place]
     known = (value > curve.bins[0]) & (value < curve.bins[1])
     outline = _find_outline(blocks.along[known], blocks.across[known], film[known], film.max())
     if outline is None:
@@ -129,37 +140,31 @@ def find_plateau(blocks: BlockMeans, acts: Any, curve: FilmCurve) -> Plateau | N
     if fit is None or coarse is None:
         return None
 
-    # places of the contact, of which those in the region on either side of the axis are seen
-    even = np.linspace(-_SEARCHED, _SEARCHED, 77)
+    # half of the contact stands for both
+    even = np.linspace(-_SEARCHED, _SEARCHED, _STEPS)
     along, across = np.meshgrid(even, even[even >= 0])
     within = np.hypot(along, across) < _SEARCHED
     along, across = along[within], across[within]
-    ends = [outline.centre[0] + along * outline.axes[0]]
-    ends += [outline.centre[1] + sign * across * outline.axes[1] for sign in (-1, 1)]
-    seen = (np.abs(ends[0]) <= 1) & (np.minimum(np.abs(ends[1]), np.abs(ends[2])) <= 1)
     shapes = _splines(along, across, _KNOTS)
     found = fit.amplitudes @ shapes
     lowest = int(np.argmin(found))
     change = found[lowest] - (coarse.amplitudes @ _splines(along, across, _COARSE)).min()
 
-    gradients = -acts(film[use], use) * rate[use]
+    by_block = -gradient(film[use], use) * rate[use]
     middle = np.hypot(along, across) < _CENTRE
     beside = _splines(np.array([-_OFF, _OFF]), np.zeros(2), _KNOTS)
     steep = float(fit.amplitudes @ (beside[:, 1] - beside[:, 0])) / 2
-    central = fit.number(shapes[:, middle].mean(axis=1), gradients, steep)
-    minimum = fit.number(shapes[:, lowest], gradients, _RESOLUTION * change)
+    central = fit.number(shapes[:, middle].mean(axis=1), by_block, steep)
+    minimum = fit.number(shapes[:, lowest], by_block, _RESOLUTION * change)
+
+    # a contact that the region cuts may have its minimum outside
+    s, z = outline.position(along, across)
     own = math.hypot(minimum.random_std, minimum.surface_std)
-    if not seen.all() or own > _TOLERATED * minimum.value:
+    if np.maximum(np.abs(s), np.abs(z)).max() > 1 or own > _TOLERATED * minimum.value:
         unknown = FilmNumber.unknown(curve.parameters)
         return Plateau(unknown, central, math.nan, math.nan)
-    bias = fit.bias(shapes)
-    side = ends[1] if abs(ends[1][lowest]) < abs(ends[2][lowest]) else ends[2]
-    return Plateau(
-        minimum._replace(value=minimum.value - bias + _FINER * change),
-        central,
-        ends[0][lowest],
-        side[lowest],
-    )
+    corrected = minimum.value - fit.bias(shapes) + _FINER * change
+    return Plateau(minimum._replace(value=corrected), central, s[lowest], z[lowest])
 
 
 def _find_outline(along: Array, across: Array, film: Array, thickest: float) -> _Outline | None:
@@ -179,10 +184,12 @@ def _find_outline(along: Array, across: Array, film: Array, thickest: float) -> 
         axes = np.sqrt((1 + squares @ centre**2) / squares)
         outline = _Outline(centre, axes, level)
         s, z = outline.place(along, across)
-        inner = np.hypot(s, z) < 0.5
+        inner = np.hypot(s, z) < _INNER
         if not inner.any():
             return None
         level = float(np.median(film[inner]))
+
+    # of a plateau the ring goes all round
     sides = [[(one[ring] < 0).any(), (one[ring] > 0).any()] for one in (s, z)]
     if not np.all(sides) or (np.abs(centre) > 1).any():
         return None
@@ -211,19 +218,20 @@ class _Fit(NamedTuple):
     residual: Array  # enlarged by what the fit absorbs [um]
     variance: Array  # of the blocks, by noise [um2]
     excess: float  # by the surfaces [um2]
-    strips: Sequence[Any]
+    strips: Sequence[npt.NDArray[np.intp]]
 
-    def number(self, at: Array, gradients: Array, form: float) -> FilmNumber:
-        """A sum of the amplitudes times `at`; `form` is the error by the shapes. [um]"""
+    def number(self, at: Array, by_block: Array, form: float) -> FilmNumber:
+        """The sum of the amplitudes times `at`; `form` is the error by the shapes. [um]
+
+        `by_block` is the change of its film with each parameter, (parameter, block).
+        """
         pull = at @ self.pull
         random = float(pull**2 @ self.variance)
         score = (pull * self.residual)[None]
         total = max(float(sum_by_strips(score, strip)[0, 0]) for strip in self.strips)
         surface = max(total - random, self.excess * float(pull @ pull))
-        value = float(at @ self.amplitudes)
-        return FilmNumber(
-            value, math.sqrt(random), math.hypot(math.sqrt(surface), form), gradients @ pull
-        )
+        own = math.hypot(math.sqrt(surface), form)
+        return FilmNumber(float(at @ self.amplitudes), math.sqrt(random), own, by_block @ pull)
 
     def bias(self, shapes: Array) -> float:
         """Mean by which the minimum over the places of `shapes` is too low. [um]"""
