@@ -92,6 +92,12 @@ class GapMinimum(NamedTuple):
     bend_random_var: Array
     bend_surface_var: Array
 
+    @classmethod
+    def unknown(cls, parameters: int, misfit: float = math.nan) -> GapMinimum:
+        """Make the minimum of a gap that is not known; `parameters` of the calibration."""
+        pair, number = np.full(2, math.nan), FilmNumber.unknown(parameters)
+        return cls(*(number,) * 4, pair, misfit, *(pair,) * 3)
+
 
 def find_gap_minimum(
     sums: BlockSums,
@@ -172,23 +178,19 @@ def _fit_gap(
     axial = region.rows if sliding_along_x else region.columns
     base = 0.0 if bore is None else bore.in_blocks(blocks, axial)
     fit = fit_blocks(blocks, curve, shapes[:count], base=base)
-    unknown, number = np.full(2, math.nan), FilmNumber.unknown(curve.parameters)
-    nothing = GapMinimum(*(number,) * 4, unknown, math.nan, *(unknown,) * 3)
     if fit is None:
-        return nothing
+        return GapMinimum.unknown(curve.parameters)
 
-    bends = nothing
+    misfit = _measure_misfit(blocks, fit, curve.calibration.thickness_range[1])
+    found = GapMinimum.unknown(curve.parameters, misfit)
     if contact is GapShape.POINT:
         pulls = np.linalg.inv(fit.curvature)[-2:] @ fit.jacobian
         variances = np.array([_variance_parts(pull, fit, blocks) for pull in pulls])
-        bends = nothing._replace(
+        found = found._replace(
             bend=fit.amplitudes[-2:],
             bend_random_var=variances[:, 0],
             bend_surface_var=variances[:, 1],
         )
-    found = bends._replace(
-        misfit=_measure_misfit(blocks, fit, curve.calibration.thickness_range[1])
-    )
 
     # minimum and mean are linear in the amplitudes; the mean is that of the pixels
     _, b, c, d, e = np.pad(fit.amplitudes, (0, len(shapes) - count))
@@ -202,21 +204,22 @@ def _fit_gap(
     lowest = np.array([1.0, along, across, along**2, across**2])
     columns, rows = (_mean_square(pixels) for pixels in (region.columns, region.rows))
     squares = (columns, rows) if sliding_along_x else (rows, columns)
-    middle = _pixel_of(region, (s, z) if sliding_along_x else (z, s))
-    acts = curve.calibration.gradient(fit.film, place=(middle[0], middle[1]))
+    column, row = _pixel_of(region, s, z, sliding_along_x=sliding_along_x)
+    acts = curve.calibration.gradient(fit.film, place=(column, row))
     by_block = -acts * (fit.response / fit.total_var)
     minimum, mean = (
         _number_of(at[:count], height, fit, blocks, by_block)
         for at, height in ((lowest, least), (np.array([1, 0, 0, *squares]), level))
     )
-    tolerated = max(_TOLERATED, _TOLERATED_SHARE * minimum.value)
+
     # below zero the smooth gap passes through a contact that is flattened
     own = math.hypot(minimum.random_std, minimum.surface_std)
     if minimum.value + _BELOW_ZERO * own < 0:
-        return found._replace(misfit=max(found.misfit, 2 * MISFIT))
-    if found.misfit > MISFIT and minimum.surface_std > tolerated:
+        return found._replace(misfit=max(misfit, 2 * MISFIT))
+    tolerated = max(_TOLERATED, _TOLERATED_SHARE * minimum.value)
+    if misfit > MISFIT and minimum.surface_std > tolerated:
         return found
-    place = _pixel_of(region, (along, across) if sliding_along_x else (across, along))
+    place = _pixel_of(region, along, across, sliding_along_x=sliding_along_x)
     found = found._replace(minimum=minimum, mean=mean, place=place)
     if contact is GapShape.POINT:
         found = found._replace(central=minimum)
@@ -307,20 +310,17 @@ def _fit_plateau(
     blocks: BlockMeans, curve: FilmCurve, region: Region, *, sliding_along_x: bool
 ) -> GapMinimum:
     """Central and minimum film of an elastic contact; the gap that departs where there is none."""
-    s, z = blocks.along, blocks.across
-    middle = _pixel_of(region, (s, z) if sliding_along_x else (z, s))
+    column, row = _pixel_of(region, blocks.along, blocks.across, sliding_along_x=sliding_along_x)
 
     def gradient(film: Array, use: Mask) -> Array:
-        return curve.calibration.gradient(film, place=(middle[0][use], middle[1][use]))
+        return curve.calibration.gradient(film, place=(column[use], row[use]))
 
     found = find_plateau(blocks, gradient, curve)
-    unknown, number = np.full(2, math.nan), FilmNumber.unknown(curve.parameters)
-    nothing = GapMinimum(*(number,) * 4, unknown, 2 * MISFIT, *(unknown,) * 3)
     if found is None:
-        return nothing
-    at, beside = found.along, found.across
-    place = _pixel_of(region, (at, beside) if sliding_along_x else (beside, at))
-    return nothing._replace(minimum=found.minimum, central=found.central, place=place, misfit=0.0)
+        return GapMinimum.unknown(curve.parameters, 2 * MISFIT)
+    place = _pixel_of(region, found.along, found.across, sliding_along_x=sliding_along_x)
+    flat = GapMinimum.unknown(curve.parameters, misfit=0.0)
+    return flat._replace(minimum=found.minimum, central=found.central, place=place)
 
 
 def _lowest_place(slope: float, bend: float) -> float:
@@ -388,8 +388,11 @@ def _places_of_blocks(
     return (right, down) if sliding_along_x else (down, right)
 
 
-def _pixel_of(region: Region, position: tuple[Array | float, Array | float]) -> Array:
-    """Columns and rows of positions (x, y) from -1 to 1 over a region. [px]"""
+def _pixel_of(
+    region: Region, along: Array | float, across: Array | float, *, sliding_along_x: bool
+) -> Array:
+    """Columns and rows of positions from -1 to 1 over a region, (axis, *position). [px]"""
+    position = (along, across) if sliding_along_x else (across, along)
     return np.array(
         [
             pixels.start + 0.5 * (at + 1) * (pixels.stop - 1 - pixels.start)

@@ -17,6 +17,7 @@ BORE, PIN = 33.59, 33.36  # mm
 LOAD_LINE, AXIAL_ORIGIN = 6.2, 4.77  # mm
 CENTRE = 7.0  # mm, where the gap is thinnest along x
 X, Y = 0.06 * np.arange(200), 0.06 * np.arange(160)
+S, Z = np.linspace(-1, 1, X.size)[None, :], np.linspace(-1, 1, Y.size)[:, None]
 WHOLE = Region(slice(0, Y.size), slice(0, X.size))
 TURNED = Region(slice(0, X.size), slice(0, Y.size))  # of images with x and y exchanged
 VIEW = PinView(PIN * 1e-3, BORE * 1e-3, X[1], LOAD_LINE, AXIAL_ORIGIN)
@@ -51,6 +52,11 @@ def known_gap(minimum: float, *, centre: float = CENTRE, tilt: float = TILT) -> 
     """Gap of rigid cylinders with a tilt; its minimum lies at (centre, 0). (y, x) [um]"""
     parabola = (X - centre) ** 2 / (2 * RADIUS)  # mm2/m = um
     return minimum + parabola[None, :] + tilt * (Y / Y[-1])[:, None]
+
+
+def ball(minimum: float, *, bend: tuple[float, float] = (3.0, 2.0)) -> np.ndarray:
+    """Gap of a ball that touches off the middle; its curvatures along and across. [um]"""
+    return minimum + bend[0] * (S - 0.1) ** 2 + bend[1] * (Z + 0.2) ** 2
 
 
 def circle_gap(

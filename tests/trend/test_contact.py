@@ -1,24 +1,28 @@
 """The contact that the curvatures of a run allow, on gaps that are known."""
 
 import numpy as np
-from scenes.gap import WHOLE, X, Y, exact_ratios, known_calibration, known_gap, noisy_ratios
+from scenes.gap import (
+    WHOLE,
+    S,
+    X,
+    Y,
+    Z,
+    ball,
+    exact_ratios,
+    known_calibration,
+    known_gap,
+    noisy_ratios,
+)
 
 from erlif.trend import FilmCurve, sum_blocks
 from erlif.trend.contact import choose_contact, has_plateau
 from erlif.trend.gap import GapShape, find_gap_minimum
-
-S, Z = np.linspace(-1, 1, X.size)[None, :], np.linspace(-1, 1, Y.size)[:, None]
 
 
 def fit(ratios):
     """The gap of a point contact."""
     curve, sums = FilmCurve.of(known_calibration()), sum_blocks(ratios, WHOLE)
     return find_gap_minimum(sums, curve, region=WHOLE, sliding_along_x=True, contact=GapShape.POINT)
-
-
-def ball(minimum, *, bend=(3.0, 2.0)):
-    """Gap of a ball that touches off the middle; its curvatures along and across. [um]"""
-    return minimum + bend[0] * (S - 0.1) ** 2 + bend[1] * (Z + 0.2) ** 2
 
 
 def choose(*films, noise=0.0135):

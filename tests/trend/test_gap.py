@@ -8,8 +8,11 @@ from scenes.gap import (
     RADIUS,
     TURNED,
     WHOLE,
+    S,
     X,
     Y,
+    Z,
+    ball,
     exact_ratios,
     exchange_axes,
     known_calibration,
@@ -24,7 +27,6 @@ from erlif.rig.film import Gap, draw_marks
 from erlif.trend import FilmCurve, Region, choose_contact, sum_blocks
 from erlif.trend.gap import MISFIT, GapShape, find_gap_minima, find_gap_minimum
 
-S, Z = np.linspace(-1, 1, X.size)[None, :], np.linspace(-1, 1, Y.size)[:, None]
 PLACE = np.array([0.1 * 0.5 + 0.5, -0.2 * 0.5 + 0.5]) * [X.size - 1, Y.size - 1]
 """Column and row at which `ball` is thinnest. [px]"""
 
@@ -33,11 +35,6 @@ def fit(ratios, *, calibration=None, region=WHOLE, **options):
     curve = FilmCurve.of(calibration or known_calibration())
     sums = sum_blocks(ratios, region)
     return find_gap_minimum(sums, curve, region=region, **{"sliding_along_x": True} | options)
-
-
-def ball(minimum, *, bend=(3.0, 2.0)):
-    """Gap of a ball that touches off the middle; its curvatures along and across. [um]"""
-    return minimum + bend[0] * (S - 0.1) ** 2 + bend[1] * (Z + 0.2) ** 2
 
 
 @pytest.mark.parametrize("minimum", [1.0, 3.0, 8.0])
