@@ -85,10 +85,10 @@ def _describe_map(film: xr.Dataset, attrs: Mapping[str, float]) -> str:
         film[name].attrs["factor"] if name in film else np.nan
         for name in ("film_over_theory", "film_central_over_theory")
     )
-    centre = f", h_c {central:.3g}" if shows_plateau(film) and central == central else ""
-    if not formula_scope(attrs) or not np.isfinite(minimum):
-        return f"; {centre[2:]} × regime map" if centre else ""
-    return f"; {minimum:.3g}{centre} × regime map"
+    parts = [f"{minimum:.3g}"] if formula_scope(attrs) and np.isfinite(minimum) else []
+    if shows_plateau(film) and np.isfinite(central):
+        parts.append(f"h_c {central:.3g}")
+    return f"; {', '.join(parts)} × regime map" if parts else ""
 
 
 def _describe_error(attrs: Mapping[str, Any]) -> str:
@@ -117,8 +117,8 @@ def describe_other_factors(film: xr.Dataset) -> str:
     """Film over the regime map and over the transient film, each with its viscosity."""
     texts = []
     for name, title in _OTHERS.items():
-        told = name in film and (name != "film_central_over_theory" or shows_plateau(film))
-        attrs = film[name].attrs if told else {}
+        shown = name in film and (name != "film_central_over_theory" or shows_plateau(film))
+        attrs = film[name].attrs if shown else {}
         if np.isfinite(attrs.get("factor", np.nan)):
             std = np.hypot(attrs["factor_std_random"], attrs["factor_std_shared"])
             digits = decimals(std, 2)

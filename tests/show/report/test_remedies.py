@@ -20,7 +20,7 @@ def table(last, gap=0):
 
 
 @pytest.mark.parametrize("gap", [0, 1])
-def test_all_means_fit_the_terminal(gap):
+def test_all_remedies_fit_the_terminal(gap):
     lines = wrap(print_remedies(table(0.03, gap), "the middle of the wanted range")).splitlines()
     assert max(map(len, lines)) <= 80
     assert any(line.startswith("* With") for line in lines) == bool(gap)
