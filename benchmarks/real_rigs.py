@@ -31,7 +31,7 @@ import argparse
 import csv
 import tempfile
 from collections.abc import Mapping
-from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures import Executor, ProcessPoolExecutor
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -282,7 +282,7 @@ def photograph(out: Path, seed: int, rig: RigSettings, origin: float, size: floa
             csv.writer(file).writerows([head, *table])
 
 
-def with_means(out: Path, seed: int, keys: list[str], median: float) -> float:
+def photograph_with_remedies(out: Path, seed: int, keys: list[str], median: float) -> float:
     """Photograph a rig once more with some remedies; the film of its patch. [um]"""
     rng = np.random.default_rng([77, seed])
     leaves = {term: left for key in keys for term, left in REMEDIES[key].leaves.items()}
@@ -320,7 +320,7 @@ def reach_target(seed: int, *, target: str) -> tuple[str, float, float, float, f
         photograph(bare, seed, *draw_rig(np.random.default_rng([77, seed])))
         table = erlif.budget(bare / "run", target=target).target_std
         keys, median = table["remedy"].values[1:].tolist(), float(table.target_film[-1])
-        with_means(better, seed, keys, median)
+        photograph_with_remedies(better, seed, keys, median)
         film = erlif.process(better / "run")
         with xr.open_dataset(better / "truth.nc", engine="h5netcdf") as truth:
             true = truth.film.values
@@ -406,8 +406,47 @@ def pull_plateau(seed: int) -> dict[str, tuple[float, float]]:
     }
 
 
+def print_faults(pool: Executor, options: argparse.Namespace) -> None:
+    """A row for each fault and seed."""
+    names = [name for name in FAULTS if (options.only or "") in name]
+    jobs = [(name, n) for name in names for n in options.seeds]
+    for row in pool.map(partial(judge_fault, report=options.report), jobs):
+        print(row, flush=True)
+
+
+def print_targets(pool: Executor, options: argparse.Namespace) -> None:
+    """A row for each drawn rig with its remedies, and how many reach the target."""
+    rigs, reached = range(options.first, options.first + options.rigs), []
+    rows = pool.map(partial(reach_target, target=options.target), rigs)
+    for seed, (keys, median, wanted, std, error) in zip(rigs, rows, strict=True):
+        reached.append((abs(error) <= 2 * std, abs(error) <= wanted))
+        print(
+            f"{seed:4d}  {median:.2f} um, target {1e3 * wanted:.0f}, stated "
+            f"{1e3 * std:.0f}, error {1e3 * error:+.0f} nm: {keys}",
+            flush=True,
+        )
+    two, within = np.sum(reached, axis=0)
+    print(f"{two} of {len(reached)} within 2 standard deviations, {within} within the target")
+
+
+def print_coverage(pool: Executor, options: argparse.Namespace) -> None:
+    """A row for each number of the film: its errors over all drawn rigs."""
+    rigs = range(options.first, options.first + options.coverage)
+    pull = pull_plateau if options.plateau else partial(pull_rig, report=options.report)
+    drawn = list(pool.map(pull, rigs))
+    for name in dict.fromkeys(name for each in drawn for name in each):
+        every = np.array([each[name] for each in drawn if name in each])
+        error, std = every[np.isfinite(every).all(axis=1)].T
+        pulls = np.abs(error / std)
+        one, two = (100 * np.mean(pulls < width) for width in (1, 2))
+        print(
+            f"{name:22s} {len(error):4d} {one:5.1f} % {two:5.1f} %   largest {pulls.max():.2f}   "
+            f"rms error {np.sqrt(np.mean(error**2)):.3f}, median std {np.median(std):.3f}"
+        )
+
+
 def main() -> None:
-    """Print the table, or the coverage."""
+    """Print the table of faults, the coverage of drawn rigs, or their remedies for a target."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--coverage", type=int, help="rigs drawn from the default widths")
     parser.add_argument("--plateau", action="store_true", help="coverage of flattened balls")
@@ -424,38 +463,11 @@ def main() -> None:
         del REMEDIES[key]
     with ProcessPoolExecutor(options.workers) as pool:
         if options.target is not None:
-            rigs, pulls = range(options.first, options.first + options.rigs), []
-            for seed, row in zip(
-                rigs, pool.map(partial(reach_target, target=options.target), rigs), strict=True
-            ):
-                keys, median, wanted, std, error = row
-                pulls.append((abs(error) <= 2 * std, abs(error) <= wanted))
-                print(
-                    f"{seed:4d}  {median:.2f} um, target {1e3 * wanted:.0f}, stated "
-                    f"{1e3 * std:.0f}, error {1e3 * error:+.0f} nm: {keys}",
-                    flush=True,
-                )
-            two, within = np.sum(pulls, axis=0)
-            print(f"{two} of {len(pulls)} within 2 standard deviations, {within} within the target")
-            return
-        if options.coverage is None:
-            names = [name for name in FAULTS if (options.only or "") in name]
-            jobs = [(name, n) for name in names for n in options.seeds]
-            for row in pool.map(partial(judge_fault, report=options.report), jobs):
-                print(row, flush=True)
-            return
-        rigs = range(options.first, options.first + options.coverage)
-        pull = pull_plateau if options.plateau else partial(pull_rig, report=options.report)
-        drawn = list(pool.map(pull, rigs))
-    for name in dict.fromkeys(name for each in drawn for name in each):
-        every = np.array([each[name] for each in drawn if name in each])
-        error, std = every[np.isfinite(every).all(axis=1)].T
-        pulls = np.abs(error / std)
-        one, two = (100 * np.mean(pulls < width) for width in (1, 2))
-        print(
-            f"{name:22s} {len(error):4d} {one:5.1f} % {two:5.1f} %   largest {pulls.max():.2f}   "
-            f"rms error {np.sqrt(np.mean(error**2)):.3f}, median std {np.median(std):.3f}"
-        )
+            print_targets(pool, options)
+        elif options.coverage is not None:
+            print_coverage(pool, options)
+        else:
+            print_faults(pool, options)
 
 
 if __name__ == "__main__":
