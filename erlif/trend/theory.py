@@ -245,7 +245,8 @@ def predict_film(triggers: xr.Dataset, contact: LubricatedContact | LubricatedJo
         choice = "the largest film of the four regimes of an ellipse (Hamrock and Dowson 1979)"
 
     # film_theory is named after the regime of most triggers
-    regimes, count = np.unique(np.asarray(theory.regime), return_counts=True)
+    regime = np.broadcast_to(np.asarray(theory.regime, dtype=str), speed.shape)
+    regimes, count = np.unique(regime, return_counts=True)
     chosen = str(regimes[np.argmax(count)])
     gV, gE = float(np.median(theory.gV)), float(np.median(theory.gE))
     film_theory = FILM["film_theory"].fill(
@@ -256,13 +257,13 @@ def predict_film(triggers: xr.Dataset, contact: LubricatedContact | LubricatedJo
         notes="\n".join(theory.notes),
     )
     hard = 1e6 * np.asarray(theory.piezoviscous_elastic)
-    central = 1e6 * np.asarray(theory.central)
-    own = np.where(np.asarray(theory.regime) == FILM_REGIMES[-1], known, np.inf)
-    regime = np.broadcast_to(np.asarray(theory.regime, dtype=str), speed.shape)
     film_formula = FILM["film_hamrock_dowson"].fill(hard, **formula)
-    film_central = FILM["film_theory_central"].fill(central)
-    soft = (regime == FILM_REGIMES[2]) & (contact.length is None)
-    of_centre = np.hypot(theory.error, _SOFT_CENTRE * soft)
+    film_central = FILM["film_theory_central"].fill(1e6 * np.asarray(theory.central))
+
+    # the formula holds in its regime alone; the centre of soft ellipses is known less well
+    _, _, soft, holds = (regime == one for one in FILM_REGIMES)
+    own = np.where(holds, known, np.inf)
+    of_centre = np.hypot(theory.error, _SOFT_CENTRE * (soft & (contact.length is None)))
     errors = ((film_formula, own), (film_theory, theory.error), (film_central, of_centre))
     for one, error in errors:
         finite = np.asarray(error)[~np.isnan(error)]

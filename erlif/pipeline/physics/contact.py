@@ -56,22 +56,23 @@ def note_contact(results: Sequence[TriggerResult], contact: GapShape) -> list[No
     list of Note
     """
     notes = []
-    gaps = [gap for one in results for gap in one.minima.values()]
-    if any(np.isfinite(gap.bend).all() for gap in gaps):
-        text = f"the minimum of {_GAPS[contact]}, as the maps of all triggers ask for"
+    if any(np.isfinite(gap.bend).all() for one in results for gap in one.minima.values()):
+        text = f"the minimum of {_GAPS[contact]}, chosen by the maps of all triggers"
         notes.append(remark("film_min", text))
+
     statistics = [one.statistics for one in results]
     gaps = [one.gap for one in statistics]
     count = sum(one.departs and math.isnan(one.gap.minimum.value) for one in statistics)
     if count:
-        total = len(results)
         text = (
-            f"NaN at {count} of {total} triggers: {_GAPS[contact]} departs from their maps by more "
-            "than noise and marks. Its minimum is off by more than 0.1 um and a tenth; maps and "
-            "film_mean hold: take quantiles of the maps, or a smaller region of interest about the "
-            "thinnest film"
+            f"NaN at {count} of {len(gaps)} triggers: {_GAPS[contact]} departs from their maps by "
+            "more than noise and marks. Its minimum is off by more than 0.1 um and a tenth; maps "
+            "and film_mean hold: take quantiles of the maps, or a smaller region of interest about "
+            "the thinnest film"
         )
         notes.append(warn("film_min", text))
+
+    # a plateau has a centre also where its minimum is not known
     cut = sum(np.isnan(one.minimum.value) and np.isfinite(one.central.value) for one in gaps)
     if cut:
         text = (
