@@ -179,10 +179,7 @@ def with_light(draft: FilmDraft) -> FilmDraft:
     pairs = len(run.pairs.pages[0])
     results = follow_course(draft.results, ready.curve, counted.course, pairs=pairs)
     contact = GapShape(draft.film.attrs["contact"])
-    on_patch = findings.scale is not None
-    results, curve = with_texture(
-        results, curve, findings.texture, ready.plane, contact, on_patch=on_patch
-    )
+    results, curve = with_texture(results, curve, findings, ready.plane, contact)
     film = draft.film.assign(describe_statistics(results, curve))
     positions = [one.position for one in results]
     film = film.assign(describe_positions(positions, curve, ready.plane.view)).assign(light)
