@@ -315,13 +315,15 @@ def describe_statistics(results: Sequence[TriggerResult], calibration: RunCurve)
         "film_min_x": places[:, 0],
         "film_min_y": places[:, 1],
     }
-    centres = [one.gap.central for one in statistics]
-    for name, numbers in (
-        ("film_mean", [one.mean for one in statistics]),
-        ("film_min", [one.gap.minimum for one in statistics]),
-        ("film_gap_mean", [one.gap.mean for one in statistics]),
-        *([("film_central", centres)] if np.isfinite([one.value for one in centres]).any() else []),
-    ):
+    numbered = {
+        "film_mean": [one.mean for one in statistics],
+        "film_min": [one.gap.minimum for one in statistics],
+        "film_gap_mean": [one.gap.mean for one in statistics],
+    }
+    central = [one.gap.central for one in statistics]
+    if any(math.isfinite(one.value) for one in central):  # of a plateau
+        numbered["film_central"] = central
+    for name, numbers in numbered.items():
         values[name] = [one.value for one in numbers]
         values[f"{name}_std"] = [one.std(covariance) for one in numbers]
         values[f"{name}_std_random"] = [one.random_std for one in numbers]
