@@ -3,8 +3,8 @@
 ``python benchmarks/mistakes.py`` makes each mistake of tests/damages/mistakes.py on a copy of a
 small rig and prints whether it was refused or warned of, the largest error of the minimum film and
 of the speed exponent in stated standard deviations, the largest error of the speed, and the first
-warning. ``--only late`` chooses mistakes by a part of their names; ``--sound 200`` processes that
-many sound rigs of all kinds and prints every warning of an audit.
+warning. ``--only late`` chooses mistakes by a pattern in their names; ``--sound 200`` processes
+that many sound rigs of all kinds and prints every warning of an audit.
 """
 
 from __future__ import annotations
@@ -68,7 +68,7 @@ class Outcome(NamedTuple):
 
 
 USUAL = re.compile("the course of the minimum film is not that of a|^film_mean lacks up to")
-"""Warnings of sound rigs, whose film is a formula, or too thin to measure where a slider turns."""
+"""Warnings of sound rigs: their film is a formula, or too thin at the ends of a stroke."""
 
 
 def judge(rig: Path) -> Outcome:

@@ -23,7 +23,8 @@ import numpy.typing as npt
 import scipy
 import xarray as xr
 
-from erlif.calibration.pose import Freedom, Points
+from erlif.calibration.points import Points
+from erlif.calibration.pose import Freedom
 from erlif.calibration.regression import VERY_STRONG, Fit
 from erlif.core.arrays import Array, Mask
 

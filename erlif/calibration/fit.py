@@ -24,7 +24,8 @@ from erlif.calibration.departure import (
 )
 from erlif.calibration.pairing import pair_profile_with_image, thin_out
 from erlif.calibration.placement import add_uncertainty_of_turn, refine_pose
-from erlif.calibration.pose import ALONG, FoundPose, Freedom, Points, Pose
+from erlif.calibration.points import Points
+from erlif.calibration.pose import ALONG, FoundPose, Freedom, Pose
 from erlif.calibration.profile import Profile
 from erlif.calibration.regression import OUTLIER, Fit, fit_robustly
 from erlif.calibration.soundness import check_fit

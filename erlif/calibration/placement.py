@@ -11,6 +11,7 @@ import numpy as np
 import scipy
 
 from erlif.calibration.pairing import pair_profile_with_image
+from erlif.calibration.points import Points
 from erlif.calibration.pose import (
     ACROSS,
     ALONG,
@@ -18,7 +19,6 @@ from erlif.calibration.pose import (
     TURN,
     FoundPose,
     Freedom,
-    Points,
     Pose,
     Turn,
     find_turn,

@@ -1,4 +1,4 @@
-"""Points of the profile in the image, and its pose: offset, scale and turn, as determined."""
+"""Pose of the fixture in the image: offset, scale and turn, and which the data determine."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from erlif.calibration.points import Points
 from erlif.core.arrays import Array, Mask
 from erlif.core.notes import Note, remark
 
@@ -19,62 +20,6 @@ _SIGNIFICANT = 3.0  # standard deviations from which on a turn found in the imag
 _OUTLIER = 4.5  # standard deviations beyond which a cell holds dust
 _OUTLIER_PASSES = 3
 _MINIMUM_CELLS = 8  # for a line through slopes across the profile
-
-
-@dataclass(frozen=True)
-class Points:
-    """CMM points inside the image, each with the mean ratio of the pixels nearest to it.
-
-    Attributes
-    ----------
-    thickness : Array
-        Film thickness by the CMM, (point,). [um]
-    thickness_std : Array
-        Its standard deviation, (point,); NaN where the profile states none. [um]
-    log_ratio : Array
-        Logarithm of the ratio camera 2 / camera 1 at the point, (point,). [1]
-    log_ratio_std : Array
-        Its standard deviation, (point,). [1]
-    pixel_var : Array
-        Variance of one pixel of the mean image that is new in every frame, (point,). [1]
-    fixed_var : Array
-        Variance of one pixel that repeats from frame to frame, (point,). [1]
-    position : Array
-        Position on the profile, (point, axis): one axis for a line, two for a surface. [mm]
-    gradient : Array
-        Gradient of the film thickness along the axes, (point, axis). [um/mm]
-    ratio_gradient : Array
-        Gradient of `log_ratio` along the axes, (point, axis). [1/mm]
-    mean_across : Array
-        Mean position of the pixels across a line, (point,); 0 for a surface. [mm]
-    across_slope : Array
-        Slope of the logarithm of the ratio across a line, (point,); NaN for a surface. [1/mm]
-    across_slope_std : Array
-        Standard deviation of `across_slope`, (point,). [1/mm]
-    """
-
-    thickness: Array
-    thickness_std: Array
-    log_ratio: Array
-    log_ratio_std: Array
-    pixel_var: Array
-    fixed_var: Array
-    position: Array
-    gradient: Array
-    ratio_gradient: Array
-    mean_across: Array
-    across_slope: Array
-    across_slope_std: Array
-
-    @property
-    def on_surface(self) -> bool:
-        """Whether the profile is a surface; otherwise it is a line."""
-        return bool(self.position.shape[1] == 2)
-
-    @property
-    def has_error_bars(self) -> bool:
-        """Whether the profile states the uncertainty of every thickness."""
-        return bool(np.isfinite(self.thickness_std).all())
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from erlif.calibration.pose import Freedom, Points
+from erlif.calibration.points import Points
+from erlif.calibration.pose import Freedom
 from erlif.calibration.profile import MINIMUM_POINTS
 from erlif.core.arrays import Array, Mask
 from erlif.core.statistics import robust_rms

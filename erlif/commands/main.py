@@ -65,7 +65,7 @@ class _Commands(click.Group):
         # numpy and scipy are not loaded yet; the matrices are small, so that threads of linear
         # algebra mostly wait for each other, and erlif has its own
         os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-        # figures are files; the backend of a notebook or a display that is not there is for others
+        # figures are files: the backend of a notebook or of a display may not be installed here
         os.environ["MPLBACKEND"] = "agg"
         open_missing_streams()
         try:
@@ -200,6 +200,6 @@ def show_log(verbosity: int) -> None:
     logger.addHandler(handler)
     logger.setLevel(LEVELS[min(verbosity, len(LEVELS) - 1)])
 
-    # erlif reports damaged TIFF files itself; matplotlib finds a place for its cache
+    # erlif reports damaged TIFF files itself; without a cache of matplotlib figures are the same
     for package in ("tifffile", "matplotlib"):
         logging.getLogger(package).setLevel(logging.CRITICAL)

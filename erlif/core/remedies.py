@@ -19,6 +19,7 @@ class Remedy:
     Attributes
     ----------
     what : str
+        Name in lists.
     why : str
         How it is stated, and where the width comes from that it leaves.
     effort : str
@@ -27,7 +28,7 @@ class Remedy:
         Of a term, the standard deviation that remains [%]; or, as text, its share of the term at
         the end of the run: a number, or the width of a source of error.
     to_patch : bool
-        Whether films have the difference of their errors to those of a patch.
+        Whether the errors of films become their differences to those of a patch.
     without_gap : bool
         Whether the gap of the joint takes no errors out beside it.
     """

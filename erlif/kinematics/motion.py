@@ -107,16 +107,15 @@ def locate_rotation(
     array([0.2, 0.2])
     """
     require(log, "number")
-    columns, unusual = _logged_columns(log), dict[str, str]()
+    columns = _logged_columns(log)
+    unusual: dict[str, str] = {}
     if "angle" in log:
         disc = (log.angle.values + math.degrees(zero)) % _TURN
         columns["crank_angle"] = (disc, "angle of the disc")
     if "sliding_speed" not in log:
         rate = np.abs(_choose_rate(log, rotation))
-        columns["sliding_speed"] = (
-            np.broadcast_to(rate * rotation.radius, log.sizes["frame"]),
-            "",
-        )
+        speed = np.broadcast_to(rate * rotation.radius, log.sizes["frame"])
+        columns["sliding_speed"] = (speed, "")
         unusual = _judge_rate(rate)
     located = _number_frames(log, columns, triggers_per_cycle, bins)
     return located.assign_attrs(unusual | _compare_rate(log, rotation.speed, "speed"))
@@ -297,11 +296,11 @@ def _angle_falls(log: EncoderLog, angle: Array) -> bool:
 
 
 def _judge_rate(rate: float | Array) -> dict[str, str]:
-    """A remark on a disc that turns [rad/s] as none does on a test rig."""
+    """A remark on a rate [rad/s] beyond those of discs on test rigs."""
     rpm = 60 * float(np.median(rate)) / (2 * math.pi)
     if not rpm or _USUAL_RPM[0] < rpm < _USUAL_RPM[1]:
         return {}
-    text = f"the disc turns at {rpm:.3g} rpm, as on no test rig"
+    text = f"the disc turns at {rpm:.3g} rpm, unlike those of test rigs"
     return {"contradiction": f"{text}. Correct speed, or the units of angle and time of the log"}
 
 

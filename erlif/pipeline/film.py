@@ -179,10 +179,7 @@ def with_light(draft: FilmDraft) -> FilmDraft:
     pairs = len(run.pairs.pages[0])
     results = follow_course(draft.results, ready.curve, counted.course, pairs=pairs)
     contact = GapShape(draft.film.attrs["contact"])
-    on_patch = findings.scale is not None
-    results, curve = with_texture(
-        results, curve, findings.texture, ready.plane, contact, on_patch=on_patch
-    )
+    results, curve = with_texture(results, curve, findings, ready.plane, contact)
     film = draft.film.assign(describe_statistics(results, curve))
     positions = [one.position for one in results]
     film = film.assign(describe_positions(positions, curve, ready.plane.view)).assign(light)
@@ -318,13 +315,15 @@ def describe_statistics(results: Sequence[TriggerResult], calibration: RunCurve)
         "film_min_x": places[:, 0],
         "film_min_y": places[:, 1],
     }
-    centres = [one.gap.central for one in statistics]
-    for name, numbers in (
-        ("film_mean", [one.mean for one in statistics]),
-        ("film_min", [one.gap.minimum for one in statistics]),
-        ("film_gap_mean", [one.gap.mean for one in statistics]),
-        *([("film_central", centres)] if np.isfinite([one.value for one in centres]).any() else []),
-    ):
+    numbered = {
+        "film_mean": [one.mean for one in statistics],
+        "film_min": [one.gap.minimum for one in statistics],
+        "film_gap_mean": [one.gap.mean for one in statistics],
+    }
+    central = [one.gap.central for one in statistics]
+    if any(math.isfinite(one.value) for one in central):  # of a plateau
+        numbered["film_central"] = central
+    for name, numbers in numbered.items():
         values[name] = [one.value for one in numbers]
         values[f"{name}_std"] = [one.std(covariance) for one in numbers]
         values[f"{name}_std_random"] = [one.random_std for one in numbers]

@@ -31,7 +31,7 @@ from erlif.pipeline.recording.prepare import prepare_run
 from erlif.planning.target import read_target, shortest_list
 from erlif.ratio import PairRatio, RatioSum
 from erlif.review.target import errors_of_run
-from erlif.thickness import flag_beyond_maximum, measure_thickness
+from erlif.thickness import flag_beyond_maximum, flag_steps, measure_thickness
 from erlif.trend import FilmStatistics, summarise_film
 
 # Errors that average out over pixels and frames, over pixels only, and not at all.
@@ -166,6 +166,7 @@ def budget(
     sources = _separate_sources(ready.chain, frames)
     images = sources.ratio
     flag_beyond_maximum(images.log_ratio.values, images.flags.values, measuring)
+    flag_steps(images.log_ratio.values, images.log_ratio_var.values, images.flags.values)
     maps = measure_thickness(images, measuring)
     valid = maps.flags.values == 0
     if not valid.any():
@@ -184,7 +185,7 @@ def budget(
         contacts=plane.contacts,
     )
     (result,), measuring = with_texture(
-        [TriggerResult(statistics, (), ())], measuring, findings.texture, plane, plane.contacts[0]
+        [TriggerResult(statistics, (), ())], measuring, findings, plane, plane.contacts[0]
     )
     statistics = result.statistics
 

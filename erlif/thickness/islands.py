@@ -96,12 +96,12 @@ def flag_beyond_maximum(log_ratio: Image, flags: FlagImage, calibration: RatioCu
     # films beyond the maximum have the ratio of an endless one, or more
     end = endless + top - float(ratios.max())
     thin = touched[scipy.ndimage.minimum(mean, islands, touched) < end - width]
-    least = end - width if thin.size else end
-    if not thin.size:
-        thin = np.array([np.argmax(size)])
+    limit = end - width
+    if not thin.size:  # none is thin without doubt: the largest is taken for it
+        thin, limit = np.array([np.argmax(size)]), end
     other = np.setdiff1d(touched, thin)
     if not other.size:
         return
     middle = np.atleast_1d(scipy.ndimage.median(mean, islands, other))
-    beyond = np.isin(islands, other[middle > least])
+    beyond = np.isin(islands, other[middle > limit])
     flags[beyond.ravel()[cells] & sound] |= _ABOVE

@@ -5,7 +5,7 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
-from erlif.core.arrays import FlagImage, Image
+from erlif.core.arrays import AnyArray, FlagImage, Image, Mask
 from erlif.core.flags import Flag
 from erlif.core.statistics import robust_rms
 
@@ -16,7 +16,7 @@ _REACH = _ACROSS.size // 2  # cells
 _ALONG = np.full(5, 1 / 5, np.float32)  # cells along the step
 _SAMPLED = 10_000  # differences from which the scatter is taken
 _SURE = 5.0  # standard deviations of such a difference from which it is a step
-_LEAST = 0.005  # step of the logarithm of the ratio that matters: 0.15 um in 6 um [1]
+_SMALLEST = 0.005  # step of the logarithm of the ratio that matters: 0.15 um in 6 um [1]
 _LARGEST = 0.7  # of the largest difference within three cells: beside a step others follow from it
 
 
@@ -50,25 +50,38 @@ def flag_steps(log_ratio: Image, variance: Image, flags: FlagImage) -> None:
     height, width = (size // 2 for size in flags.shape)
     if min(height, width) < _ACROSS.size:
         return
-    even = slice(2 * height), slice(2 * width)
-    size = width, height
+
+    # cells of 2 x 2 pixels; their noise has the form of that of one pixel
+    even, size = (slice(2 * height), slice(2 * width)), (width, height)
     sound = np.where(flags[even] == 0, log_ratio[even], np.float32(np.nan))
     cells = cv2.resize(sound, size, interpolation=cv2.INTER_AREA)
     noise = cv2.sqrt(cv2.resize(variance[even], size, interpolation=cv2.INTER_NEAREST))
-    held = np.zeros(cells.shape, np.uint8)
-    for kernels, axis in (((_ACROSS, _ALONG), 1), ((_ALONG, _ACROSS), 0)):
-        step = np.abs(cv2.divide(cv2.sepFilter2D(cells, -1, *kernels), noise))
-        # beyond the border there is no film to compare with
-        ends = np.moveaxis(step, axis, 0)
-        ends[:_REACH] = ends[-_REACH:] = np.nan
-        some = step[:: max(step.size // _SAMPLED, 1)]
-        least = _SURE * robust_rms(some[np.isfinite(some)]) if np.isfinite(some).any() else np.inf
-        step = np.nan_to_num(step, copy=False, posinf=0.0)
-        if step.max() > least > 0:
-            near = np.ones((kernels[1].size, kernels[0].size), np.uint8)
-            sure = step > np.maximum(least, _LARGEST * cv2.dilate(step, near))
-            held |= (sure & (step * noise > _LEAST)).astype(np.uint8)
+
+    held = _find_steps(cells, noise, (_ACROSS, _ALONG), axis=1)
+    held |= _find_steps(cells, noise, (_ALONG, _ACROSS), axis=0)
     if held.any():
-        pixels = cv2.resize(held, (2 * width, 2 * height), interpolation=cv2.INTER_NEAREST)
+        doubled = 2 * width, 2 * height
+        pixels = cv2.resize(held.view(np.uint8), doubled, interpolation=cv2.INTER_NEAREST)
         around = cv2.dilate(pixels, np.ones((3, 3), np.uint8)).astype(bool)
         flags[even][around] |= np.uint16(Flag.FILM_STEP)
+
+
+def _find_steps(
+    cells: AnyArray, noise: AnyArray, kernels: tuple[Image, Image], *, axis: int
+) -> Mask:
+    """Cells that hold a step across an axis, which is filtered by kernels along x and y."""
+    step = np.abs(cv2.divide(cv2.sepFilter2D(cells, -1, *kernels), noise))
+
+    # beyond the border there is no film to compare with
+    ends = np.moveaxis(step, axis, 0)
+    ends[:_REACH] = ends[-_REACH:] = np.nan
+    sample = step[:: max(step.size // _SAMPLED, 1)]
+    sample = sample[np.isfinite(sample)]
+    scatter = robust_rms(sample) if sample.size else 0.0
+    step = np.nan_to_num(step, copy=False, posinf=0.0)
+    if not step.max() > _SURE * scatter > 0:
+        return np.zeros(step.shape, bool)
+
+    largest = cv2.dilate(step, np.ones((kernels[1].size, kernels[0].size), np.uint8))
+    sure: Mask = step > np.maximum(_SURE * scatter, _LARGEST * largest)
+    return sure & (step * noise > _SMALLEST)

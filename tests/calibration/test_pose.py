@@ -11,21 +11,6 @@ from scenes.fixture import log_ratio, make_points
 from erlif.calibration.placement import find_freedom
 from erlif.calibration.pose import AS_GIVEN, FoundPose, Pose, find_turn
 
-LINE = make_points(np.linspace(1.0, 10.0, 10))
-
-
-def test_a_profile_with_two_axes_is_a_surface():
-    assert not LINE.on_surface
-    assert make_points(LINE.thickness, position=np.ones((10, 2))).on_surface
-
-
-def test_error_bars_are_known_only_where_every_point_has_one():
-    assert LINE.has_error_bars
-    for known in (np.arange(10) != 3, np.zeros(10, bool)):
-        std = np.where(known, 0.1, np.nan)
-        assert not make_points(LINE.thickness, thickness_std=std).has_error_bars
-
-
 GIVEN = Pose((12.0, -3.0), 0.3, 0.05)
 X = np.linspace(0, 18, 120)
 

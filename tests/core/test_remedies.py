@@ -9,7 +9,7 @@ def test_a_fixture_after_the_run_lowers_what_lies_between_both():
     assert set(REMEDIES["fixture_after"].leaves) == between
 
 
-def test_each_term_that_a_file_states_has_a_mean():
+def test_each_term_that_a_file_states_has_a_remedy():
     stated = {key for key, term in TERMS.items() if term.file and not term.of_two}
     assert {key for remedy in REMEDIES.values() for key in remedy.leaves} == stated
 

@@ -324,11 +324,11 @@ def family(name: str, make: Callable, cause: str, rows: Iterable[tuple]) -> list
     ]
 
 
-def in_stacks(*make_and_name: Mistake) -> list[Mistake]:
+def in_stacks(mistakes: Iterable[Mistake]) -> list[Mistake]:
     """The same mistakes where the frames of a camera are in one file."""
     return [
         Mistake(f"{one.name}, in stacks", stacked(one.change), one.cause, one.rig)
-        for one in make_and_name
+        for one in mistakes
     ]
 
 
@@ -742,15 +742,13 @@ MISTAKES += [
     ),
 ]
 MISTAKES += in_stacks(
-    *(
-        one
-        for one in MISTAKES
-        if one.rig in ("law", "slider")
-        and re.search(
-            "copies of|bit [47] of camera|late by (1|-3)|lost from|reverse order|exchanged"
-            "|counts of both cameras halved|of the fixture|pairs of '",
-            one.name,
-        )
+    one
+    for one in MISTAKES
+    if one.rig in ("law", "slider")
+    and re.search(
+        "copies of|bit [47] of camera|late by (1|-3)|lost from|reverse order|exchanged"
+        "|counts of both cameras halved|of the fixture|pairs of '",
+        one.name,
     )
 )
 

@@ -206,7 +206,7 @@ OUTPUTS = [
     )
 ]
 
-USAGE = [*(_state(name, _nothing, *row) for name, row in TEXTS["usage"].items())]
+USAGE = [_state(name, _nothing, *row) for name, row in TEXTS["usage"].items()]
 
 
 def _table(name, content, *words):

@@ -2,13 +2,10 @@
 
 import importlib
 import re
-from dataclasses import replace
 
 import pytest
 
-from erlif.calibration import RunCurve
 from erlif.commands.main import show_log
-from erlif.pipeline.run import FilmWork
 
 STAGES = ("darks and flats", "registration", "sharpness and noise", "film", "writing")
 
@@ -37,29 +34,3 @@ def test_an_input_replaced_while_it_is_processed_is_refused(lab, monkeypatch, co
     monkeypatch.setattr(module, "measure_run", replace_and_run)
     assert f"{name} was changed or replaced" in command("process", lab.run, status=2).stderr
     assert not list(lab.run.glob("film.nc*"))
-
-
-def change_settings(work):
-    joint = work.run.settings.joint.model_copy(update={"load": 200.0})
-    settings = work.run.settings.model_copy(update={"joint": joint})
-    return replace(work, run=replace(work.run, settings=settings))
-
-
-def change_pairs(work):
-    pairs = replace(work.run.pairs, skipped={3: "damaged"})
-    return replace(work, run=replace(work.run, pairs=pairs))
-
-
-def change_calibration(work):
-    fixture = work.curve.calibration
-    other = replace(fixture, ratio_at_zero=1.001 * fixture.ratio_at_zero)
-    return replace(work, curve=replace(work.curve, calibration=other))
-
-
-def test_work_is_known_by_its_inputs(run, calibration, tmp_path):
-    work = FilmWork.of(run, RunCurve.of(calibration), tmp_path / "film.nc")
-    known = work.identify("inputs")
-    assert replace(work, run=replace(run)).identify("inputs") == known
-    assert work.identify("other inputs") != known
-    for change in (change_settings, change_pairs, change_calibration):
-        assert change(work).identify("inputs") != known

@@ -9,9 +9,12 @@ import numpy as np
 import numpy.testing as npt
 import pytest
 import tifffile
+from scenes.rig import small_rig
 
 import erlif
+from conftest import Laboratory
 from erlif.calibration import Systematics
+from erlif.core.flags import Flag
 from erlif.core.terms import TERMS
 from erlif.rig import RigSettings, simulate
 from erlif.show.plots import example_calibration
@@ -80,6 +83,34 @@ def test_terms_add_up_to_the_error_bars_of_the_statistics(lab):
         npt.assert_allclose(
             column["std"].sel(term="total"), film[f"{name}_std"].values[2], rtol=1e-4
         )
+
+
+def test_pixels_beside_a_step_are_left_out_as_in_the_film(lab, tmp_path):
+    """Camera 2 has 20 % more light in one half of the image, as behind a step of 4 um."""
+    _, _, out, calibration = lab
+    copy = shutil.copytree(out / "run", tmp_path / "run")
+    for path in (copy / "camera2").iterdir():
+        page = tifffile.imread(path).astype(float)
+        page[:, 112:] += 0.2 * (page[:, 112:] - 64)
+        tifffile.imwrite(path, np.rint(page).astype(np.uint16), photometric="minisblack")
+    film = erlif.process(copy, calibration=calibration).isel(trigger=2)
+    assert (film["flags"] & Flag.FILM_STEP).any()
+    column = erlif.budget(copy, trigger=2, calibration=calibration).sel(quantity="mean film")
+    npt.assert_allclose(column["value"], film.film_mean, rtol=1e-6)
+    npt.assert_allclose(column["std"].sel(term="total"), film.film_mean_std, rtol=1e-4)
+
+
+@pytest.mark.slow
+def test_an_uneven_wall_on_the_patch_is_in_the_budget_as_in_the_film(tmp_path):
+    """The patch has the scale of the ratio taken out, and its wall is as uneven as the others."""
+    wall = {"wall": (0.1, 0.1), "wall_texture": (0.5, 1.0), "brightness": (1.0, 1.03)}
+    lab = Laboratory.simulated(tmp_path, seed=81, rig=small_rig(**wall, reference=6.5))
+    lab.edit("run/run.toml", ("[thickness]", '[light]\nratio = "correct"\n\n[thickness]'))
+    film = erlif.process(lab.run).isel(trigger=2)
+    column = erlif.budget(lab.run, trigger=2).sel(quantity="mean film")
+    texture = film.film_mean_error.sel(error_term=film.error_term == "texture").item()
+    npt.assert_allclose(column["std"].sel(term="texture"), texture, rtol=1e-4)
+    npt.assert_allclose(column["std"].sel(term="total"), film.film_mean_std, rtol=1e-4)
 
 
 def test_photons_are_the_square_root_of_their_number(lab):

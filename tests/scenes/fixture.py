@@ -9,7 +9,7 @@ from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq
 
 from erlif.calibration import Profile, RunCurve, Systematics, fit_calibration
-from erlif.calibration.pose import Points
+from erlif.calibration.points import Points
 from erlif.core.products import RatioImages
 from erlif.rig import dyes
 

@@ -63,9 +63,11 @@ def note_crank(evidence: Evidence) -> Iterator[Note]:
     reading = np.asarray(located.encoder_angle.values, float)[:_MOST]
     if reading.size < _FEWEST or evidence.mounting:
         return
-    small = list(_note_small_swing(run, reading))
-    if small or "time" not in run.log:
-        yield from small or _note_odd_steps(reading)
+    if "time" not in run.log:
+        yield from _note_odd_steps(reading)
+        return
+    if small := list(_note_small_swing(run, reading)):
+        yield from small
         return
 
     time = np.asarray(run.log["time"].values, float)[:_MOST]
@@ -106,7 +108,7 @@ def _note_small_swing(run: Run, reading: Array) -> Iterator[Note]:
     """Warn of readings that swing by a fraction of the linkage's swing in a turn or more."""
     links, encoder = run.settings.linkage, run.settings.encoder
     mounted = "rocker" if encoder is None else encoder.mounted_on
-    if links is None or mounted == "crank" or "time" not in run.log:
+    if links is None or mounted == "crank":
         return
     turns = links.crank_speed * float(np.ptp(run.log["time"].values)) / (2 * math.pi)
     low, high = np.degrees(choose_link(build_linkage(links), mounted).limits)

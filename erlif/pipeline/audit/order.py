@@ -369,7 +369,6 @@ def compare_film(drive: Array, levels: Array) -> Order | None:
     if np.nanstd(levels) < _FLAT:
         return None
     drive = drive / drive.max()
-    plain = _rest_share(_speed_terms(drive), levels)
     limit = min(FARTHEST, levels.size // 4)
     orders = [Order(0, 0, True, _rest_share(_speed_terms(drive[::-1]), levels))]
     places = np.unique(np.linspace(0, levels.size - SIDE, _PLACES).astype(int))
@@ -379,10 +378,9 @@ def compare_film(drive: Array, levels: Array) -> Order | None:
             joined = np.where(np.arange(drive.size) >= since, moved, drive)
             orders.append(Order(lag, int(since), False, _rest_share(_speed_terms(joined), levels)))
     best = min(orders, key=lambda one: one.left)
-    if best.left < plain:
-        # the size of a speed repeats twice a turn: what squeeze delays is late, early or reversed
-        plain = min(plain, *(_rest_share(_delayed(drive, one), levels) for one in _MEMORIES))
-    gain = known.sum() / 2 * math.log(max(plain, 1e-6) / max(best.left, 1e-6))
+
+    plain = _share_as_it_is(drive, levels, best.left)
+    gain = _gain(levels, plain, best.left)
     least, better = (_GAIN_REVERSE, _BETTER_REVERSE) if best.reverse else (_GAIN_BY_FILM, _BETTER)
     most = _LEFT_BY_SQUEEZE if best.lag < 0 else _LEFT_BY_FILM
     if gain > least and plain > better * best.left and best.left < most:
@@ -415,22 +413,18 @@ def find_zero(angle: Array, weight: Array, levels: Array) -> float | None:
     >>> find_zero(angle + 0.35, np.ones(60), film)
     -20.0
     """
-    known = int(np.isfinite(levels).sum())
-    if known < FEWEST or np.nanstd(levels) < _FLAT:
+    if np.isfinite(levels).sum() < FEWEST or np.nanstd(levels) < _FLAT:
         return None
     turns = np.arange(-90.0, 90.0)
     drives = np.abs(np.cos(angle + np.radians(turns)[:, None])) * weight
-    left = np.array([_rest_share(_speed_terms(one / one.max()), levels) for one in drives])
-    best = int(np.argmin(left))
-    plain = left[turns == 0][0]
-    if left[best] < plain:
-        # squeeze delays the film
-        drive = drives[turns == 0][0]
-        late = [_rest_share(_delayed(drive / drive.max(), one), levels) for one in _MEMORIES]
-        plain = min(plain, *late)
-    gain = known / 2 * math.log(max(plain, 1e-6) / max(float(left[best]), 1e-6))
-    clear = gain > _GAIN_BY_FILM and plain > _BETTER * left[best] and left[best] < _LEFT_BY_FILM
-    return float(turns[best]) if clear else None
+    drives /= drives.max(axis=1, keepdims=True)
+    shares = [_rest_share(_speed_terms(one), levels) for one in drives]
+    best = int(np.argmin(shares))
+    left = shares[best]
+
+    plain = _share_as_it_is(drives[turns == 0][0], levels, left)
+    clear = _gain(levels, plain, left) > _GAIN_BY_FILM and plain > _BETTER * left
+    return float(turns[best]) if clear and left < _LEFT_BY_FILM else None
 
 
 def find_other_films(drive: Array, levels: Array) -> AnyArray:
@@ -471,6 +465,23 @@ def _delayed(drive: Array, memory: float) -> Array:
     kept = math.exp(-1 / memory)
     late = lfilter([1 - kept], [1, -kept], _speed_terms(drive), axis=0)
     return np.column_stack([late, kept ** np.arange(drive.size)])
+
+
+def _share_as_it_is(drive: Array, levels: Array, best: float) -> float:
+    """Share that the speed by the log leaves; beside a better one, that squeeze may delay it.
+
+    The size of a speed repeats twice a turn: what squeeze delays looks late, early or reversed.
+    """
+    plain = _rest_share(_speed_terms(drive), levels)
+    if best < plain:
+        plain = min(plain, *(_rest_share(_delayed(drive, one), levels) for one in _MEMORIES))
+    return plain
+
+
+def _gain(levels: Array, plain: float, left: float) -> float:
+    """Gain in the logarithm of the likelihood where a smaller share of the variance is left."""
+    floor = 1e-6  # of a film without noise, which leaves nothing
+    return float(np.isfinite(levels).sum() / 2 * math.log(max(plain, floor) / max(left, floor)))
 
 
 def _rest_share(columns: Array, levels: Array) -> float:

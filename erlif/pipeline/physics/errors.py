@@ -70,7 +70,9 @@ def shared_errors(statistics: Sequence[FilmStatistics], calibration: RunCurve) -
     minima = [one.gap.minimum for one in statistics]
     gradient = np.array([one.gradient for one in minima])
     by_fixture = gradient @ covariance_root(calibration.full_covariance)
-    surface = float(np.nanmedian([one.surface_std for one in minima]))
+    surfaces = np.array([one.surface_std for one in minima])
+    known = surfaces[np.isfinite(surfaces)]
+    surface = np.median(known) if known.size else np.nan  # no film has a minimum
     return np.column_stack([by_fixture, np.full(len(minima), surface)])
 
 

@@ -50,16 +50,14 @@ def cells_of_region(
     rows, columns = plane.region.rows, plane.region.columns
     inside = (rows.start <= y) & (y < rows.stop) & (columns.start <= x) & (x < columns.stop)
     if plane.patch is not None:
-        across, along = (
-            0.5 * size / cells + BLOCK for size, cells in zip(plane.shape, CELLS, strict=True)
+        # half of a cell of whole blocks, which may have one more than others
+        down, along = (
+            0.5 * size / count + BLOCK for size, count in zip(plane.shape, CELLS, strict=True)
         )
         rows, columns = plane.patch.rows, plane.patch.columns
-        inside &= (
-            (y < rows.start - across)
-            | (y > rows.stop + across)
-            | (x < columns.start - along)
-            | (x > columns.stop + along)
-        )
+        beside = (y < rows.start - down) | (y > rows.stop + down)
+        beside |= (x < columns.start - along) | (x > columns.stop + along)
+        inside &= beside
     parts[:, :, ~inside] = np.nan
     return LightCells(*parts.transpose(1, 0, 2)), centres
 

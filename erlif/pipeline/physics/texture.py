@@ -12,6 +12,7 @@ from erlif.core.notes import Note, warn
 from erlif.core.terms import CONSTANT, TERMS
 from erlif.io.files import MapStore
 from erlif.pipeline.engines.results import TriggerResult
+from erlif.pipeline.physics.findings import LightFindings
 from erlif.pipeline.plane import ObjectPlane
 from erlif.trend import GapShape, Texture
 
@@ -21,17 +22,16 @@ _FILMS = 400  # of the range, at which the error of a pixel is tabulated
 def with_texture(
     results: Sequence[TriggerResult],
     calibration: RunCurve,
-    texture: Texture | None,
+    findings: LightFindings,
     plane: ObjectPlane,
     contact: GapShape,
-    *,
-    on_patch: bool = False,
 ) -> tuple[list[TriggerResult], RunCurve]:
     """Results and calibration with one more parameter, the last: what stands still in the image.
 
     Its error is that of a pixel; numbers of a region depend on it less. Where the film of a patch
-    has set the ratio, what stands still `on_patch` moves all films alike.
+    has set the ratio, what stands still on the patch moves all films alike.
     """
+    texture = findings.texture
     if texture is None:
         return list(results), calibration
     places = np.array([one.statistics.gap.place for one in results])
@@ -39,7 +39,7 @@ def with_texture(
     shares = texture.in_numbers(plane.region, places, contact, along_x=along_x)
     if contact is GapShape.PLATEAU:
         shares[1:] = 1.0  # numbers of few blocks
-    if on_patch and plane.patch is not None:
+    if findings.scale is not None and plane.patch is not None:
         of_patch = texture.in_numbers(plane.patch, places, contact, along_x=along_x)[0]
         shares = np.hypot(shares, of_patch) / np.hypot(1.0, of_patch)
         size *= float(np.hypot(1.0, of_patch))

@@ -76,6 +76,8 @@ def restore_images(
     erlif.core.errors.OutputError: Expected a film file; nowhere.nc does not exist...
     """
     film_path, run_dir = Path(film_path), Path(run_dir)
+
+    # results of the stages before the maps, as the film stores them
     with open_film(film_path) as film:
         check_trigger(film, trigger)
         settings, image = settings_of(film), film[["x", "y"]].load()
@@ -84,6 +86,7 @@ def restore_images(
         blur, noise = _read_cameras(registration.attrs, film_path.name)
     with open_film(film_path, group="frames") as group:
         stored = group.load()
+
     opened = open_run(
         run_dir, skip_bad_frames=True, find_start=fit_start, allow_outside=allow_outside
     )

@@ -1,3 +1,4 @@
+from .charts import control_chart as control_chart
 from .difference import PairDifference as PairDifference
 from .difference import average_difference as average_difference
 from .difference import correct_for_many as correct_for_many
@@ -6,6 +7,5 @@ from .records import RunRecord as RunRecord
 from .records import read_run as read_run
 from .records import refuse_unlike as refuse_unlike
 from .runs import compare as compare
-from .runs import control_chart as control_chart
 from .table import NO_CHANCE as NO_CHANCE
 from .table import describe_comparison as describe_comparison

@@ -45,8 +45,9 @@ def test_sources_of_error_add_up_and_the_largest_is_named():
     rest = film.film_min_error.where(film.error_term != "noise", 0.0)
     npt.assert_allclose(apart, np.sqrt((rest**2).sum("error_term")), rtol=1e-9)
 
-    nothing = make_statistics(gradient=np.full(parameters, np.nan))
+    nothing = make_statistics(gradient=np.full(parameters, np.nan), surface=np.nan)
     assert np.isnan(describe_errors([nothing], calibration)["film_mean_error"]).all()
+    assert np.isnan(shared_errors([nothing], calibration)).all()
 
     # what a gap leaves of a map that has another form is no mark of the surfaces
     departing = make_statistics(gradient=gradient, misfit=2.0)
