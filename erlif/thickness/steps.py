@@ -5,19 +5,19 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
-from erlif.core.arrays import AnyArray, FlagImage, Image, Mask
+from erlif.core.arrays import FlagImage, Image, Mask
 from erlif.core.flags import Flag
 from erlif.core.statistics import robust_rms
 
-# Difference of the cells on either side of a place, less the mean of those between them and the
-# cells beyond: zero for a film that is inclined or bends, the whole of a step. [1]
-_ACROSS = np.array([0.5, 0, -1.5, 0, 1.5, 0, -0.5], np.float32)
-_REACH = _ACROSS.size // 2  # cells
-_ALONG = np.full(5, 1 / 5, np.float32)  # cells along the step
-_SAMPLED = 10_000  # differences from which the scatter is taken
-_SURE = 5.0  # standard deviations of such a difference from which it is a step
+_ACROSS = np.array([-1, 0, 1], np.float32)  # difference of the cells on either side of a place
+_ALONG = np.full(3, 1 / 3, np.float32)  # cells along the step
+_BEYOND = 2  # cells from one difference to the next
+_REACH = _BEYOND + _ACROSS.size // 2  # cells
+_SAMPLED = 10_000  # steps from which the scatter is taken
+_SURE = 5.5  # standard deviations of a step from which it is one
 _SMALLEST = 0.005  # step of the logarithm of the ratio that matters: 0.15 um in 6 um [1]
-_LARGEST = 0.7  # of the largest difference within three cells: beside a step others follow from it
+_LARGEST = 0.6  # of the largest within three cells: beside a step others follow from it
+_LEVEL = 0.55  # of a step: what the film rises by before and beyond it; more at a constriction
 
 
 def flag_steps(log_ratio: Image, variance: Image, flags: FlagImage) -> None:
@@ -48,7 +48,7 @@ def flag_steps(log_ratio: Image, variance: Image, flags: FlagImage) -> None:
     [29, 30, 31, 32, 33, 34]
     """
     height, width = (size // 2 for size in flags.shape)
-    if min(height, width) < _ACROSS.size:
+    if min(height, width) < 2 * _REACH + 1:
         return
 
     # cells of 2 x 2 pixels; their noise has the form of that of one pixel
@@ -57,8 +57,8 @@ def flag_steps(log_ratio: Image, variance: Image, flags: FlagImage) -> None:
     cells = cv2.resize(sound, size, interpolation=cv2.INTER_AREA)
     noise = cv2.sqrt(cv2.resize(variance[even], size, interpolation=cv2.INTER_NEAREST))
 
-    held = _find_steps(cells, noise, (_ACROSS, _ALONG), axis=1)
-    held |= _find_steps(cells, noise, (_ALONG, _ACROSS), axis=0)
+    held = _find_steps(cells, noise)
+    held |= _find_steps(cells.T, noise.T).T
     if held.any():
         doubled = 2 * width, 2 * height
         pixels = cv2.resize(held.view(np.uint8), doubled, interpolation=cv2.INTER_NEAREST)
@@ -66,22 +66,27 @@ def flag_steps(log_ratio: Image, variance: Image, flags: FlagImage) -> None:
         flags[even][around] |= np.uint16(Flag.FILM_STEP)
 
 
-def _find_steps(
-    cells: AnyArray, noise: AnyArray, kernels: tuple[Image, Image], *, axis: int
-) -> Mask:
-    """Cells that hold a step across an axis, which is filtered by kernels along x and y."""
-    step = np.abs(cv2.divide(cv2.sepFilter2D(cells, -1, *kernels), noise))
+def _find_steps(cells: Image, noise: Image) -> Mask:
+    """Cells beside which the film steps from one row to the next."""
+    rise = cv2.sepFilter2D(cells, -1, _ALONG, _ACROSS)
+    inner = slice(_REACH, -_REACH)
+    before, beyond = rise[1 : -2 * _BEYOND - 1], rise[2 * _BEYOND + 1 : -1]
 
-    # beyond the border there is no film to compare with
-    ends = np.moveaxis(step, axis, 0)
-    ends[:_REACH] = ends[-_REACH:] = np.nan
-    sample = step[:: max(step.size // _SAMPLED, 1)]
+    # zero for a film that is inclined or bends, and the whole of a step; beyond the border there is
+    # no film to compare with
+    step = np.full_like(cells, np.nan)
+    step[inner] = np.abs(rise[inner] - (before + beyond) / 2)
+
+    sized = cv2.divide(step, noise)
+    sample = sized[:: max(sized.size // _SAMPLED, 1)]
     sample = sample[np.isfinite(sample)]
     scatter = robust_rms(sample) if sample.size else 0.0
-    step = np.nan_to_num(step, copy=False, posinf=0.0)
-    if not step.max() > _SURE * scatter > 0:
+    sized = np.nan_to_num(sized, copy=False, posinf=0.0)
+    if not sized.max() > _SURE * scatter > 0:
         return np.zeros(step.shape, bool)
 
-    largest = cv2.dilate(step, np.ones((kernels[1].size, kernels[0].size), np.uint8))
-    sure: Mask = step > np.maximum(_SURE * scatter, _LARGEST * largest)
-    return sure & (step * noise > _SMALLEST)
+    largest = cv2.dilate(sized, np.ones((2 * _REACH + 1, _ALONG.size), np.uint8))
+    sure: Mask = sized > np.maximum(_SURE * scatter, _LARGEST * largest)
+    sure &= step > _SMALLEST
+    sure[inner] &= np.maximum(np.abs(before), np.abs(beyond)) < _LEVEL * step[inner]
+    return sure

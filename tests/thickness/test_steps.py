@@ -61,3 +61,14 @@ def test_a_bubble_is_no_step():
 
 def test_an_image_too_small_for_a_step_has_none():
     assert not flags_of(np.where(X < 160, 0.2, 0.6)[:13, :320]).any()
+
+
+@pytest.mark.parametrize("rise", [0.3, 1.0])
+def test_the_flank_of_a_flattened_ball_has_no_step(rise):
+    # gap beside a Hertzian contact (Johnson, Contact Mechanics 1985, section 4.2), and a constriction
+    # with a standard deviation of a tenth of its radius
+    out = np.maximum(FROM_AXIS / 50, 1)
+    gap = np.sqrt(out**2 - 1) + (out**2 - 2) * np.arccos(1 / out)
+    constriction = 0.05 * np.exp(-(((FROM_AXIS - 48) / 7) ** 2))
+    film = cv2.GaussianBlur(0.2 + rise * gap - constriction, (0, 0), 0.8)
+    assert flags_of(film, 0.006).mean() < 2e-4
