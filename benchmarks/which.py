@@ -184,10 +184,8 @@ def run_photographs(seeds, draw, sentences):
                     source = read_film(Path(folder) / "film.nc")
                     tilt = film.pin_tilt.copy()
                     tilt[:, 0] += ROCKS * np.sin(2 * np.pi * TRIGGERS)
-                    rocking = state_physics(
-                        film.assign(pin_tilt=tilt), source.settings, source.frames
-                    )
-                    said["rocking"] = str(rocking)
+                    tilted = film.assign(pin_tilt=tilt)
+                    said["rocking"], _ = state_physics(tilted, source.settings, source.frames)
             if name.startswith("formula"):
                 theory = "film_theory" if draw is draw_contacts else "film_hamrock_dowson"
                 number = float((truth.film_min / film[theory].values).median())

@@ -11,11 +11,11 @@ import numpy as np
 import numpy.typing as npt
 
 from erlif.core.arrays import Array
-from erlif.core.errors import ModelError
+from erlif.core.errors import ConfigError, ModelError
 from erlif.core.progress import Progress, silent
 from erlif.models.film import HAMROCK_DOWSON_LINE
 from erlif.models.reynolds import Journal, Motion
-from erlif.prediction.fit import LOAD_LINE_STD, Estimate, MotionFit, fit_motion
+from erlif.prediction.fit import FEWEST_TRIGGERS, LOAD_LINE_STD, Estimate, MotionFit, fit_motion
 from erlif.prediction.given import GivenErrors
 from erlif.prediction.least_squares import (
     LeastSquares,
@@ -384,7 +384,7 @@ def compare_films(
     Raises
     ------
     ConfigError
-        As `compare_models`.
+        As `compare_models`, and for fewer than four minima.
 
     Examples
     --------
@@ -396,6 +396,13 @@ def compare_films(
     >>> found.verdict.partition(" (")[0], found.candidates[0].estimates["factor"].value.__round__(2)
     ('The film follows Hamrock-Dowson, line contact', 1.1)
     """
+    known = int(np.isfinite(film).sum())
+    if known < FEWEST_TRIGGERS:
+        raise ConfigError(
+            f"Expected {FEWEST_TRIGGERS} or more minimum films for a comparison, got {known} of "
+            f"{len(film)} triggers. Record more triggers."
+        )
+
     # films are distances to a wall of which only they are known
     wall = 2 * float(np.nanmax(film))
     measured = measured_minima(film, random_std, clearance=wall, std_shared=std_shared)

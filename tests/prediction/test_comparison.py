@@ -19,6 +19,7 @@ from scenes.orbits import (
     measure,
 )
 
+from erlif.core.errors import ConfigError
 from erlif.models.reynolds import Journal
 from erlif.prediction import (
     MeasuredMotion,
@@ -266,3 +267,11 @@ def test_what_carries_the_film_of_a_contact_without_a_pin(begins):
                 expected = 0.1 * best[name].value ** (1 / 0.68)
                 npt.assert_allclose(best["viscosity"].value, expected, rtol=1e-6)
     assert all(abs(one) < 3 for one in pulls)
+
+
+def test_three_minima_are_too_few_for_a_comparison():
+    film = np.where(np.arange(60) < 3, 1e-6 * SLIDER, np.nan)
+    with pytest.raises(
+        ConfigError, match="Expected 4 or more minimum films for a comparison, got 3 of 60"
+    ):
+        compare_films(film, np.full(60, 1e-8), np.zeros(60), viscosity=0.1)

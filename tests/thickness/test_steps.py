@@ -65,8 +65,8 @@ def test_an_image_too_small_for_a_step_has_none():
 
 @pytest.mark.parametrize("rise", [0.3, 1.0])
 def test_the_flank_of_a_flattened_ball_has_no_step(rise):
-    # gap beside a Hertzian contact (Johnson, Contact Mechanics 1985, section 4.2), and a constriction
-    # with a standard deviation of a tenth of its radius
+    # gap beside a Hertzian contact (Johnson, Contact Mechanics 1985, section 4.2), and a
+    # constriction with a standard deviation of a tenth of its radius
     out = np.maximum(FROM_AXIS / 50, 1)
     gap = np.sqrt(out**2 - 1) + (out**2 - 2) * np.arccos(1 / out)
     constriction = 0.05 * np.exp(-(((FROM_AXIS - 48) / 7) ** 2))
