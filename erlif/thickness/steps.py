@@ -5,7 +5,7 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
-from erlif.core.arrays import FlagImage, Image, Mask
+from erlif.core.arrays import AnyArray, FlagImage, Image, Mask
 from erlif.core.flags import Flag
 from erlif.core.statistics import robust_rms
 
@@ -66,7 +66,7 @@ def flag_steps(log_ratio: Image, variance: Image, flags: FlagImage) -> None:
         flags[even][around] |= np.uint16(Flag.FILM_STEP)
 
 
-def _find_steps(cells: Image, noise: Image) -> Mask:
+def _find_steps(cells: AnyArray, noise: AnyArray) -> Mask:
     """Cells beside which the film steps from one row to the next."""
     rise = cv2.sepFilter2D(cells, -1, _ALONG, _ACROSS)
     inner = slice(_REACH, -_REACH)
