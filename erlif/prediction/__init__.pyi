@@ -1,5 +1,6 @@
 from .comparison import FilmModel as FilmModel
 from .comparison import ModelComparison as ModelComparison
+from .comparison import SteadyFilm as SteadyFilm
 from .comparison import compare_films as compare_films
 from .comparison import compare_models as compare_models
 from .fit import Estimate as Estimate

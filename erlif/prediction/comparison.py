@@ -13,7 +13,6 @@ import numpy.typing as npt
 from erlif.core.arrays import Array
 from erlif.core.errors import ConfigError, ModelError
 from erlif.core.progress import Progress, silent
-from erlif.models.film import HAMROCK_DOWSON_LINE
 from erlif.models.reynolds import Journal, Motion
 from erlif.prediction.fit import FEWEST_TRIGGERS, LOAD_LINE_STD, Estimate, MotionFit, fit_motion
 from erlif.prediction.given import GivenErrors
@@ -28,14 +27,8 @@ from erlif.prediction.motion import FrameMotion
 from erlif.prediction.orbits import FreeOrbits
 from erlif.prediction.problem import FrameSteps, Problem
 
-# Steady formulas, by the variables of a film that hold them.
-STEADY = {
-    "film_hamrock_dowson": HAMROCK_DOWSON_LINE,
-    "film_theory": "the steady film of the regime map",
-}
-
-# Powers of the viscosity in these films where none are given: those of a rigid contact for the map.
-_POWERS = {"film_hamrock_dowson": 0.7, "film_theory": 1.0}
+# The steady film of the formula that holds in the regime of each trigger.
+REGIME_MAP = "the steady film of the regime map"
 
 # Any power of speed over load, alone and above an offset: laws of no theory.
 POWER = ("a power of speed over load", "a power of speed over load above an offset")
@@ -69,7 +62,7 @@ _CARRIES = {
     HELD["free"]: "Squeeze carries the film of a pin that is free sideways",
     HELD["guided"]: "The swing carries the film of a guided pin: cavities rectify its wedge",
     HELD["spring"]: "Squeeze and swing carry the film of a pin on a sideways spring",
-    STEADY["film_theory"]: "The film follows the steady formula of the regime map",
+    REGIME_MAP: "The film follows the steady formula of the regime map",
 }
 
 # Differences of BIC below which the evidence has a name. Kass and Raftery (1995).
@@ -88,6 +81,29 @@ _WIDER = "Record over a wider range of speeds or loads."
 
 # First-order correlations of residuals, of which the likeliest is taken.
 _CORRELATIONS = np.linspace(0.0, 0.99, 100)
+
+
+@dataclass(frozen=True)
+class SteadyFilm:
+    """Film of a steady formula, to be compared with a measured one.
+
+    Attributes
+    ----------
+    name : str
+        What the formula is called.
+    film : array, (trigger,)
+        Its film. [m]
+    power : float
+        Of the viscosity in the film. [1]
+    error : float
+        Relative standard deviation of the formula, which the viscosity takes up; infinite outside
+        its regime, where the shape alone is compared. [1]
+    """
+
+    name: str
+    film: Array
+    power: float
+    error: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -198,10 +214,7 @@ def compare_models(
     motion: FrameMotion,
     *,
     trigger: npt.NDArray[np.integer[Any]] | None = None,
-    steady: Mapping[str, Array] | None = None,
-    formula_errors: Mapping[str, float] | None = None,
-    powers: Mapping[str, float] | None = None,
-    names: Mapping[str, str] = STEADY,
+    steady: Sequence[SteadyFilm] = (),
     drive: Array | None = None,
     viscosity_std: float | None = None,
     sideways: Sequence[str] = ("free", "guided"),
@@ -227,15 +240,8 @@ def compare_models(
     ----------
     measured, journal, motion, trigger, load_line_std, given
         As for `fit_motion`.
-    steady : mapping of str to array, (trigger,), optional
-        Films of steady formulas under the names of `STEADY`. [m]
-    formula_errors : mapping of str to float, optional
-        Relative standard deviations of these formulas, which the viscosity takes up. [1]
-    powers : mapping of str to float, optional
-        Powers of the viscosity in these films; by default those of the line-contact formula and of
-        the isoviscous-rigid regime. [1]
-    names : mapping of str to str
-        What the formulas are called.
+    steady : sequence of SteadyFilm
+        Films of steady formulas.
     drive : array, (trigger,), optional
         Speed over load, in any unit: with it two laws in powers of its size are fitted.
     viscosity_std : float, optional
@@ -270,10 +276,10 @@ def compare_models(
     >>> measured = MeasuredMotion(place, 1e-16 * np.eye(2) * np.ones((41, 1, 1)),
     ...                           np.zeros((41, 2, 0)))
     >>> still = FrameMotion(Motion(time, 0 * time, load=222.4), np.arange(41), 0 * time, 0.12)
-    >>> found = compare_models(
-    ...     measured, joint, still, steady={"film_theory": np.full(41, 131e-6)}, sideways=["free"])
+    >>> steady = SteadyFilm("a steady film", np.full(41, 131e-6), power=1.0)
+    >>> found = compare_models(measured, joint, still, steady=[steady], sideways=["free"])
     >>> found.candidates[-1].name, found.candidates[-1].bic > 10
-    ('the steady film of the regime map', True)
+    ('a steady film', True)
     """
     frames = FrameSteps.of(measured, motion.steps, trigger)
     problem = Problem(FreeOrbits(journal, motion.motion), frames, measured, "free")
@@ -281,7 +287,7 @@ def compare_models(
     fits: dict[str, MotionFit] = {}
     failures: dict[str, str] = {}
     transient = [one for one in sideways if one != "any guided"]
-    total = len(transient) + 2 + len(steady or {}) + (0 if drive is None else len(POWER))
+    total = len(transient) + 2 + len(steady) + (0 if drive is None else len(POWER))
 
     # a model that cannot carry the load is left out, unless none can
     for done, held in enumerate(transient):
@@ -319,9 +325,9 @@ def compare_models(
     straight = journal.axial_shape is None and journal.roughness is None
     if sideways and straight and journal.foundation is None:
         forms.append((SQUEEZE, _squeeze(problem)))
-    for name, film in (steady or {}).items():
-        viscous, known = {**_POWERS, **(powers or {})}[name], (formula_errors or {}).get(name, 0.0)
-        forms.append((names[name], _law(problem, film, viscous=viscous, known=known)))
+    for one in steady:
+        law = _law(problem, one.film, viscous=one.power, known=one.error)
+        forms.append((one.name, law))
     # a power needs more than one speed over load
     if drive is not None and np.nanmin(np.abs(drive)) < _ONE_SPEED * np.nanmax(np.abs(drive)):
         laws = ("power",), ("power", "offset")
@@ -375,7 +381,7 @@ def compare_films(
     viscosity : float
         Of the oil in the formulas. [Pa s]
     **options
-        steady, formula_errors, powers, names, drive and viscosity_std of `compare_models`.
+        steady, drive and viscosity_std of `compare_models`.
 
     Returns
     -------
@@ -390,11 +396,11 @@ def compare_films(
     --------
     >>> speed = np.linspace(0.1, 1.0, 40)
     >>> noise, none = 1e-9 * np.random.default_rng(1).normal(size=40), np.zeros(40)
-    >>> found = compare_films(
-    ...     1.1e-6 * speed**0.7 + noise, none + 1e-9, none, viscosity=0.1,
-    ...     steady={"film_hamrock_dowson": 1e-6 * speed**0.7})
+    >>> steady = SteadyFilm("a steady film", 1e-6 * speed**0.7, power=0.7)
+    >>> film = 1.1 * steady.film + noise
+    >>> found = compare_films(film, none + 1e-9, none, viscosity=0.1, steady=[steady])
     >>> found.verdict.partition(" (")[0], found.candidates[0].estimates["factor"].value.__round__(2)
-    ('The film follows Hamrock-Dowson, line contact', 1.1)
+    ('The film follows a steady film', 1.1)
     """
     known = int(np.isfinite(film).sum())
     if known < FEWEST_TRIGGERS:

@@ -1,6 +1,7 @@
 """Which physics carries the film, on orbits of the virtual rig and on films of other laws."""
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import numpy.testing as npt
@@ -23,6 +24,7 @@ from erlif.core.errors import ConfigError
 from erlif.models.reynolds import Journal
 from erlif.prediction import (
     MeasuredMotion,
+    SteadyFilm,
     compare_films,
     compare_models,
     fit_motion,
@@ -32,7 +34,9 @@ from erlif.prediction import (
 LONG = Journal(0.03336, 0.03359, length=0.237, viscosity=0.12, long=True)
 SPEEDS = np.asarray(RIG.rocker_speed(CRANK[STEPS], crank_speed=SPEED))
 SWEPT = np.abs(SPEEDS)
-STEADY = {"film_theory": 52e-6 * SWEPT, "film_hamrock_dowson": 1e-6 * SWEPT**0.7}
+MAP = SteadyFilm("the steady film of the regime map", 52e-6 * SWEPT, power=1.0)
+FORMULA = SteadyFilm("Hamrock-Dowson, line contact (2.65)", 1e-6 * SWEPT**0.7, power=0.7)
+STEADY = (MAP, FORMULA)
 START = 205e-6, 20e-6
 
 
@@ -94,7 +98,7 @@ def test_guided_pin_is_recognised(guided):
 
 
 def test_steady_film_is_recognised_and_has_any_viscosity():
-    film = 3.0 * STEADY["film_theory"]
+    film = 3.0 * MAP.film
     orbit = np.stack([STATED.clearance - film, 0 * film], axis=1)
     found = compare(measure(orbit, 5), STATED, steady=STEADY, sideways=["free"])
     assert found.candidates[0].name == "the steady film of the regime map"
@@ -108,12 +112,12 @@ def test_steady_film_is_recognised_and_has_any_viscosity():
 
 def test_the_error_of_a_steady_formula_is_part_of_its_viscosity():
     """1.8 times the film is no other oil where the formula is known to a third, h over eta u."""
-    film = 1.8 * STEADY["film_theory"]
+    film = 1.8 * MAP.film
     orbit = np.stack([STATED.clearance - film, 0 * film], axis=1)
-    given = {"steady": STEADY, "sideways": ["free"], "viscosity_std": 0.012}
+    given = {"sideways": ["free"], "viscosity_std": 0.012}
     exact, known = (
-        compare(measure(orbit, 5), STATED, formula_errors=errors, **given)
-        for errors in (None, {"film_theory": 0.33})
+        compare(measure(orbit, 5), STATED, steady=[replace(MAP, error=error), FORMULA], **given)
+        for error in (0.0, 0.33)
     )
     assert (exact.carrier, known.carrier) == (None, "the steady film of the regime map")
     viscosity = known.candidates[0].estimates["viscosity"]
@@ -191,7 +195,7 @@ def test_neighbours_that_depart_together_widen_the_errors():
         compare(
             MeasuredMotion(orbit + STD * one, cov, np.zeros((FRAMES, 2, 0))),
             STATED,
-            steady={"film_theory": film},
+            steady=[replace(MAP, film=film)],
             sideways=["free"],
         )
         .candidates[0]
@@ -214,13 +218,12 @@ def test_viscosity_that_falls_within_the_run_is_fitted():
 
 
 def test_a_formula_outside_its_regime_gives_a_shape_and_no_viscosity():
-    film = 1.8 * STEADY["film_hamrock_dowson"]
+    film = 1.8 * FORMULA.film
     found = compare(
         measure(np.stack([STATED.clearance - film, 0 * film], axis=1), 5),
         STATED,
-        steady=STEADY,
+        steady=[MAP, replace(FORMULA, error=np.inf)],
         sideways=["free"],
-        formula_errors={"film_hamrock_dowson": np.inf},
     )
     assert found.carrier is None
     assert set(found.candidates[0].estimates) == {"factor"}
@@ -253,9 +256,10 @@ def test_what_carries_the_film_of_a_contact_without_a_pin(begins):
             np.full(60, 1e-8),
             1e-6 * shared,
             viscosity=0.1,
-            steady={"film_hamrock_dowson": 1e-6 * SLIDER**0.68, "film_theory": 2e-6 * SLIDER},
-            powers={"film_hamrock_dowson": 0.68},
-            names={"film_hamrock_dowson": "Hamrock-Dowson, elliptical", "film_theory": "the map"},
+            steady=[
+                SteadyFilm("Hamrock-Dowson, elliptical", 1e-6 * SLIDER**0.68, power=0.68),
+                SteadyFilm("the map", 2e-6 * SLIDER, power=1.0),
+            ],
             drive=SLIDER,
         )
         assert found.verdict.startswith(begins)

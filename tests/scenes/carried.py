@@ -11,7 +11,9 @@ from functools import cache
 
 import numpy as np
 
-from erlif.prediction import MeasuredMotion, compare_models
+from erlif.models.film import HAMROCK_DOWSON_LINE
+from erlif.prediction import MeasuredMotion, SteadyFilm, compare_models
+from erlif.prediction.comparison import REGIME_MAP
 from erlif.rig import cavitation
 from erlif.rig.orbit import RigidBearing, follow_orbit
 from scenes.orbits import (
@@ -37,7 +39,10 @@ _MODULUS, _ALPHA, _RADIUS = 1e12 / (2 * (1 - 0.1**2)), 2e-8, 0.03336 * 0.03359 /
 _U = OIL * DRIVE * LOAD * 0.03336 / 2 / (2 * _MODULUS * _RADIUS)
 _W = LOAD / 0.237 / (2 * _MODULUS * _RADIUS)
 FORMULA = 2.65 * _RADIUS * (2 * _ALPHA * _MODULUS) ** 0.54 * _U**0.7 * _W**-0.13
-STEADY = {"film_hamrock_dowson": FORMULA, "film_theory": 4.9 * _RADIUS * _U / _W}
+STEADY = (
+    SteadyFilm(HAMROCK_DOWSON_LINE, FORMULA, power=0.7),
+    SteadyFilm(REGIME_MAP, 4.9 * _RADIUS * _U / _W, power=1.0),
+)
 
 
 @dataclass(frozen=True)

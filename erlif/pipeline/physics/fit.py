@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -30,15 +29,20 @@ from erlif.prediction import (
     GivenErrors,
     MeasuredMotion,
     ModelComparison,
+    SteadyFilm,
     compare_films,
     compare_models,
     film_temperature,
     measured_minima,
     measured_positions,
 )
-from erlif.prediction.comparison import HELD, STEADY
+from erlif.prediction.comparison import HELD, REGIME_MAP
 from erlif.prediction.fit import FEWEST_TRIGGERS, LOAD_LINE_STD, MISFIT
 from erlif.trend import VogelLaw, fast_triggers, viscosity_at
+
+# Films of steady formulas in film.nc, and the powers of the viscosity in those of a rigid line
+# contact.
+STEADY = {"film_hamrock_dowson": 0.7, "film_theory": 1.0}
 
 _FAR = 3.0  # standard deviations of a fitted load line from that of the film, from which it counts
 _MILLI = 1e3
@@ -209,7 +213,7 @@ def _compare_models(
         )
     motion = build_motion(settings, frames)
     journal = build_journal(settings, motion.viscosity)
-    departs = departure(settings)
+    departs, steady = departure(settings), _steady_films(film, settings)
     given = given_errors(settings, film, frames)
     line = given.load_line
     measured = _measured_motion(film, journal)
@@ -218,7 +222,8 @@ def _compare_models(
         journal,
         motion,
         trigger=np.where(frames.used.values, frames.trigger.values, -1),
-        **_steady_films(film, settings, [] if departs else STEADY),
+        steady=[] if departs else steady,
+        drive=_drive(film),
         viscosity_std=joint_and_oil(settings)[1].viscosity_std,
         sideways=[one for one in sideways if one != "spring" or measured.is_position],
         load_line_std=LOAD_LINE_STD if line is None else line,
@@ -226,9 +231,11 @@ def _compare_models(
         progress=progress,
     )
     if departs:
-        others = (STEADY[name] for name in STEADY if name in film)
         reason = f"of a straight, rigid and smooth joint; run.toml has {departs}"
-        found = replace(found, not_fitted={**found.not_fitted, **dict.fromkeys(others, reason)})
+        found = replace(
+            found,
+            not_fitted={**found.not_fitted, **dict.fromkeys([one.name for one in steady], reason)},
+        )
     rocking = _rocking(film)
     if not rocking:
         return found
@@ -237,19 +244,26 @@ def _compare_models(
     return replace(found, verdict=text)
 
 
-def _steady_films(film: xr.Dataset, settings: RunSettings, names: Iterable[str]) -> dict[str, Any]:
-    """Films of steady formulas and the speed over the load, as `compare_models` takes them."""
-    names, contact = [name for name in names if name in film], describe_contact(settings)
+def _steady_films(film: xr.Dataset, settings: RunSettings) -> list[SteadyFilm]:
+    """The films of steady formulas in a film, as `compare_models` takes them."""
+    names, contact = [name for name in STEADY if name in film], describe_contact(settings)
+    powers = STEADY if contact is None else viscosity_powers(film, contact, names)
+    return [
+        SteadyFilm(
+            REGIME_MAP if name == "film_theory" else formula_label(film),
+            film[name].values * 1e-6,
+            powers[name],
+            # infinite outside the regime of a formula, where its shape alone is compared
+            error=float(film[name].attrs.get("formula_error", 0)),
+        )
+        for name in names
+    ]
+
+
+def _drive(film: xr.Dataset) -> Array | None:
+    """Speed over load of the triggers; None where one of them is not known."""
     speed = speed_of_trend(film)
-    return {
-        "steady": {name: film[name].values * 1e-6 for name in names},
-        # infinite outside the regime of a formula, where its shape alone is compared
-        "formula_errors": {name: float(film[name].attrs.get("formula_error", 0)) for name in names},
-        "powers": {} if contact is None else viscosity_powers(film, contact, names),
-        "drive": (film[speed] / film["joint_load"]).values
-        if {speed, "joint_load"} <= set(film)
-        else None,
-    }
+    return (film[speed] / film["joint_load"]).values if {speed, "joint_load"} <= {*film} else None
 
 
 def _compare_films(film: xr.Dataset, settings: RunSettings, shared: Array) -> ModelComparison:
@@ -263,9 +277,9 @@ def _compare_films(film: xr.Dataset, settings: RunSettings, shared: Array) -> Mo
         film["film_min_std_random"].values * 1e-6,
         shared * 1e-6,
         viscosity=float(viscosity_at(film, describe_viscosity(oil))[fast].mean()),
-        names={**STEADY, "film_hamrock_dowson": formula_label(film)},
         viscosity_std=oil.viscosity_std,
-        **_steady_films(film, settings, STEADY),
+        steady=_steady_films(film, settings),
+        drive=_drive(film),
     )
 
 

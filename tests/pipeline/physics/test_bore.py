@@ -11,8 +11,9 @@ import erlif
 from conftest import Laboratory
 from erlif.core.errors import ConfigError
 from erlif.io.files import region_of
+from erlif.models.film import HAMROCK_DOWSON_LINE
 from erlif.pipeline.physics.fit import fit_film
-from erlif.prediction.comparison import HELD, STEADY
+from erlif.prediction.comparison import HELD, REGIME_MAP
 from erlif.rig import RigSettings
 from erlif.rig.film import bore_height
 from erlif.rig.journal import follow_pin
@@ -159,7 +160,7 @@ def test_fit_finds_the_viscosity_of_the_rig(lab, film):
     viscosity = found.fit.estimates["viscosity"]
     assert abs(viscosity.value - RIG.viscosity) < 2 * viscosity.std < 0.06 * RIG.viscosity
     assert found.carrier == HELD["free"]
-    assert set(found.not_fitted) == set(STEADY.values())
+    assert set(found.not_fitted) == {HAMROCK_DOWSON_LINE, REGIME_MAP}
     carried, stated = (one.split(" Second")[0] for one in (found.verdict, film.attrs["physics"]))
     assert carried == stated
 
@@ -209,7 +210,7 @@ def test_film_and_viscosity_of_a_worn_rough_or_lined_bore_are_found(other):
     viscosity = found.fit.estimates["viscosity"]
     assert abs(viscosity.value - rig.viscosity) < 2 * viscosity.std < 0.1 * rig.viscosity
     assert found.carrier == HELD[rig.sideways]
-    reasons = [found.not_fitted[name] for name in STEADY.values()]
+    reasons = [found.not_fitted[name] for name in (HAMROCK_DOWSON_LINE, REGIME_MAP)]
     assert all(("liner" if rig is LINED else "rough") in one for one in reasons)
     assert bool(film.attrs.get("physics")) == (rig is WAVY)
     if rig is LINED:
