@@ -251,7 +251,7 @@ def draw(record, rng, *, true: float, shared: bool):
             noise = noise + np.sqrt(share) * rng.standard_normal()
             value[name] = film + true * (k > 0) + own * noise + record.gradient[name] @ error
         key = "shared" if shared else str(k)
-        errors = replace(record.errors, fixture=key, rig=key)
+        errors = replace(record.errors, fixture=key, rig={"calibration": key})
         runs.append(replace(record, value=value, errors=errors))
     return runs
 

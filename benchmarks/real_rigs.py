@@ -154,6 +154,17 @@ def state(file: Path, lines: str) -> None:
     file.write_text(whole, encoding="utf-8")
 
 
+def state_laboratory(out: Path, rig: RigSettings, *, field: bool) -> None:
+    """State the widths of a laboratory with a patch, that of the field where its flats hold."""
+    run = out / "run" / "run.toml"
+    state(run, WIDTHS_STATED)
+    if field:
+        state(run, '[systematics]\nfield = "0.1 %"\n')
+    state(run, '[light]\nratio = "correct"\n')
+    lines = f'[systematics]\nposition = "{0.2 * rig.pitch:.5f} mm"\nsize = "0.1 %"\n'
+    state(out / "fixture" / "fixture.toml", lines)
+
+
 def judge_fault(job: tuple[str, int], *, report: bool = False) -> str:
     """One row of the table."""
     name, seed = job
@@ -165,12 +176,7 @@ def judge_fault(job: tuple[str, int], *, report: bool = False) -> str:
         for file, lines in STATED.get(name, {}).items():
             state(out / file, lines)
         if name.startswith("laboratory"):
-            state(out / "run" / "run.toml", WIDTHS_STATED)
-            if "shading" not in changes:
-                state(out / "run" / "run.toml", '[systematics]\nfield = "0.1 %"\n')
-            state(out / "run" / "run.toml", '[light]\nratio = "correct"\n')
-            lines = f'[systematics]\nposition = "{0.2 * rig.pitch:.5f} mm"\nsize = "0.1 %"\n'
-            state(out / "fixture" / "fixture.toml", lines)
+            state_laboratory(out, rig, field="shading" not in changes)
         if report:
             state(out / "run" / "run.toml", REPORT)
         try:

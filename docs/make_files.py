@@ -72,6 +72,11 @@ FILM_ATTRIBUTES = (
     Attribute("settings", "All settings, defaults included, as TOML."),
     Attribute("settings_stated", "Keys that run.toml states, with commas; others are defaults."),
     Attribute("input_hashes", "SHA-256 of every input by its relative name, as JSON."),
+    Attribute("recorded", "Day on which the first frame was written."),
+    Attribute(
+        "camera_serials",
+        "Serial numbers of cameras 1 and 2, of the frames, else of run.toml; empty: unknown.",
+    ),
     Attribute(
         "identity",
         "SHA-256 of inputs, settings, calibration and version together; `erlif process --resume` "

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import logging
 import math
 from collections.abc import Mapping, Sequence
@@ -267,6 +268,8 @@ def with_record(
         *from_calibration,
         *skipped_notes(run.pairs),
     ]
+    stated = settings.camera1.serial, settings.camera2.serial
+    serials = [found or own or "" for found, own in zip(run.pairs.serials, stated, strict=True)]
     resolution = settings.thickness.smoothing
     smoothing = {
         "smoothing": resolution,
@@ -278,6 +281,8 @@ def with_record(
         **describe_origin(f"oil-film thickness, {settings.name}", f"process {settings.name}"),
         settings_stated=stated_keys(settings),
         input_hashes=describe_hashes(hashes),
+        recorded=run.pairs.date,
+        camera_serials=json.dumps(serials),
         **({} if resolution is None else smoothing),
         notes=join_notes(notes),
     )

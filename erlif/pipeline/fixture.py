@@ -6,7 +6,6 @@ import logging
 import os
 from contextlib import suppress
 from dataclasses import replace
-from datetime import UTC, datetime
 from pathlib import Path
 
 from erlif.calibration import (
@@ -25,7 +24,6 @@ from erlif.core.progress import Progress, ShowProgress, choose_progress, silent
 from erlif.core.timing import stage
 from erlif.io.files import takes
 from erlif.io.ingest import (
-    FramePairs,
     Run,
     format_notes,
     hash_inputs,
@@ -129,7 +127,7 @@ def calibrate(
     return replace(
         calibration,
         input_hashes=hashes,
-        date=_date_of(fixture.pairs),
+        date=fixture.pairs.date,
         temperature=settings.fixture.temperature,
         profile_file=os.path.relpath(
             fixture.directory / settings.fixture.profile, fixture.directory
@@ -232,10 +230,3 @@ def _open_or_make(path: Path, *, allow_outside: bool, progress: Progress) -> Cal
     with suppress(OutputError):  # a fixture directory that cannot be written is no obstacle
         save_calibration(made, path)
     return made
-
-
-def _date_of(pairs: FramePairs) -> str:
-    """Day on which the first frame was written: the same files give the same date at any time."""
-    epoch = os.environ.get("SOURCE_DATE_EPOCH")
-    stamp = float(epoch) if epoch else pairs.pages[0][0].path.stat().st_mtime
-    return datetime.fromtimestamp(stamp, UTC).date().isoformat()

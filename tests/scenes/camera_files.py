@@ -113,6 +113,7 @@ def write_cine(
     padded_rows=False,
     gap=0,
     note=b"",
+    serial=0,
 ) -> Path:
     """A Phantom recording; `stored` is "8", "16", "packed 10" or "packed 12".
 
@@ -142,6 +143,7 @@ def write_cine(
     setup = bytearray(5692)
     struct.pack_into("<H", setup, 0, min(rate, 65535))
     struct.pack_into("<2sH", setup, 140, b"ST", len(setup))
+    struct.pack_into("<I", setup, 743, serial)
     struct.pack_into("<I", setup, 768, rate)
     struct.pack_into("<I", setup, 896, depth)
     struct.pack_into("<I", setup, 1556, decimation)

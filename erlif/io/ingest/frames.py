@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from datetime import UTC, datetime
 from itertools import groupby
 from pathlib import Path
 from typing import NamedTuple
@@ -45,6 +47,8 @@ class FramePairs:
         Why the format of camera 1 and camera 2 is doubtful; empty where it is not.
     stated_bits : tuple[int | None, int | None]
         Significant bits of a count after the headers; None where they state none.
+    serials : tuple[str, str]
+        Serial numbers of the cameras after the headers; empty where they have none.
     """
 
     directory: Path
@@ -56,11 +60,19 @@ class FramePairs:
     companions: tuple[tuple[Path, ...], tuple[Path, ...]] = ((), ())
     warnings: tuple[str, str] = ("", "")
     stated_bits: tuple[int | None, int | None] = (None, None)
+    serials: tuple[str, str] = ("", "")
 
     @property
     def usable(self) -> list[int]:
         """Numbers of the frame pairs that can be used, counted from 0."""
         return [k for k in range(len(self.pages[0])) if k not in self.skipped]
+
+    @property
+    def date(self) -> str:
+        """Day on which the first frame was written: the same for the same files at any time."""
+        epoch = os.environ.get("SOURCE_DATE_EPOCH")
+        stamp = float(epoch) if epoch else self.pages[0][0].path.stat().st_mtime
+        return datetime.fromtimestamp(stamp, UTC).date().isoformat()
 
     @property
     def full_scales(self) -> tuple[int, int]:

@@ -116,6 +116,8 @@ class CameraFiles:
         Why the counts of a format are doubtful; empty where they are not.
     start : float
         Time of the first page on the clock of its file; 0 where no header has it. [s]
+    serial : str
+        Serial number of the camera; empty where no header has it.
     """
 
     pages: list[Page] = field(default_factory=list)
@@ -126,6 +128,7 @@ class CameraFiles:
     bits: int | None = None
     warning: str = ""
     start: float = 0.0
+    serial: str = ""
 
 
 def match_files(directory: Path, pattern: str, *, known: Collection[str] = ()) -> list[Path]:
@@ -223,6 +226,7 @@ def read_headers(paths: Sequence[Path], selection: Selection = WHOLE) -> CameraF
         read.kinds += file.kinds
         read.companions += file.companions
         read.warning = read.warning or file.warning
+        read.serial = read.serial or file.serial
         times.append(file.times)
     read.bits = depths.pop() if len(depths) == 1 else None
 
@@ -412,6 +416,7 @@ def _read_header(path: Path, selection: Selection) -> CameraFiles:
             file.bits,
             file.warning,
             0.0 if times is None else float(times[places[0]]),
+            file.serial,
         )
 
 

@@ -120,6 +120,7 @@ def pair_cameras(
         companions=(tuple(one.companions), tuple(two.companions)),
         warnings=(one.warning, two.warning),
         stated_bits=(one.bits, two.bits),
+        serials=(one.serial, two.serial),
     )
 
 

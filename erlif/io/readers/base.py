@@ -75,6 +75,8 @@ class FrameFile(ABC):
         Why the counts of this format are doubtful, as one sentence; empty where they are not.
     array_order : {"", "row", "column", "unknown"}
         Order of the numbers of an image; empty for a format that has one order.
+    serial : str
+        Serial number of the camera; empty where the file has none.
     """
 
     kinds: Sequence[FrameKind]
@@ -84,6 +86,7 @@ class FrameFile(ABC):
     companions: Sequence[Path] = ()
     warning: str = ""
     array_order: str = ""
+    serial: str = ""
 
     @abstractmethod
     def read(self, index: int) -> AnyArray:

@@ -122,7 +122,7 @@ def open_phantom(path: Path) -> FrameFile:
     # counts of 8 bits may come from a camera of more
     bits = 12 if layout.packing is not None else min(later.depth, bitmap.bits) or None
     interval = frame_interval(later.rate or setup.rate, step=max(later.decimation, 1))
-    return PhantomFrames(
+    file = PhantomFrames(
         path,
         layout,
         places,
@@ -131,6 +131,8 @@ def open_phantom(path: Path) -> FrameFile:
         interval=interval,
         find_times=lambda file: times,
     )
+    file.serial = str(later.serial or "")
+    return file
 
 
 def _read_times(source: Source, start: int, header: Any) -> Array | None:

@@ -125,6 +125,7 @@ class TiffFrames(FrameFile):
             whole = len(self.kinds) == len(directories)  # without previews
             if whole and self.description.frames in (0, len(self.kinds)):
                 self.channels, self.times = self.description.channels, self.description.times
+                self.serial = self.description.serial
         except (OSError, FrameError):
             self.close()
             raise

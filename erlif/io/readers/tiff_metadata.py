@@ -31,12 +31,15 @@ class Description:
         Time of each image from the first one. [s]
     whole : bool
         Whether the file itself is known to hold these images: a description may be a copy.
+    serial : str
+        Serial number of the camera; empty where there is none.
     """
 
     frames: int = 0
     channels: Sequence[int] | None = None
     times: Array | None = None
     whole: bool = False
+    serial: str = ""
 
 
 def read_description(text: bytes, *, name: str, pages: int) -> Description:
@@ -109,13 +112,16 @@ def _read_ome(text: bytes, name: str, pages: int) -> Description:
 
     # the elements have a namespace that differs between versions of OME
     channels, stamps = [0] * pages, np.full(pages, np.nan)
-    for pixels in root.iter():
-        if _plain(pixels.tag) == "Pixels":
-            _read_pixels(pixels, name, channels, stamps)
+    serials = []
+    for element in root.iter():
+        if _plain(element.tag) == "Pixels":
+            _read_pixels(element, name, channels, stamps)
+        elif _plain(element.tag) == "Detector":
+            serials.append(element.get("SerialNumber", ""))
     if not any(channels):
         return Description()
     times = stamps - stamps[0] if np.isfinite(stamps).all() else None
-    return Description(0, channels, times)
+    return Description(0, channels, times, serial=" ".join(serials).strip())
 
 
 def _read_pixels(

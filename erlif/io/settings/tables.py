@@ -102,6 +102,9 @@ class CameraSettings(Settings):
     flat: FileName | None = Field(None, examples=["camera1_flat.tif"])
     """Flat frames of an evenly lit target, several at each light level. Default: all pixels are
     equally sensitive."""
+    serial: Text | None = Field(None, examples=["10234"])
+    """Serial number of the camera: runs with other cameras are not of one rig. Default: as the
+    frames have it."""
     background: FileName | None = Field(None, examples=["camera1_background.tif"])
     """Frames of the dry or dye-free joint under the laser, at the mean pulse energy of the run.
     Their light is subtracted, scaled by the pulse energy where the log has it."""

@@ -9,18 +9,20 @@ ratio and of the light that is not film. Temperature and bleaching are new in ev
 from __future__ import annotations
 
 import hashlib
+import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+import xarray as xr
 
 from erlif.calibration import NO_SYSTEMATICS, RunCurve, record_calibration
 from erlif.core.arrays import Array
 from erlif.core.terms import TERMS
-from erlif.io.settings import RunSettings
+from erlif.io.files import settings_of
 
-# Entries of [optics] and of the cameras that change the ratio.
+# Entries of the cameras that change the ratio.
 _OF_CAMERAS = "band", "gain", "bit_depth"
 
 
@@ -34,28 +36,41 @@ class RunErrors:
         With its systematics.
     fixture : str
         Equal for runs with one fixture.
-    rig : str
-        Equal for runs of one rig; those of one rig have one fixture.
+    rig : Mapping[str, str]
+        What makes the rig, by its name; equal for runs of one rig. "calibration" is the fixture.
     widths : Mapping[str, float]
         Standard deviation of each term before the run has measured any. [1]
+    serials : str
+        Serial numbers of the cameras; empty where none is known.
+    date : str
+        Day of the run; empty where it is not recorded.
+    drift : float
+        Change of the ratio between calibrations of the rig from day to day. [1]
     """
 
     curve: RunCurve
     fixture: str
-    rig: str
+    rig: Mapping[str, str]
     widths: Mapping[str, float]
+    serials: str = ""
+    date: str = ""
+    drift: float = 0.0
 
     @classmethod
-    def of(cls, settings: RunSettings, curve: RunCurve) -> RunErrors:
-        """Errors of a run with these settings."""
-        fixture = key_of(curve)
-        cameras = [
-            [getattr(one, name) for name in _OF_CAMERAS]
-            for one in (settings.camera1, settings.camera2)
-        ]
-        parts = fixture, cameras, settings.optics, settings.joint, settings.contact
-        rig = hashlib.sha256(repr(parts).encode()).hexdigest()
-        return cls(curve, fixture, rig, settings.systematics.shares)
+    def of(cls, film: xr.Dataset, curve: RunCurve) -> RunErrors:
+        """Errors of the run of a film."""
+        settings, fixture = settings_of(film), key_of(curve)
+        serials = json.loads(str(film.attrs.get("camera_serials", '["", ""]')))
+        date = str(film.attrs.get("recorded", ""))
+        cameras = {"camera1": settings.camera1, "camera2": settings.camera2}
+        rig = {"calibration": fixture}
+        for (table, one), serial in zip(cameras.items(), serials, strict=True):
+            rig |= {f"{name} of [{table}]": repr(getattr(one, name)) for name in _OF_CAMERAS}
+            rig[f"serial of [{table}]"] = serial
+        tables = "optics", "joint", "contact"
+        rig |= {f"[{name}]": repr(getattr(settings, name)) for name in tables}
+        known = ", ".join(filter(None, serials))
+        return cls(curve, fixture, rig, settings.systematics.shares, known, date)
 
     @cached_property
     def before(self) -> RunErrors:
@@ -166,7 +181,7 @@ def joint_covariance(runs: Sequence[RunErrors]) -> Array:
     >>> from erlif.show.plots import example_calibration
     >>> systematics = Systematics.of({"ratio": 0.01}, parameters=3)
     >>> run = replace(example_calibration(), systematics=systematics)
-    >>> one, other = (RunErrors(run, "a", rig, {"ratio": 0.01}) for rig in "rs")
+    >>> one, other = (RunErrors(run, "a", {"rig": n}, {"ratio": 0.01}) for n in "12")
     >>> whole = joint_covariance([one, other])
     >>> np.allclose(whole[:3, 4:7], run.covariance), float(whole[3, 7])
     (True, 0.0)
@@ -221,6 +236,8 @@ def _shared(term: str, one: RunErrors, other: RunErrors) -> float:
     if _of_fixture(term):
         return 1.0
     changes = float(TERMS[term].apart or 0.0) / 100
+    if TERMS[term].between and one.date != other.date:
+        changes = max(changes, one.drift, other.drift)
     width = min(run.widths[term] for run in (one, other))
     return max(1 - 0.5 * (changes / width) ** 2, 0.0) if width > 0 else 0.0
 

@@ -63,6 +63,38 @@ def control_chart(records: Sequence[RunRecord], calibrations: Sequence[Calibrati
     return chart
 
 
+def drift_between(calibrations: Sequence[Calibration]) -> float:
+    """Change of the ratio from one calibration to the next, beyond their errors; 0 with one. [1]
+
+    The root mean square at a film in the middle of the range that all of them cover.
+
+    Parameters
+    ----------
+    calibrations : sequence of Calibration
+
+    Returns
+    -------
+    float
+
+    Examples
+    --------
+    >>> from dataclasses import replace
+    >>> from erlif.show.plots import example_calibration
+    >>> one = example_calibration()
+    >>> later = replace(one, ratio_at_zero=1.02 * one.ratio_at_zero, date="2026-05-02")
+    >>> round(drift_between([one, later]), 2)
+    0.02
+    """
+    in_order = sorted(calibrations, key=lambda each: each.date)
+    chart = _chart_calibrations(in_order) if len(in_order) > 1 else xr.Dataset()
+    if "calibration_ratio" not in chart:
+        return 0.0
+    value = chart.calibration_ratio.values
+    relative = (chart.calibration_ratio_std.values / value) ** 2
+    beyond = np.diff(np.log(value)) ** 2 - relative[1:] - relative[:-1]
+    return float(np.sqrt(max(beyond.mean(), 0.0)))
+
+
 def _chart_calibrations(calibrations: list[Calibration]) -> xr.Dataset:
     """The part of the chart on calibrations, earliest first."""
     low = max(each.thickness_range[0] for each in calibrations)

@@ -301,8 +301,8 @@ def difference_map(one: xr.Dataset, other: xr.Dataset, *, triggers: tuple[int, i
         for film, trigger, calibration in zip((one, other), triggers, calibrations, strict=True)
     )
     errors = (
-        RunErrors.of(settings_of(one), calibrations[0]),
-        RunErrors.of(settings_of(other), calibrations[1]),
+        RunErrors.of(one, calibrations[0]),
+        RunErrors.of(other, calibrations[1]),
     )
     shared = difference_var(a.gradient, b.gradient, errors)
 

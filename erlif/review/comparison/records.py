@@ -162,7 +162,7 @@ def read_run(film: xr.Dataset) -> RunRecord:
     return RunRecord(
         name=settings.name,
         settings=settings,
-        errors=RunErrors.of(settings, calibration),
+        errors=RunErrors.of(film, calibration),
         frames_key=str(hashes.get(settings.camera1.files, "")),
         identity=str(film.attrs.get("identity", "")),
         angle=np.asarray(angle, float),

@@ -6,7 +6,7 @@ The film is set against the duty parameter: a power for each run, and one for al
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
 from itertools import combinations
@@ -17,7 +17,7 @@ import numpy as np
 import scipy
 import xarray as xr
 
-from erlif.calibration import Calibration, open_calibration
+from erlif.calibration import NO_SYSTEMATICS, Calibration, open_calibration
 from erlif.core.arrays import Array
 from erlif.core.errors import ErlifError
 from erlif.core.progress import Progress, silent
@@ -32,7 +32,7 @@ from erlif.io.files import (
     take,
 )
 from erlif.review.comparison.calibrations import joint_covariance
-from erlif.review.comparison.charts import control_chart
+from erlif.review.comparison.charts import control_chart, drift_between
 from erlif.review.comparison.difference import (
     average_difference,
     common_angles,
@@ -110,15 +110,17 @@ def compare(
             replace(record, name=label) for record, label in zip(records, labels, strict=True)
         ]
         refuse_unlike(records)
+        # calibrations beside the films extend the chart, and show how the rig changes
+        known = _distinct(records, [open_calibration(path) for path in calibrations])
+        drift = drift_between([replace(one, systematics=NO_SYSTEMATICS) for one in known])
+        records = [replace(one, errors=replace(one.errors, drift=drift)) for one in records]
         first, second = _check_pair(pair, len(records))
 
         comparison = _compare_pairs(records).merge(_compare_powers(records))
         triggers = _choose_triggers(opened[first], opened[second], crank_angle)
         mapped = difference_map(opened[first], opened[second], triggers=triggers)
 
-    # calibrations beside the films extend the chart alone
-    further = [open_calibration(path) for path in calibrations]
-    chart = control_chart(records, _distinct(records, further))
+    chart = control_chart(records, known)
     names = {"x": "map_x", "y": "map_y"} | {str(name): f"map_{name}" for name in mapped.data_vars}
     attrs = {f"map_{name}": value for name, value in mapped.attrs.items()}
     comparison = comparison.merge(mapped.rename(names).drop_attrs(deep=False)).merge(chart)
@@ -126,6 +128,7 @@ def compare(
         title="runs compared",
         erlif_version=__version__,
         history=f"erlif {__version__}: compare {', '.join(record.name for record in records)}",
+        calibration_drift=drift,
         map_first_run=records[first].name,
         map_second_run=records[second].name,
         **attrs,
@@ -215,12 +218,19 @@ def _compare_pairs(records: list[RunRecord]) -> xr.Dataset:
             [int(records[i].errors.rig == records[j].errors.rig) for i, j in pairs],
             one,
         ),
+        "rig_differs": (
+            "pair",
+            [_list_unlike(records[i].errors.rig, records[j].errors.rig) for i, j in pairs],
+            {"long_name": "what makes the runs those of two rigs"},
+        ),
     }
     coords = {
         "run": ("run", [record.name for record in records]),
         "statistic": ("statistic", list(STATISTICS)),
         "first": ("pair", [records[i].name for i, _ in pairs]),
         "second": ("pair", [records[j].name for _, j in pairs]),
+        "recorded": ("run", [record.errors.date for record in records]),
+        "serials": ("run", [record.errors.serials for record in records]),
         "angle": ("angle", angle, {"units": "degree"} if records[0].by_angle else {}),
     }
     method = "at common crank angles, interpolated linearly between triggers where they differ"
@@ -233,6 +243,11 @@ def _compare_pairs(records: list[RunRecord]) -> xr.Dataset:
             "that of two places"
         )
     return xr.Dataset(variables, coords, attrs)
+
+
+def _list_unlike(one: Mapping[str, str], other: Mapping[str, str]) -> str:
+    """Names of what differs between two rigs; empty where they are one."""
+    return ", ".join(name for name in one if one[name] != other.get(name))
 
 
 def _compare_powers(records: list[RunRecord]) -> xr.Dataset:

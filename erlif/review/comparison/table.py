@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
-from erlif.core.terms import SOURCES
+from erlif.core.terms import SOURCES, TERMS
 
 _NAMES = {"film_min": "minimum film", "film_mean": "mean film"}
 
@@ -42,7 +42,9 @@ def describe_comparison(comparison: xr.Dataset) -> list[str]:
         lines += [_describe_power(comparison, run) for run in (*comparison.run.values, None)]
     lines.append(f"differences, {comparison.attrs['method']}:")
     for k in range(comparison.sizes["pair"]):
-        lines += [_describe_pair(comparison.isel(pair=k), name) for name in _NAMES]
+        one = comparison.isel(pair=k)
+        lines += [_describe_pair(one, name) for name in _NAMES]
+        lines.append(_describe_rig(one, comparison))
     if "note" in comparison.attrs:
         lines.append(f"note: {comparison.attrs['note']}")
     lines += _describe_map(comparison)
@@ -83,6 +85,25 @@ def _describe_pair(one: xr.Dataset, name: str) -> str:
         return text
     hides = SOURCES[str(of.largest_term.item())]
     return f"{text}; most of the error: {hides.what}. {hides.cure}"
+
+
+def _describe_rig(one: xr.Dataset, comparison: xr.Dataset) -> str:
+    """What makes two runs those of one rig or of two, and what of it is not known."""
+    runs = [one.second.item(), one["first"].item()]
+    names = " and ".join(runs)
+    if differs := one.rig_differs.item():
+        return f"  {names}: two rigs by {differs}; the errors of both add"
+    serials = comparison.serials.sel(run=runs[0]).item()
+    cameras = f"cameras {serials}" if serials else "serial numbers of the cameras unknown"
+    days = comparison.recorded.sel(run=runs).values.tolist()
+    if days[0] == days[1]:
+        return f"  {names}: one rig, {cameras}, {f'of {days[0]}' if days[0] else 'days unknown'}"
+    least, drift = TERMS["ratio"].apart or 0.0, 100 * comparison.attrs["calibration_drift"]
+    why = "by its calibrations" if drift > least else "assumed, calibrations of both days show it"
+    return (
+        f"  {names}: one rig, {cameras}, of {days[0] or 'an unknown day'} and "
+        f"{days[1] or 'an unknown day'}; change of the ratio {max(least, drift):.2g} % ({why})"
+    )
 
 
 def _describe_map(comparison: xr.Dataset) -> list[str]:

@@ -51,6 +51,13 @@ def test_time_stamps_of_the_camera_go_before_the_rate(tmp_path):
     npt.assert_allclose(found, [0, 0.002, 0.004])
 
 
+def test_the_serial_number_of_the_camera_is_read(tmp_path):
+    frames = random_frames(np.random.default_rng(1))
+    for number, text in ((13_021, "13021"), (0, "")):
+        with closing(open_frames(write_cine(tmp_path / "a.cine", frames, serial=number))) as file:
+            assert file.serial == text
+
+
 def test_frames_beyond_four_gigabytes(tmp_path):
     frames = random_frames(np.random.default_rng(1))
     path = write_cine(tmp_path / "a.cine", frames, gap=5 * 2**30)  # a hole, which takes no disk

@@ -54,6 +54,13 @@ def test_blocks_of_ome_map_directories_to_planes():
     np.testing.assert_allclose(found.times, [0, 0.005, 0.015, 0.025])
 
 
+def test_serial_numbers_of_ome_are_those_of_its_detectors():
+    text = OME.format(blocks="<TiffData/>", planes="")
+    instrument = '<Instrument ID="I:0"><Detector ID="D:0" SerialNumber="X-17"/></Instrument>'
+    assert read(text.replace("<Image ", f"{instrument}<Image ", 1).encode(), 4).serial == "X-17"
+    assert not read(text.encode(), 4).serial
+
+
 def test_a_single_block_without_numbers_holds_all_planes():
     text = OME.format(blocks="<TiffData/>", planes="").encode()
     assert read(text, 4).channels == [1, 2, 1, 2]

@@ -33,7 +33,7 @@ WIDTHS |= {"temperature": 0.005, "lag": 0.005}
 
 
 def errors_of(run, fixture="a", rig="r", **widths):
-    return RunErrors(run, fixture, rig, WIDTHS | widths)
+    return RunErrors(run, fixture, {"calibration": fixture, "rig": rig}, WIDTHS | widths)
 
 
 @pytest.fixture
@@ -104,6 +104,29 @@ def test_on_one_rig_a_difference_holds_what_changes_from_run_to_run():
     narrow = run_with(**WIDTHS | {"ratio": 0.001})
     pair = (errors_of(narrow, ratio=0.001),) * 2
     assert difference_var(gradient, gradient, pair) < expected
+
+
+def test_calibrations_that_drift_widen_the_change_between_days_but_not_of_one_day():
+    """Scale of the ratio alone; its calibrations changed by 0.8 % from day to day."""
+    run = run_with(ratio=0.01)
+    gradient = run.film_gradient(5.0)
+    ratio = float(np.abs(gradient[3 + run.systematics.terms.index("ratio")]))
+    first = replace(errors_of(run), date="2026-03-01", drift=0.008)
+    for date, change in (("2026-03-01", 0.003), ("2026-05-02", 0.008)):
+        stated = difference_var(gradient, gradient, (first, replace(first, date=date)))
+        assert np.sqrt(stated) == pytest.approx(change * ratio, rel=1e-6)
+
+
+def test_runs_with_other_cameras_are_not_of_one_rig(film):
+    """Serial numbers; a number that one run alone has is no other camera for certain."""
+
+    def rig_of(numbers):
+        return read_run(film.assign_attrs(camera_serials=json.dumps(numbers))).errors.rig
+
+    assert rig_of(["11", "12"]) == rig_of(["11", "12"])
+    assert rig_of(["", ""]) == read_run(film).errors.rig
+    assert rig_of(["11", "12"]) != rig_of(["11", "13"])
+    assert rig_of(["11", "12"]) != rig_of(["", ""])
 
 
 def test_a_difference_of_runs_of_one_rig_covers_the_true_one():

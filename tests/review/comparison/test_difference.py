@@ -37,7 +37,7 @@ def draw(record, rng, *, true=0.0, one_calibration=True, runs=2):
         }
         stated = {"film_min": np.full(size, MARKS), "film_mean": np.full(size, NOISE)}
         key = "one" if one_calibration else str(k)
-        errors = replace(record.errors, fixture=key, rig=key)
+        errors = replace(record.errors, fixture=key, rig={"calibration": key})
         drawn.append(replace(record, value=value, own_std=stated, errors=errors))
     return drawn
 
@@ -75,7 +75,9 @@ def test_runs_that_do_not_differ_are_stated_to_in_five_per_cent_of_comparisons_a
 def test_the_error_of_one_calibration_cancels_and_that_of_two_does_not(record):
     same = average_difference(record, record, "film_mean", angle=record.angle)
     assert same.std == pytest.approx(same.own_std)
-    later = replace(record, errors=replace(record.errors, fixture="another", rig="another"))
+    later = replace(
+        record, errors=replace(record.errors, fixture="another", rig={"calibration": "another"})
+    )
     apart = average_difference(record, later, "film_mean", angle=record.angle)
     mean = record.gradient["film_mean"].mean(axis=0)
     shared = mean @ record.errors.curve.full_covariance @ mean
