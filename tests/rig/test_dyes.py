@@ -81,10 +81,14 @@ def test_thin_and_thick_limits(band):
 
 
 def test_table_of_the_signal_is_exact_and_saturated_beyond_its_end():
-    thickness = np.random.default_rng(0).uniform(0, 60, 500)
-    direct = filtered_light(thickness, 580.0) / filtered_light(np.asarray(200.0), 580.0)
+    thickness = np.random.default_rng(0).uniform(0, THICKEST, 2000)
+    for band, wall in ((580.0, 0.0), (610.0, 0.0), (610.0, 0.6)):
+        oil = DyedOil(reflectance=wall)
+        thick = filtered_light(np.asarray(THICKEST), band)
+        signal = tabulate_signal(band, oil=oil)
+        direct = filtered_light(thickness, band, oil=oil) / thick
+        npt.assert_allclose(signal(thickness), direct, rtol=1e-9)
     signal = tabulate_signal(580.0)
-    npt.assert_allclose(signal(thickness), direct, rtol=1e-9)
     npt.assert_array_equal(signal(np.array([THICKEST, 2 * THICKEST])), 1)
     assert signal(np.array(0.0)) == 0
 
