@@ -110,11 +110,8 @@ PREDICTION_ATTRIBUTES = (
 )
 
 PRESSURE_ATTRIBUTES = (
-    *(
-        one
-        for one in FILM_ATTRIBUTES
-        if one.name in ("title", "history", "erlif_version", "settings", "settings_stated")
-    ),
+    *FILM_ATTRIBUTES[:5],
+    *(one for one in FILM_ATTRIBUTES if one.name in ("settings", "settings_stated")),
     Attribute("film_identity", "Identity of the film."),
     Attribute("statement", "What the pressure is good for, and what would make it better."),
     Attribute("balance", "The load that it makes, beside the logged one."),
@@ -232,7 +229,7 @@ VARIABLE_ATTRIBUTES = (
     Attribute("start_std", "Its standard deviation [s].", "start was fitted"),
     Attribute("log_scale", "Of an exponent: logarithm of the factor of the fitted power law."),
     Attribute(
-        "geometry",
+        "geometric",
         "Of the exponent of the mean: that of the moving place of the minimum alone.",
         "it excludes an exponent",
     ),
@@ -288,6 +285,7 @@ BLUR_ATTRIBUTES = (
 CALIBRATION_ATTRIBUTES = (
     Attribute("Conventions", "CF-1.11."),
     Attribute("title", "ERLIF calibration."),
+    Attribute("history", "Version of erlif and the step that wrote the file."),
     Attribute("erlif_version", "Version of erlif."),
     Attribute(
         "format_version", "Version of the file format, 1. An earlier erlif refuses a later one."

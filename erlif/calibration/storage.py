@@ -30,7 +30,7 @@ from erlif.core.errors import (
     RegistrationError,
     reason_of,
 )
-from erlif.core.format import ATTRIBUTE, FORMAT_VERSION, is_version_after
+from erlif.core.format import describe_origin, is_version_after
 from erlif.core.notes import warn
 from erlif.core.version import __version__
 from erlif.io.files import (
@@ -83,11 +83,7 @@ def save_calibration(
     output = Path(output)
     refuse_existing(output, overwrite=overwrite, holds="ratio_at_zero")
     dataset = calibration.to_dataset().assign_attrs(
-        Conventions="CF-1.11",
-        title="ERLIF calibration",
-        erlif_version=__version__,
-        **{ATTRIBUTE: FORMAT_VERSION},
-        **calibration.attributes,
+        **describe_origin("ERLIF calibration", "calibrate"), **calibration.attributes
     )
     groups = {}
     if calibration.camera_map is not None:

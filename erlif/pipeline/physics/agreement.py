@@ -170,7 +170,7 @@ def _follow_speed(film: xr.Dataset, name: str) -> dict[str, Any]:
     if "joint_load" in film:
         against["speed over load"] = speed / film["joint_load"].values
     part = film.share_beyond_range.values > LARGEST_BEYOND
-    moved = "geometry" in film.get("speed_exponent_mean", xr.DataArray()).attrs
+    moved = "geometric" in film.get("speed_exponent_mean", xr.DataArray()).attrs
     names = ("film_min", "film_mean", "film_gap_mean")
     rows = []
     for one in names:

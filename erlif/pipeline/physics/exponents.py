@@ -84,7 +84,7 @@ def describe_exponents(
             counted = np.where(np.isfinite(values), moved, np.nan)
             geometry = fit_exponent(counted, random, speed=speed, load=load).value
             if abs(geometry) > max(_MOVED * exponent.std, _UNMOVED):
-                alone = {"geometry": geometry, "fitted": exponent.value}
+                alone = {"geometric": geometry, "fitted": exponent.value}
                 exponent = replace(exponent, value=math.nan, std=math.nan, log_scale=math.nan)
         exponents[variable] = FILM[variable].fill(
             exponent.value,
@@ -111,11 +111,11 @@ def _moved_mean(film: xr.Dataset, plane: ObjectPlane) -> Array:
 def note_moved_mean(film: xr.Dataset) -> list[Note]:
     """Warn that the exponent of the mean film is due to the moving place of the minimum."""
     attrs = film["speed_exponent_mean"].attrs if "speed_exponent_mean" in film else {}
-    if "geometry" not in attrs:
+    if "geometric" not in attrs:
         return []
     text = (
         "no power of speed: the place of the minimum moves in the region, which alone makes n = "
-        f"{attrs['geometry']:.3f} of the fitted {attrs['fitted']:.3f}. Use that of film_min, or a "
+        f"{attrs['geometric']:.3f} of the fitted {attrs['fitted']:.3f}. Use that of film_min, or a "
         "region of interest over which the film differs less"
     )
     return [warn("film_mean", text)]

@@ -52,8 +52,8 @@ MAP = MapVariable(
 
 # Variables of a film that prediction.nc repeats, so that both are compared without it.
 _OF_FILM = (
-    *("film_min", "film_min_std", "film_min_std_random"),
-    *("film_mean", "film_mean_std", "film_mean_std_random"),
+    *("film_min", "film_min_std", "film_min_std_random", "film_min_x", "film_min_y"),
+    *("film_mean", "film_mean_std", "film_mean_std_random", "share_beyond_range"),
     "pin_displacement",
     "encoder_angle",
     "crank_angle",

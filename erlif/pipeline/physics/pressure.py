@@ -14,9 +14,9 @@ import xarray as xr
 from erlif.calibration import calibration_of
 from erlif.core.arrays import Array, Mask
 from erlif.core.errors import ConfigError, ModelError
+from erlif.core.format import describe_origin
 from erlif.core.progress import Progress, ShowProgress, choose_progress
 from erlif.core.variables import PRESSURE
-from erlif.core.version import __version__
 from erlif.io.files import open_film, set_coordinates, settings_of, take
 from erlif.io.settings import RunSettings
 from erlif.models.contact import conformal_radius
@@ -341,16 +341,14 @@ def _pressure_by_trigger(
     result = xr.Dataset(
         {name: PRESSURE[name].fill(values) for name, values in columns.items()},
         {name: PRESSURE[name].fill(values) for name, values in places.items()},
-    ).assign_coords(trigger=film["trigger"].values)
+    ).assign_coords(trigger=film["trigger"].variable)
     of_motion = {name: film[name].variable for name in ("encoder_angle", "crank_angle", "stroke")}
     result = set_coordinates(result.assign(of_motion))
     # name the mount
     kept = ("settings", "settings_stated")
     result.attrs.update({name: film.attrs[name] for name in kept if name in film.attrs})
     return result.assign_attrs(
-        title=f"pressure from the film, {settings.name}",
-        history=f"erlif {__version__}: pressure {settings.name}",
-        erlif_version=__version__,
+        **describe_origin(f"pressure from the film, {settings.name}", f"pressure {settings.name}"),
         film_identity=str(film.attrs.get("identity", "")),
         statement=state_limits(result),
         balance=state_balance(result),

@@ -95,7 +95,7 @@ def test_the_mean_of_the_gap_is_compared_with_that_of_the_transient_film():
 
 def test_a_mean_that_its_place_changes_has_no_correlation():
     film = a_film(1.0)
-    film["speed_exponent_mean"] = ((), np.nan, {"geometry": -0.27, "fitted": -0.27})
+    film["speed_exponent_mean"] = ((), np.nan, {"geometric": -0.27, "fitted": -0.27})
     found = xr.Dataset(describe_agreement(film, run_settings()))
     known = np.isfinite(found.speed_correlation.values).all(axis=1)
     npt.assert_array_equal(known, found.correlated_film.values != "film_mean")

@@ -84,11 +84,11 @@ def test_a_mean_that_follows_the_place_of_the_minimum_has_no_exponent(calibratio
 
     found = xr.Dataset(describe_exponents(film, results, calibration, plane=plane))
     assert np.isnan(found.speed_exponent_mean) == moves
-    assert ("geometry" in found.speed_exponent_mean.attrs) == moves
+    assert ("geometric" in found.speed_exponent_mean.attrs) == moves
     assert [note.subject for note in note_moved_mean(found)] == ["film_mean"] * moves
     if moves:  # the minimum is constant: all of the exponent is that of its place
         attrs = found.speed_exponent_mean.attrs
-        npt.assert_allclose(attrs["geometry"], attrs["fitted"], rtol=1e-3)
+        npt.assert_allclose(attrs["geometric"], attrs["fitted"], rtol=1e-3)
 
 
 def test_marks_of_the_surfaces_widen_the_exponent_of_the_minimum_alone(power_law, calibration):

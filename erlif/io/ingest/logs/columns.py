@@ -444,7 +444,7 @@ def convert_columns(
         if fault:
             left_out.append(column.name)
         else:
-            log[column.name] = (dim, column.free())
+            log[column.name] = (dim, column.free(), {"long_name": f"{column.name} of the log"})
     if left_out:
         listed = ", ".join(repr(name) for name in dict.fromkeys(left_out))
         remarks.append(f"columns left out because of their names: {listed}")
