@@ -512,6 +512,7 @@ def flags_table() -> Iterator[str]:
         Flag.NO_FILM: "Bubble or bare wall: the fluorescence of both bands is missing.",
         Flag.FILM_STEP: "Beside a step of the film, as at the edge of a pocket: the lenses blur "
         "the films of both sides into each other.",
+        Flag.MASKED: "Excluded by `exclude` in `[thickness]`, as a scratch or a bolt.",
     }
     yield "| bit | name | meaning |"
     yield "|---|---|---|"

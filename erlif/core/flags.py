@@ -25,6 +25,7 @@ class Flag(IntFlag):
     POOR_REGISTRATION = 64  #: the registration is not good enough for a ratio
     NO_FILM = 128  #: bubble or bare wall: the fluorescence of both bands is missing
     FILM_STEP = 256  #: beside a step of the film, which the lenses blur
+    MASKED = 512  #: excluded by the settings, as a scratch or a bolt
 
     @property
     def title(self) -> str:
@@ -71,6 +72,7 @@ FLAG_ATTRS: dict[str, object] = {
 # Colours that the colour map of film thickness does not contain. A pixel with several flags has
 # the colour of the first.
 FLAG_COLOURS = {
+    Flag.MASKED: "#8A4FD8",
     Flag.NO_FILM: "#00D5F0",
     Flag.SATURATED: "#FFE600",
     Flag.OUTSIDE_OVERLAP: "#D9D9D9",

@@ -9,21 +9,23 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numba
 import numpy as np
 
-from erlif.core.arrays import FAST, AnyArray, Array, FlagImage, Image
+from erlif.core.arrays import FAST, AnyArray, Array, FlagImage, Image, Mask
 from erlif.core.detector import reading_var
 from erlif.core.flags import Flag
 from erlif.core.products import References
 
-_SATURATED, _DIM, _BAD_PIXEL = (
-    np.uint16(flag) for flag in (Flag.SATURATED, Flag.DIM, Flag.BAD_PIXEL)
+_SATURATED, _DIM, _BAD_PIXEL, _MASKED = (
+    np.uint16(flag) for flag in (Flag.SATURATED, Flag.DIM, Flag.BAD_PIXEL, Flag.MASKED)
 )
-_UNUSABLE = np.uint16(_SATURATED | _BAD_PIXEL)
+
+# Pixels on which no registration can rely.
+UNUSABLE = np.uint16(_SATURATED | _BAD_PIXEL | _MASKED)
 _ZERO, _ONE, _NONE = np.float32(0), np.float32(1), np.uint16(0)
 _at = np.uint64  # an index that cannot count from the end, as in `erlif.registration.interpolation`
 
@@ -44,7 +46,7 @@ class PairLight:
     Attributes
     ----------
     light : Image
-        Dark subtracted, divided by the flat, bad pixels filled. [DN]
+        Dark subtracted, divided by the flat, bad pixels filled, NaN where excluded. [DN]
     variance : Image
         New in every frame; of size 0 where it is not asked for. [DN2]
     variance_fixed : Image
@@ -54,9 +56,10 @@ class PairLight:
     half : Image
         Mean light of the usable pixels in squares of 2 px, 0 without weight. [DN]
     half_weight : Image
-        1 where more than half of the square is neither saturated nor bad, else 0.
+        1 where more than half of the square is usable, else 0.
     blocks : Image
-        Mean light of squares of 8 px; those at the lower and right edge may be smaller. [DN]
+        Mean light of squares of 8 px, NaN where a pixel is excluded; those at the lower and right
+        edge may be smaller. [DN]
     peaks : Array
         Highest count of each camera, (camera). [DN]
     energy : Array
@@ -147,7 +150,7 @@ class CameraTables:
     Attributes
     ----------
     dark : Image
-        [DN]
+        NaN where a pixel is excluded, so that its light is none. [DN]
     least : AnyArray
         Smallest count that is not dim. [DN]
     bad : AnyArray
@@ -175,7 +178,9 @@ class CameraTables:
     least_above_dry: Image
 
 
-def tabulate(references: References, *, least_signal: float) -> tuple[CameraTables, CameraTables]:
+def tabulate(
+    references: References, *, least_signal: float, excluded: Mask | None = None
+) -> tuple[CameraTables, CameraTables]:
     """Prepare the correction of both cameras.
 
     Parameters
@@ -184,6 +189,8 @@ def tabulate(references: References, *, least_signal: float) -> tuple[CameraTabl
         As `erlif.correction.make_references` returns them.
     least_signal : float
         Pixels with less light are flagged dim. [electron]
+    excluded : array of bool, (y, x), optional
+        Pixels of camera 1 that count nowhere; default: none. Those of camera 2 follow from the map.
 
     Returns
     -------
@@ -192,6 +199,8 @@ def tabulate(references: References, *, least_signal: float) -> tuple[CameraTabl
     one, two = (
         _tabulate_camera(References(references.isel(camera=n)), least_signal) for n in range(2)
     )
+    if excluded is not None:
+        one = replace(one, dark=np.where(excluded, np.float32(np.nan), one.dark))
     return one, two
 
 
@@ -344,6 +353,7 @@ def _correct_counts(  # type: ignore[no-untyped-def]
             most = max(most, count)
             flag = _SATURATED if count >= full_scale else _NONE
             flag |= _DIM if count < least[i, j] else _NONE
+            flag |= _MASKED if dark[i, j] != dark[i, j] else _NONE
             flags[i, j] = flag | (_BAD_PIXEL if bad[i, j] else _NONE)
         highest = max(highest, most)
     return highest
@@ -403,8 +413,8 @@ def _bin(light, flags, half, half_weight, blocks):  # type: ignore[no-untyped-de
     for i in range(half.shape[0]):
         # first the sum of two rows, then of two columns
         for j in range(width):
-            upper = flags[2 * i, j] & _UNUSABLE == 0
-            lower = flags[2 * i + 1, j] & _UNUSABLE == 0
+            upper = flags[2 * i, j] & UNUSABLE == 0
+            lower = flags[2 * i + 1, j] & UNUSABLE == 0
             count[j] = (_ONE if upper else _ZERO) + (_ONE if lower else _ZERO)
             total[j] = light[2 * i, j] if upper else _ZERO
             total[j] += light[2 * i + 1, j] if lower else _ZERO

@@ -63,12 +63,13 @@ class FrameCorrection:
         cls, pairs: FramePairs, references: References, *, least_signal: float, **known: Any
     ) -> FrameCorrection:
         """The correction by some references; `known` are energies and unlit pixels."""
-        tables = tabulate(references, least_signal=least_signal)
+        tables = tabulate(references, least_signal=least_signal, excluded=pairs.excluded)
         return cls(pairs, references, tables, least_signal, **known)
 
     def with_references(self, references: References) -> FrameCorrection:
         """Return a copy with other references."""
-        tables = tabulate(references, least_signal=self.least_signal)
+        excluded = self.pairs.excluded
+        tables = tabulate(references, least_signal=self.least_signal, excluded=excluded)
         return replace(self, references=references, tables=tables)
 
     def tabulated(self) -> FrameCorrection:

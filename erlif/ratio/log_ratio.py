@@ -19,7 +19,7 @@ from erlif.ratio.pair import PairRatio, gather_ratios
 from erlif.ratio.sharpness import BlurDifference
 
 _NAN, _ZERO, _HALF, _ONE, _TWO = (np.float32(value) for value in (np.nan, 0, 0.5, 1, 2))
-_DIM, _NONE = np.uint16(Flag.DIM), np.uint16(0)
+_DIM, _MASKED, _NONE = np.uint16(Flag.DIM), np.uint16(Flag.MASKED), np.uint16(0)
 _at = np.uint64  # an index that cannot count from the end, as in `erlif.registration.interpolation`
 
 # logarithm of 1 + f, f from sqrt(1/2) - 1 to sqrt(2) - 1, after f - f^2/2 (Cephes library, logf);
@@ -352,6 +352,7 @@ def _divide_row(  # type: ignore[no-untyped-def]
     for t in range(width):
         x = _at(t)
         flag = flags_one[y, x] | flags_two[kept, x] | map_flags[y, x]
+        flag = _MASKED if flags_one[y, x] & _MASKED else flag
         lightless = (flag == _NONE) & (values[0, x] != values[0, x])
         flags[y, x] = _DIM if lightless else flag
     sum_all, sum_two = _ZERO, _ZERO

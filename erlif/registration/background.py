@@ -185,7 +185,8 @@ def is_steep(blocks: Image, shape: tuple[int, int], *, side: int = BLOCK) -> Mas
     Parameters
     ----------
     blocks : array, (row, column), float32
-        Mean light of the blocks of 8 px of one camera; only ratios count.
+        Mean light of the blocks of 8 px of one camera, NaN where it is not known; only ratios
+        count.
     shape : tuple of int
         Rows and columns of the image.
     side : int
@@ -206,7 +207,7 @@ def is_steep(blocks: Image, shape: tuple[int, int], *, side: int = BLOCK) -> Mas
     >>> bool(is_steep(np.exp(0.02 * middle), (48, 64)).any())
     False
     """
-    level = np.log(np.maximum(blocks, LEAST_LIGHT))
+    level = np.log(np.fmax(blocks, LEAST_LIGHT))
 
     # a median over 3 by 3 blocks, so that a single scratch or speck is not taken for the film
     down, along = np.gradient(cv2.medianBlur(level, 3))

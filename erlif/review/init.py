@@ -232,6 +232,10 @@ def _draft_cameras(draft: _Draft, survey: Survey) -> None:
             "files",
             f"these images belong to no camera by their names: {list_some(names, most=_LISTED)}",
         )
+    if survey.masks:
+        names = [path.relative_to(survey.directory).as_posix() for path in survey.masks]
+        draft.set("thickness.exclude", names, "Masks by their names: white is excluded.")
+        draft.note("masks", f"{list_some(names, most=_LISTED)}: what is white there is excluded")
 
 
 def _draft_camera(draft: _Draft, survey: Survey, number: int, camera: CameraSurvey) -> None:

@@ -14,6 +14,7 @@ FORMAT = {
     64: "poor_registration",
     128: "no_film",
     256: "film_step",
+    512: "masked",
 }
 """Bits of the file format, docs/film_nc.md."""
 
@@ -32,9 +33,9 @@ def test_attributes_pair_each_mask_with_its_meaning():
 def test_flags_are_counted_wherever_they_are_in_the_image():
     rng = np.random.default_rng(2)
     for size in (1, 7, 8, 61, 4096):
-        flags = np.where(rng.random(size) < 0.1, rng.integers(0, 512, size), 0).astype(np.uint16)
+        flags = np.where(rng.random(size) < 0.1, rng.integers(0, 1024, size), 0).astype(np.uint16)
         flags[-1] = 129
-        expected = [sum(not n & 1 << bit for n in flags.tolist()) for bit in range(9)]
+        expected = [sum(not n & 1 << bit for n in flags.tolist()) for bit in range(10)]
         valid, *flagged = count_flags(flags.reshape(-1, 1))
         assert valid == flags.tolist().count(0)
         assert [size - count for count in flagged] == expected

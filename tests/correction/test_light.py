@@ -62,6 +62,23 @@ def test_light_is_that_of_the_plain_correction(shape, dtype, full_scale):
     npt.assert_allclose(found.variance_fixed, expected.signal_var_fixed.values, rtol=6 * EPS)
 
 
+def test_excluded_pixels_of_camera_1_have_no_light_and_the_others_that_of_before():
+    counts, references = recording((64, 80))
+    excluded = np.zeros((64, 80), bool)
+    excluded[16:40, 30:50] = True
+    before = measure_light(counts, tabulate(references, least_signal=100.0))
+    found = measure_light(counts, tabulate(references, least_signal=100.0, excluded=excluded))
+
+    npt.assert_array_equal(found.flags[0] & Flag.MASKED > 0, excluded)
+    npt.assert_array_equal(found.flags & ~np.uint16(Flag.MASKED), before.flags)
+    assert np.isnan(found.light[0][excluded]).mean() > 0.95  # bad pixels are filled at the edge
+    npt.assert_array_equal(found.light[1], before.light[1])
+    far = ~excluded & ~references.bad.values[0]
+    npt.assert_array_equal(found.light[0][far], before.light[0][far])
+    assert not found.half_weight[0, 8:20, 15:25].any()
+    assert np.isfinite(references.dark.values).all()  # they serve other settings, too
+
+
 def test_threshold_of_dim_light_is_exact():
     """Light of exactly the threshold is not dim, one count less is."""
     counts, references = recording((4, 6))

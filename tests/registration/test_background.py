@@ -114,6 +114,13 @@ def test_light_below_a_thousandth_of_a_count_is_dark_and_not_steep():
     assert is_steep(light(0.06, level=1.0)).any()
 
 
+def test_blocks_that_are_not_known_are_no_slope_of_the_film():
+    """One column of blocks, as of a scratch that the settings exclude."""
+    blocks = np.full((12, 16), 1000, np.float32)
+    blocks[:, 7] = np.nan
+    assert not registration.is_steep(blocks, (96, 128)).any()
+
+
 def test_the_thin_edge_of_a_film_is_steep_and_its_speckle_is_not():
     """A film that rises from 0.05 um at the left edge, with speckle of 10 %."""
     rng = np.random.default_rng(7)

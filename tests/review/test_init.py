@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 import tifffile
 import xarray as xr
+from PIL import Image
 from scenes.camera_files import random_frames, write_cine, write_mraw
 
 import erlif
@@ -214,6 +215,17 @@ def test_patterns_bands_depth_and_name_are_filled_in(folder):
     assert str(notes[0]) == "camera1: 4 frames of 80 x 64 uint16, cam1_580nm/*.tif"
     assert "no dark frames" in warnings(notes)
     assert settings["camera1"]["offset"] == "?? DN"
+
+
+@pytest.mark.parametrize("name", ["mask.png", "cam1_580nm/Mask_bolt.tif"])
+def test_an_image_named_as_a_mask_is_excluded_and_no_frame(folder, name):
+    """The names of the frames are as before, also where the mask lies among them."""
+    Image.fromarray(np.eye(64, 80, dtype=np.uint8)).save(folder / name)
+    notes = erlif.init(folder)
+    settings = read(folder)
+    assert settings["thickness"]["exclude"] == [name]
+    assert settings["camera1"]["files"].startswith("cam1_580nm/")
+    assert "belong to no camera" not in warnings(notes)
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,7 @@ import xarray as xr
 
 from erlif.core.arrays import Array
 from erlif.core.errors import ErlifError, OutputError
-from erlif.core.flags import count_flags
+from erlif.core.flags import Flag, count_flags
 from erlif.io.files.film import open_film
 from erlif.io.files.soundness import read_settings
 from erlif.io.files.wanted import takes
@@ -376,9 +376,9 @@ def flag_shares(film: xr.Dataset) -> Array:
     >>> from erlif.show.plots import example_film
     >>> shares = flag_shares(example_film())
     >>> shares.shape[1], bool(0 < shares[0, 0] <= 1)
-    (10, True)
+    (11, True)
     """
-    if "flagged_pixels" in film:
+    if film.sizes.get("flag") == len(Flag):
         counts = np.column_stack([film.valid_pixels.values, film.flagged_pixels.values])
     else:  # map by map, because all maps of a long run do not fit into memory
         triggers = range(film.sizes["trigger"])

@@ -36,11 +36,7 @@ def named_files(settings: RunSettings | FixtureSettings) -> list[str]:
         for camera in cameras
         for name in (camera.files, camera.dark, camera.flat, camera.background)
     ]
-    if isinstance(settings, FixtureSettings):
-        names.append(settings.fixture.profile)
-    else:
-        names += settings.beside
-    return [name for name in names if name is not None]
+    return [name for name in (*names, *settings.beside) if name is not None]
 
 
 def refuse_outside(directory: Path, names: Iterable[str]) -> None:

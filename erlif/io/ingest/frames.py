@@ -13,9 +13,10 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
-from erlif.core.arrays import Array, Counts
+from erlif.core.arrays import Array, Counts, Mask
 from erlif.core.notes import Note, list_some, remark, warn
 from erlif.core.products import Frames
+from erlif.io.ingest.exclusions import exclusion_notes
 from erlif.io.ingest.images import Page, PageContent, check_depth, name_page, read_content
 
 # Files of many frames that a note names.
@@ -49,6 +50,8 @@ class FramePairs:
         Significant bits of a count after the headers; None where they state none.
     serials : tuple[str, str]
         Serial numbers of the cameras after the headers; empty where they have none.
+    excluded : Mask | None
+        True for the pixels of camera 1 that count nowhere, (y, x); None where all do.
     """
 
     directory: Path
@@ -61,6 +64,7 @@ class FramePairs:
     warnings: tuple[str, str] = ("", "")
     stated_bits: tuple[int | None, int | None] = (None, None)
     serials: tuple[str, str] = ("", "")
+    excluded: Mask | None = field(default=None, compare=False)
 
     @property
     def usable(self) -> list[int]:
@@ -220,7 +224,7 @@ def _kind_of_omission(numbered: tuple[int, tuple[int, str]]) -> tuple[int, str, 
 
 
 def format_notes(pairs: FramePairs) -> list[Note]:
-    """Warnings of doubtful counts and of headers with fewer bits, and the order of several files.
+    """Doubtful counts, headers with fewer bits, order of several files, and excluded pixels.
 
     Argument as in `skipped_notes`.
 
@@ -265,4 +269,4 @@ def format_notes(pairs: FramePairs) -> list[Note]:
                 f"flagged. Set bit_depth = {stated}, if that is the camera's"
             )
             notes.append(warn(f"camera{camera}", text))
-    return notes
+    return notes + exclusion_notes(pairs.excluded)

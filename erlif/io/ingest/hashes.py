@@ -169,10 +169,8 @@ def refuse_changed(recording: Run | Fixture, before: Mapping[Path, str]) -> None
 
 def _files_beside_frames(recording: Run | Fixture) -> dict[str, list[Path]]:
     """Inputs that are no frames, by their names or patterns in the settings."""
-    if isinstance(recording, Run):
-        names = ["run.toml", *recording.settings.beside]
-    else:
-        names = ["fixture.toml", recording.settings.fixture.profile]
+    own = "run.toml" if isinstance(recording, Run) else "fixture.toml"
+    names = [own, *recording.settings.beside]
     files = {name: [recording.directory / name] for name in names}
     for camera in recording.cameras:
         for pattern in (camera.dark, camera.flat, camera.background):

@@ -30,6 +30,9 @@ PURPOSES = {
 # Words in the names of recordings and folders of a fixture.
 FIXTURE = re.compile(r"(?<![a-z])(wedge|keil|calib|kalib|fixture)")
 
+# Words in the names of images that show what is excluded.
+MASK = re.compile(r"(?<![a-z])mask[es]?(?![a-z])")
+
 _CAMERA = re.compile(
     r"(?<![a-z])(?:camera|kamera|cam|channel|ch|c)[ _-]?0?([0-9])(?!\d)"
     r"|(?<![a-z])(?:camera|kamera|cam)[ _-]?([ab])(?![a-z\d])"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from os import SEEK_END
 from pathlib import Path
 from typing import NamedTuple
@@ -18,6 +18,7 @@ from erlif.core.notes import Note, list_some
 from erlif.core.products import EncoderLog
 from erlif.io.ingest.containment import named_files, refuse_outside
 from erlif.io.ingest.encoder_log import check_rows, leave_out_late_rows, read_log
+from erlif.io.ingest.exclusions import exclude_pixels
 from erlif.io.ingest.frames import FramePairs
 from erlif.io.ingest.images import match_files
 from erlif.io.ingest.logs.checks import is_nearly_by_frame
@@ -407,7 +408,7 @@ def _open_pairs(
     for number, camera in enumerate((one, two), 1):
         _refuse_references(directory, number, camera)
     encoder = settings.encoder if isinstance(settings, RunSettings) else None
-    return pair_cameras(
+    pairs = pair_cameras(
         directory,
         (one.files, two.files),
         bit_depths=(one.bit_depth, two.bit_depth),
@@ -415,6 +416,7 @@ def _open_pairs(
         skip_bad_frames=skip_bad_frames,
         has_log=encoder is not None and encoder.file is not None,
     )
+    return replace(pairs, excluded=exclude_pixels(directory, settings, pairs.shape))
 
 
 def _refuse_references(directory: Path, number: int, camera: CameraSettings) -> None:

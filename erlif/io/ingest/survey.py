@@ -17,6 +17,7 @@ from erlif.io.ingest.images import Page, read_headers
 from erlif.io.ingest.logs.proposal import LOG_SUFFIXES, PROFILE
 from erlif.io.ingest.naming import (
     FIXTURE,
+    MASK,
     PURPOSES,
     Group,
     assign_in_order,
@@ -25,6 +26,7 @@ from erlif.io.ingest.naming import (
     group_by_camera,
     lower_name,
     purpose_of,
+    split_words,
 )
 from erlif.io.ingest.order import sort_files, split_name
 from erlif.io.ingest.selection import WHOLE, Selection
@@ -170,6 +172,8 @@ class Survey:
         Files of formats that are known and not read.
     left_out : tuple[Path, ...]
         Folders of fixtures, whose images are none of this run.
+    masks : tuple[Path, ...]
+        Images named as masks.
     """
 
     directory: Path
@@ -180,6 +184,7 @@ class Survey:
     in_order: tuple[str, ...] = ()
     unread: tuple[Path, ...] = ()
     left_out: tuple[Path, ...] = ()
+    masks: tuple[Path, ...] = ()
 
     @property
     def lone_darks(self) -> tuple[Path, ...]:
@@ -235,6 +240,8 @@ def survey_directory(directory: Path, *, fixture: bool = False) -> Survey:
     left_out: tuple[Path, ...] = ()
     if not fixture:
         names, left_out = _leave_out_fixtures(names, directory, tables)
+    masks = tuple(path for path in names if MASK.search(split_words(path.stem)))
+    names = {path: name for path, name in names.items() if path not in masks}
     groups, unassigned = group_by_camera(names)
     in_order = assign_in_order(groups, unassigned, names)
     cameras = [
@@ -261,6 +268,7 @@ def survey_directory(directory: Path, *, fixture: bool = False) -> Survey:
         in_order=in_order,
         unread=tuple(path for path in files if why_unread(path.suffix)),
         left_out=left_out,
+        masks=masks,
     )
 
 

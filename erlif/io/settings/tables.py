@@ -28,6 +28,7 @@ from erlif.io.settings.values import (
     Counts,
     Distance,
     Electrons,
+    Exclusions,
     FileName,
     Force,
     ForceUnit,
@@ -353,6 +354,10 @@ class ThicknessOptions(Settings):
 
     roi: RegionOfInterest | None = Field(None, examples=[{"x": [4, 15], "y": [2, 13]}])
     """Region in mm in which film_mean and film_min are taken. Default: the whole image."""
+    exclude: Exclusions = ()
+    """Parts of the image of camera 1 that count nowhere, as a scratch or a bolt: polygons, with
+    corners [x, y] in mm from the centre of the first pixel, and images of the size of a frame
+    (PNG, TIFF) that are white there. Their pixels are flagged masked."""
     least_signal: Electrons = Field(100.0, examples=["100 electron"])
     """Signal below which a pixel is flagged dim."""
     no_film_below: float = Field(0.25, strict=True, gt=0, lt=1)
@@ -361,6 +366,11 @@ class ThicknessOptions(Settings):
     smoothing: int | None = Field(None, strict=True, ge=2, le=50, examples=[4])
     """Resolution of the smoothed ratio behind the maps, full width at half maximum [px]. Default:
     no smoothing."""
+
+    @property
+    def masks(self) -> list[str]:
+        """Names of the mask images."""
+        return [one for one in self.exclude if isinstance(one, str)]
 
 
 class LightOptions(Settings):
@@ -558,10 +568,10 @@ class RunSettings(Settings):
 
     @property
     def beside(self) -> list[str]:
-        """Names of the log and of the profile of the bore, of those that there are."""
+        """Names of the log, the profile of the bore and the masks, of those that there are."""
         bore = None if self.joint is None else self.joint.bore
         names = getattr(self.encoder, "file", None), getattr(bore, "profile", None)
-        return [name for name in names if name is not None]
+        return [name for name in (*names, *self.thickness.masks) if name is not None]
 
     @property
     def linkage(self) -> CrankRockerSettings | SliderCrankSettings | None:
@@ -670,3 +680,8 @@ class FixtureSettings(Settings):
     def name(self) -> str:
         """Name of the fixture."""
         return self.fixture.name
+
+    @property
+    def beside(self) -> list[str]:
+        """Names of the profile and the masks."""
+        return [self.fixture.profile, *self.thickness.masks]

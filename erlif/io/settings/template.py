@@ -234,7 +234,7 @@ def _key_lines(key: Key, value: Any, remark: str | None) -> Iterator[str]:
     elif value is not None:
         yield f"{key.name} = {toml_value(value)}"
     else:
-        shown = key.default if key.default not in (None, "") else key.example
+        shown = key.default if key.default not in (None, "", []) else key.example
         yield f"# {key.name} = {toml_value(shown)}"
 
 

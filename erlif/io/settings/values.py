@@ -11,13 +11,15 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Annotated, Any, Literal, Self
 
-from annotated_types import Ge, Gt, Le
+from annotated_types import Ge, Gt, Le, MinLen
 from pydantic import (
     BaseModel,
     BeforeValidator,
     ConfigDict,
     Field,
     PlainSerializer,
+    StrictFloat,
+    ValidationError,
     WithJsonSchema,
     WrapValidator,
     model_validator,
@@ -173,6 +175,25 @@ FileName = Annotated[
     str,
     Field(min_length=1, pattern=NO_CONTROL_CHARACTERS),
     Form("file name or pattern", "camera1/*.tif"),
+]
+
+
+def _read_exclusions(entries: Any, check: Any) -> Any:
+    """One message for all that is neither a name nor a polygon."""
+    try:
+        return check(entries)
+    except ValidationError:
+        raise ValueError(
+            "expected a list of mask images and polygons, each of three or more corners [x, y] in "
+            f'mm, such as ["mask.png", [[4, 2], [6, 2], [5, 4]]]; got {entries!r}'
+        ) from None
+
+
+Polygon = Annotated[tuple[tuple[StrictFloat, StrictFloat], ...], MinLen(3)]
+Exclusions = Annotated[
+    tuple[FileName | Polygon, ...],
+    WrapValidator(_read_exclusions),
+    Form("list of mask images and polygons in mm", ["mask.png", [[4, 2], [6, 2], [5, 4]]]),
 ]
 
 CalibrationNames = Annotated[

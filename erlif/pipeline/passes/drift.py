@@ -12,15 +12,12 @@ import numpy as np
 
 from erlif.core.arrays import AnyArray
 from erlif.core.errors import RegistrationError
-from erlif.core.flags import Flag
 from erlif.correction import PairLight
-from erlif.correction.light import BLOCK
+from erlif.correction.light import BLOCK, UNUSABLE
 from erlif.registration import CameraMap, is_steep, orient
 from erlif.registration.drift import Drift, DriftSearch
 from erlif.registration.normalise import binned
 from erlif.registration.pairs import normalise_both
-
-_UNUSABLE = np.uint16(Flag.SATURATED | Flag.BAD_PIXEL)
 
 
 @dataclass(frozen=True)
@@ -108,13 +105,13 @@ class PairDrift:
         whole = self.search.binning == 1 or (odd and turn != "normal")
         if whole:
             image = light.light[camera]
-            weight = (light.flags[camera] & _UNUSABLE == 0).astype(np.float32)
+            weight = (light.flags[camera] & UNUSABLE == 0).astype(np.float32)
         else:
             image, weight = light.half[camera], light.half_weight[camera]
 
         # where the film itself makes the light steep, the bands differ
         side, (rows, columns) = BLOCK if whole else BLOCK // 2, image.shape
-        steep = is_steep(np.nan_to_num(light.blocks[camera]), (rows, columns), side=side)
+        steep = is_steep(light.blocks[camera], (rows, columns), side=side)
         if steep.any():
             weight = np.where(steep, np.float32(0), weight)
 

@@ -11,9 +11,9 @@ import numpy as np
 from erlif.calibration import Calibration
 from erlif.core.arrays import FlagImage, Image, Mask
 from erlif.core.errors import CalibrationError, RegistrationError
-from erlif.core.flags import Flag
 from erlif.core.progress import Progress
 from erlif.correction import PairLight
+from erlif.correction.light import UNUSABLE
 from erlif.io.settings import RegistrationOptions, RunSettings
 from erlif.pipeline.chain import FrameCorrection
 from erlif.registration import (
@@ -146,10 +146,10 @@ def usable_pixels(flags: FlagImage, blocks: Image) -> Mask:
     Returns
     -------
     array, (y, x), bool
-        False for saturated and bad pixels and where the light is too steep.
+        False for saturated, bad and excluded pixels and where the light is too steep.
     """
     rows, columns = flags.shape
-    usable = np.asarray((flags & np.uint16(Flag.SATURATED | Flag.BAD_PIXEL)) == 0)
+    usable = np.asarray(flags & UNUSABLE == 0)
     usable &= ~is_steep(blocks, (rows, columns))
     return usable
 

@@ -14,6 +14,7 @@ from erlif.core.arrays import Counts, FlagImage, Image
 from erlif.core.progress import silent
 from erlif.io.ingest import FramePairs, Run, read_pair
 from erlif.io.ingest.arrivals import Arrival
+from erlif.io.ingest.exclusions import exclude_pixels
 from erlif.io.ingest.recording import number_frames
 from erlif.io.settings import LightOptions, RunSettings, TemperatureOptions
 from erlif.pipeline.engines.results import TriggerResult
@@ -227,4 +228,6 @@ def measure_counts(
 
 def run_of(directory: Any, settings: RunSettings, pairs: FramePairs) -> Run:
     """A run of the pairs so far; its frames are numbered in place of a log."""
+    if pairs.pages[0]:  # before the first pair no size is known
+        pairs = replace(pairs, excluded=exclude_pixels(directory, settings, pairs.shape))
     return Run(directory, settings, pairs, number_frames(pairs))

@@ -235,12 +235,11 @@ def _compare_pairs(records: list[RunRecord]) -> xr.Dataset:
     }
     method = "at common crank angles, interpolated linearly between triggers where they differ"
     attrs = {"method": method if records[0].by_angle else "trigger by trigger"}
-    if any(
-        record.settings.thickness.roi != records[0].settings.thickness.roi for record in records
-    ):
+    regions = [record.settings.thickness for record in records]
+    if any((one.roi, one.exclude) != (regions[0].roi, regions[0].exclude) for one in regions):
         attrs["note"] = (
-            "the regions of the film statistics differ (roi in [thickness]): a difference can be "
-            "that of two places"
+            "the regions of the film statistics differ (roi or exclude in [thickness]): a "
+            "difference can be that of two places"
         )
     return xr.Dataset(variables, coords, attrs)
 

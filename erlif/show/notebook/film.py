@@ -86,7 +86,7 @@ class FilmAccessor:
         ----------
         *names : str
             saturated, dim, bad_pixel, outside_overlap, below_range, above_range,
-            poor_registration, no_film, film_step. Default: all of them.
+            poor_registration, no_film, film_step, masked. Default: all of them.
 
         Returns
         -------

@@ -97,7 +97,7 @@ def describe_shares(shares: Array) -> str:
 
     Examples
     --------
-    >>> describe_shares(np.array([0.1, 0, 0.8, 0, 0.2, 0, 0, 0, 0, 0]))
+    >>> describe_shares(np.array([0.1, 0, 0.8, 0, 0.2, 0, 0, 0, 0, 0, 0]))
     '80 % dim, 20 % outside overlap'
     """
     named = sorted(zip(shares[1:], Flag, strict=True), key=lambda pair: -pair[0])

@@ -15,6 +15,7 @@ from erlif.io.files import (
     region_of,
     settings_of,
 )
+from erlif.io.files.soundness import check_film
 from erlif.io.settings import to_toml
 
 
@@ -53,6 +54,12 @@ def test_a_missing_or_foreign_file_has_no_identity(tmp_path, content):
     if content is not None:
         path.write_bytes(content)
     assert not has_identity(path, "ab" * 32)
+
+
+def test_a_film_from_before_a_flag_was_added_has_shares_of_all_flags(opened):
+    older = opened.isel(flag=slice(-1))
+    check_film(older)
+    np.testing.assert_array_equal(flag_shares(older), flag_shares(opened))
 
 
 def test_shares_of_flags_are_those_of_the_maps(opened):

@@ -49,7 +49,7 @@ def test_a_map_is_drawn_with_y_downwards_in_the_axes_given(example):
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        (lambda film: film.erlif.mask("bubble"), "film_step; got bubble"),
+        (lambda film: film.erlif.mask("bubble"), "masked; got bubble"),
         (lambda film: film.erlif.frames, r"open_film\(.*group=\"frames\"\)"),
         (lambda film: film.erlif.plot_map(), "Give trigger="),
         (lambda film: film.erlif.plot_map(trigger=6), "from 0 to 5"),

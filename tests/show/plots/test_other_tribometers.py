@@ -4,6 +4,7 @@ import numpy as np
 import numpy.testing as npt
 from scenes.motion import DISC, THEORY, film_of, slider_film, static_film
 
+from erlif.core.flags import Flag
 from erlif.io.files import describe_trigger, motion_of
 from erlif.show import plots
 from erlif.show.plots.files import FigureSource, reason_missing
@@ -80,7 +81,7 @@ def test_tables_have_the_columns_of_the_motion():
         assert title not in table
     table = trigger_section(slider_film(), SHARES)
     assert all(title in table for title in ("Drive [°]", "Position [mm]", "Sliding [mm/s]"))
-    rows = dict(results_table(static_film(), np.full((6, 10), 0.9)).rows)
+    rows = dict(results_table(static_film(), np.full((6, 1 + len(Flag)), 0.9)).rows)
     assert "Load" not in rows
     assert "(trigger 4)" in rows["Minimum film thickness"]  # no angle to name
 

@@ -69,7 +69,7 @@ def test_results_are_rows_of_the_summary_and_stand_against_theory(film):
 
 def test_the_largest_error_of_the_film_is_among_the_results(film):
     named = film.assign_attrs(largest_error="lag of the cameras: 97 nm at 3 um. Measure it")
-    rows = dict(results_table(named, np.zeros((film.sizes["trigger"], 10))).rows)
+    rows = dict(results_table(named, np.zeros((film.sizes["trigger"], 1 + len(Flag)))).rows)
     assert rows["Largest error"] == "lag of the cameras: 97 nm at 3 µm. Measure it"
 
 
