@@ -13,8 +13,11 @@ from erlif.correction.light import BLOCK
 # Rows and columns of cells over the image.
 CELLS = (10, 12)
 
-# Valid pixels of a block of 8 x 8 that is used: single defects leave it, bubbles do not.
+# Valid pixels of a block of 8 x 8 whose light is used: single defects leave it, bubbles do not.
 _FULL = 60
+
+# Those for its ratio, which saturated grains of the speckle leave as it is.
+_ENOUGH = 32
 
 # Pixels of an image from which on every second block along each axis is used: those of a cell are
 # still some forty, and the noise of its means stays far below the speckle. [px]
@@ -80,15 +83,14 @@ def sample_cells(light: Image, log_ratio: Image, variance: Image, flags: FlagIma
     blocks = light.shape[0] // BLOCK, light.shape[1] // BLOCK
     if blocks[0] < CELLS[0] or blocks[1] < CELLS[1]:
         return NO_CELLS
-    sums = np.zeros((6, CELLS[0] * CELLS[1]))
+    sums = np.zeros((7, CELLS[0] * CELLS[1]))
     _sum_logarithms(light, log_ratio, variance, flags, 2 if light.size >= _LARGE else 1, sums)
-    number, used, of_light, of_ratio, squares, noise = sums
+    number, lit, of_light, used, of_ratio, squares, noise = sums
 
-    # a cell with missing blocks would show another part of the beam
-    full = used >= (1 - _MISSING) * number
-    count = np.where(full, used, np.nan)
+    # a cell with missing blocks would show another part of the beam, or of the film
+    lit, count = (np.where(each >= (1 - _MISSING) * number, each, np.nan) for each in (lit, used))
     mean = of_ratio / count
-    cells = of_light / count, mean, squares / count - mean**2 - noise / count, noise / count**2
+    cells = of_light / lit, mean, squares / count - mean**2 - noise / count, noise / count**2
     return LightCells(*(cell.astype(np.float32) for cell in cells))
 
 
@@ -142,7 +144,7 @@ def cell_centres(shape: tuple[int, int]) -> tuple[Array, Array]:
 
 @numba.njit(nogil=True, cache=True)
 def _sum_logarithms(light, log_ratio, variance, flags, step, sums):  # type: ignore[no-untyped-def]
-    """Blocks, used blocks, and sums over the used ones, of each cell; one block in step counts."""
+    """Blocks of each cell, those whose light and ratio are used, and sums; one in step counts."""
     down, along = light.shape[0] // BLOCK, light.shape[1] // BLOCK
     of_blocks = np.empty((4, along))
     for i in range(0, down, step):
@@ -167,9 +169,11 @@ def _sum_logarithms(light, log_ratio, variance, flags, step, sums):  # type: ign
             count, total = of_blocks[0, j], of_blocks[1, j]
             ratio, noise = of_blocks[2, j], of_blocks[3, j]
             if count >= _FULL and total > 0:
-                mean = ratio / count
                 sums[1, cell] += 1
                 sums[2, cell] += np.log(total / count)
-                sums[3, cell] += mean
-                sums[4, cell] += mean * mean
-                sums[5, cell] += noise / count**2
+            if count >= _ENOUGH and total > 0:
+                mean = ratio / count
+                sums[3, cell] += 1
+                sums[4, cell] += mean
+                sums[5, cell] += mean * mean
+                sums[6, cell] += noise / count**2

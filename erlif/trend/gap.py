@@ -50,6 +50,8 @@ class GapShape(StrEnum):
 # Number of the shapes 1, s, z, s^2 and z^2 that a gap has.
 _SHAPES = {GapShape.PLANE: 3, GapShape.LINE: 4, GapShape.POINT: 5, GapShape.PLATEAU: 5}
 
+_NO_GAP = np.full(5, math.nan)
+
 
 def gap_shapes(along: Array, across: Array, contact: GapShape) -> Array:
     """Shapes whose sum is the gap, (shape, place), at places from -1 to 1 over the region."""
@@ -80,6 +82,9 @@ class GapMinimum(NamedTuple):
         Their variances by the noise of the ratio. [um2]
     bend_surface_var : Array
         By marks and waviness of the surfaces. [um2]
+    amplitudes : Array
+        Of the five shapes of a smooth gap, those that it does not have 0, (5,); NaN where none is
+        fitted. [um]
     """
 
     minimum: FilmNumber
@@ -91,6 +96,7 @@ class GapMinimum(NamedTuple):
     bend: Array
     bend_random_var: Array
     bend_surface_var: Array
+    amplitudes: Array = _NO_GAP
 
     @classmethod
     def unknown(cls, parameters: int, misfit: float = math.nan) -> GapMinimum:
@@ -193,7 +199,8 @@ def _fit_gap(
         )
 
     # minimum and mean are linear in the amplitudes; the mean is that of the pixels
-    _, b, c, d, e = np.pad(fit.amplitudes, (0, len(shapes) - count))
+    amplitudes = np.pad(fit.amplitudes, (0, len(shapes) - count))
+    _, b, c, d, e = amplitudes
     along, across = _lowest_place(b, d), _lowest_place(c, e)
     least = level = 0.0
     if bore is not None:
@@ -220,7 +227,7 @@ def _fit_gap(
     if misfit > MISFIT and minimum.surface_std > tolerated:
         return found
     place = _pixel_of(region, along, across, sliding_along_x=sliding_along_x)
-    found = found._replace(minimum=minimum, mean=mean, place=place)
+    found = found._replace(minimum=minimum, mean=mean, place=place, amplitudes=amplitudes)
     if contact is GapShape.POINT:
         found = found._replace(central=minimum)
 

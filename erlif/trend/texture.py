@@ -21,7 +21,7 @@ from erlif.ratio.cells import LightCells
 from erlif.trend.blocks import Region
 from erlif.trend.cells import FEWEST_FRAMES, choose_cells
 from erlif.trend.curve import FilmCurve
-from erlif.trend.gap import GapShape, gap_shapes
+from erlif.trend.gap import GapMinimum, GapShape, gap_shapes
 
 _MOST_FRAMES = 100  # as for the errors of the gap
 _DEGREE = 3  # of the smooth gap, and of what is smooth over the picture: beyond the term field
@@ -59,39 +59,60 @@ class Texture:
     film: float
 
     def in_numbers(
-        self, region: Region, places: Array, contact: GapShape, *, along_x: bool
-    ) -> Array:
-        """Its errors of a mean over a region, and of places of a fitted gap, over that of a pixel.
+        self,
+        region: Region,
+        gap: GapMinimum,
+        curve: RatioCurve,
+        contact: GapShape,
+        *,
+        along_x: bool,
+    ) -> tuple[float, float]:
+        """Its errors of the mean over a region, and of the minimum of a fitted gap.
+
+        Both over those by a change of the ratio that is even over the region. In thick films the
+        same change of the ratio is more film.
 
         Parameters
         ----------
         region : Region
-        places : array, (place, 2)
-            Column and row. [px]
+        gap : GapMinimum
+        curve : RatioCurve
         contact : GapShape
         along_x : bool
             Whether image x is the sliding direction.
 
         Returns
         -------
-        array, (1 + place,)
-            That of the mean where a place is not known.
+        mean, minimum : float
+            Those of an even film, and that of its mean for both, where the gap is not known.
         """
-        order = slice(None) if along_x else slice(None, None, -1)
-        sides = [(one.start, one.stop - one.start) for one in (region.columns, region.rows)]
-        start, size = np.array(sides[order])[..., None].swapaxes(0, 1)
-        even = np.stack(np.meshgrid(*[np.linspace(-1, 1, _GRID)] * 2)).reshape(2, -1)
-        at = 2 * (places[:, order].T - start) / (size - 1) - 1
+        pixels = (region.columns, region.rows) if along_x else (region.rows, region.columns)
+        start = np.array([one.start for one in pixels])
+        half = 0.5 * (np.array([one.stop for one in pixels]) - 1 - start)
+        places = np.linspace(-1, 1, _GRID)
+        apart = np.subtract.outer(places, places)
+        along, across = (np.exp(-((side * apart / self.length) ** 2)) for side in half)
 
         # weights of even places of the region in the mean, and in the least squares of the gap
-        shapes, wanted = gap_shapes(even[0], even[1], contact), gap_shapes(at[0], at[1], contact)
-        of_gap = wanted.T @ np.linalg.solve(shapes @ shapes.T, shapes)
-        weights = np.vstack([np.full_like(even[0], 1 / even[0].size), of_gap])
-        pixels = even * size / 2
-        apart = np.square(pixels[..., None] - pixels[:, None]).sum(axis=0)
-        common = np.exp(-apart / self.length**2)
-        ratios = np.sqrt(np.sum(weights @ common * weights, axis=1))
-        return np.asarray(np.where(np.isfinite(ratios), ratios, ratios[0]))
+        of_mean = of_gap = np.ones(_GRID**2)
+        if np.isfinite(gap.amplitudes).all():
+            even = np.stack(np.meshgrid(places, places, indexing="ij")).reshape(2, -1)
+            shapes = gap_shapes(even[0], even[1], contact)
+            low, high = curve.thickness_range
+            film = gap.amplitudes[: len(shapes)] @ shapes
+            used = shapes * (film < high)
+            place = gap.place if along_x else gap.place[::-1]
+            at = (place - start) / half - 1
+            at_place = gap_shapes(at[0], at[1], contact)
+            of_mean = (film < high) / curve.slope(np.clip(film, low, high))
+            of_gap = of_mean * (at_place @ np.linalg.solve(used @ shapes.T, used))
+
+        tables = (weights.reshape(_GRID, _GRID) for weights in (of_mean, of_gap))
+        mean, lowest = (
+            float(np.sqrt((table * (along @ table @ across)).sum()) / abs(table.sum()))
+            for table in tables
+        )
+        return mean, lowest
 
 
 def find_texture(
@@ -136,12 +157,13 @@ def find_texture(
     curve, value, measured = FilmCurve.of(calibration), value[frames], measured[frames]
     film, slope, rest = _fit_gaps(value, measured, weight, curve, shapes, rates)
 
-    factor, noise = _separate(rest, weight, slope, len(shapes))
+    factor, noise, by_frame = _separate(rest, weight, slope, len(shapes))
     known = np.isfinite(factor)
     if known.sum() < _FEWEST:
         return None
+    left = np.eye(len(factor)) - _absorbed(by_frame, weight, slope, shapes)
     gain, size, std, length = _likeliest(
-        factor[known], noise[known], shapes[:, known], [at[known] for at in centres]
+        factor[known], noise[known], shapes[:, known], left[known], centres
     )
     if gain < _SIGNIFICANT or size < _NOTED:
         return None
@@ -168,19 +190,26 @@ def _change_within(centres: tuple[Array, Array], places: Array) -> Array:
     return np.array(changes)
 
 
+def _fit_frames(acts: Array, weight: Array) -> Array:
+    """Least squares of each frame: amplitudes by the value of each cell, (frame, shape, cell)."""
+    weighted = acts * weight[:, None]
+    normal = weighted @ np.swapaxes(acts, 1, 2)
+    trace = np.trace(normal, axis1=1, axis2=2)[:, None, None]
+    return np.asarray(np.linalg.solve(normal + _LITTLE * trace * np.eye(acts.shape[1]), weighted))
+
+
+def _absorbed(by_frame: Array, weight: Array, slope: Array, shapes: Array) -> Array:
+    """What the gaps of all frames take of a fixed factor, (cell, cell)."""
+    acts = slope[:, None] * shapes
+    return np.tensordot(by_frame[:, None] * acts, _fit_frames(acts, weight), axes=((0, 1), (0, 1)))
+
+
 def _fit_gaps(
     value: Array, measured: Array, weight: Array, curve: FilmCurve, shapes: Array, rates: Array
 ) -> tuple[Array, Array, Array]:
     """Smooth gap of each frame, its slope, and what it leaves of the log ratio, (frame, cell)."""
-
-    def solve(acts: Array, goal: Array, weight: Array) -> Array:
-        weighted = acts * weight[:, None]
-        normal = weighted @ np.swapaxes(acts, 1, 2)
-        normal += _LITTLE * np.trace(normal, axis1=1, axis2=2)[:, None, None] * np.eye(len(shapes))
-        return np.asarray(np.linalg.solve(normal, weighted @ goal[..., None])[..., 0])
-
     start = np.broadcast_to(shapes, (len(value), *shapes.shape))
-    amplitudes, step = solve(start, measured, np.sign(weight)), 0.01
+    amplitudes, step = np.einsum("fsc,fc->fs", _fit_frames(start, np.sign(weight)), measured), 0.01
     for _ in range(_STEPS):
         film = np.clip(amplitudes @ shapes, *curve.films[[0, -1]])
         expected, slope = curve.predict(film)
@@ -190,32 +219,33 @@ def _fit_gaps(
         bend = (curve.predict(film + step)[1] - curve.predict(film - step)[1]) / (2 * step)
         rest = np.where(weight > 0, value - expected - 0.5 * bend * spread, 0.0)
         acts = slope[:, None] * shapes
-        change = solve(acts, rest, weight)
+        change = np.einsum("fsc,fc->fs", _fit_frames(acts, weight), rest)
         amplitudes = amplitudes + change
     return film, slope, rest - np.einsum("fs,fsc->fc", change, acts)
 
 
-def _separate(rest: Array, weight: Array, slope: Array, shapes: int) -> tuple[Array, Array]:
-    """Fixed factor of each cell beside its marks, and its variance; NaN where films hardly differ.
+def _separate(rest: Array, weight: Array, slope: Array, shapes: int) -> tuple[Array, Array, Array]:
+    """Fixed factor of each cell beside its marks, its variance, and the share of each frame in it.
 
+    NaN where films hardly differ.
     `shapes` is the number of those that were fitted to each frame.
     """
     own, mixed, marks = ((weight * slope**n).sum(axis=0) for n in range(3))
     det = own * marks - mixed**2
     det = np.where(det > _DEPENDENT * own * marks, det, np.nan)
-    of_factor, of_marks = ((weight * slope**n * rest).sum(axis=0) for n in range(2))
-    factor = (marks * of_factor - mixed * of_marks) / det
-    left = rest - factor - slope * (own * of_marks - mixed * of_factor) / det
+    by_frame = weight * (marks - mixed * slope) / det
+    factor = (by_frame * rest).sum(axis=0)
+    left = rest - factor - slope * (weight * (own * slope - mixed) / det * rest).sum(axis=0)
 
     # noise beyond that of photons; the gap of each frame takes its share of the freedom
     count = weight > 0
     share = 1 - shapes / np.maximum(count.sum(axis=1), shapes + 1)
     excess = (weight * left**2).sum(axis=0) / np.maximum(share @ count - 2, 1)
-    return factor, np.maximum(excess, 1.0) * marks / det
+    return factor, np.maximum(excess, 1.0) * marks / det, by_frame
 
 
 def _likeliest(
-    factor: Array, noise: Array, shapes: Array, centres: list[Array]
+    factor: Array, noise: Array, shapes: Array, left: Array, centres: tuple[Array, Array]
 ) -> tuple[float, float, float, float]:
     """Rise of the logarithm of the likelihood by a texture; its size, standard deviation, length.
 
@@ -233,7 +263,7 @@ def _likeliest(
             seen = length**2 + width**2 / 3
             apart = np.subtract.outer(at, at) ** 2
             covariance = covariance * length / math.sqrt(seen) * np.exp(-apart / seen)
-        power, axes = np.linalg.eigh(root @ covariance @ root.T)
+        power, axes = np.linalg.eigh(root @ left @ covariance @ left.T @ root.T)
         share, total = (axes.T @ (root @ factor)) ** 2, 1 + sizes[:, None] ** 2 * power
         gains.append(0.5 * (share - share / total - np.log(total)).sum(axis=1))
 

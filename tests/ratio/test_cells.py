@@ -44,6 +44,15 @@ def test_a_cell_with_a_bubble_is_left_out_and_single_defects_are_not():
     assert np.flatnonzero(np.isnan(cells.log_ratio)).tolist() == [2 * 12 + 2]
 
 
+def test_saturated_grains_take_the_light_of_a_cell_and_leave_its_ratio():
+    light, ratio, variance, flags = images()
+    grains = np.random.default_rng(4).random(light.shape) < 0.1
+    flags[grains] = 1
+    cells = sample_cells(light, np.where(grains, np.float32(9), ratio), variance, flags)
+    assert np.isnan(cells.light).mean() > 0.8
+    npt.assert_allclose(cells.log_ratio, 0.3, atol=5 * 0.02 / 16)
+
+
 @pytest.mark.parametrize("shape", [(72, 200), (200, 88)])
 def test_small_images_have_no_cells(shape):
     npt.assert_array_equal(sample_cells(*images(shape)), NO_CELLS)

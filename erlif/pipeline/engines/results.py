@@ -277,9 +277,8 @@ def _gap(arrays: Mapping[str, AnyArray], name: str) -> GapMinimum:
     lowest, mean, unseen, central = (
         _number(arrays, f"{name}_{part}") for part in GapMinimum._fields[:4]
     )
-    place, misfit, *bends = (arrays[f"{name}_{part}"] for part in GapMinimum._fields[4:])
-    bend, random, surface = bends
-    return GapMinimum(lowest, mean, unseen, central, place, float(misfit), bend, random, surface)
+    place, misfit, *shape = (arrays[f"{name}_{part}"] for part in GapMinimum._fields[4:])
+    return GapMinimum(lowest, mean, unseen, central, place, float(misfit), *shape)
 
 
 def frames_in(results: Iterable[TriggerResult]) -> list[FrameResult]:

@@ -14,7 +14,7 @@ from erlif.io.files import MapStore
 from erlif.pipeline.engines.results import TriggerResult
 from erlif.pipeline.physics.findings import LightFindings
 from erlif.pipeline.plane import ObjectPlane
-from erlif.trend import GapShape, Texture
+from erlif.trend import GapMinimum, GapShape, Texture
 
 _FILMS = 400  # of the range, at which the error of a pixel is tabulated
 
@@ -34,21 +34,24 @@ def with_texture(
     texture = findings.texture
     if texture is None:
         return list(results), calibration
-    places = np.array([one.statistics.gap.place for one in results])
-    along_x, size = plane.sliding_along_x, texture.size
-    shares = texture.in_numbers(plane.region, places, contact, along_x=along_x)
+    curve, along_x, size = calibration.at(0.5), plane.sliding_along_x, texture.size
+    gaps = [one.statistics.gap for one in results]
+    shares = np.array(
+        [texture.in_numbers(plane.region, gap, curve, contact, along_x=along_x) for gap in gaps]
+    )
     if contact is GapShape.PLATEAU:
-        shares[1:] = 1.0  # numbers of few blocks
+        shares[:, 1] = 1.0  # numbers of few blocks
     if findings.scale is not None and plane.patch is not None:
-        of_patch = texture.in_numbers(plane.patch, places, contact, along_x=along_x)[0]
+        even = GapMinimum.unknown(0)
+        of_patch, _ = texture.in_numbers(plane.patch, even, curve, contact, along_x=along_x)
         shares = np.hypot(shares, of_patch) / np.hypot(1.0, of_patch)
         size *= float(np.hypot(1.0, of_patch))
     systematics, (added,) = calibration.systematics, TERMS["texture"].parameters
     like = len(systematics.cross) + systematics.place("ratio", CONSTANT)
     found = systematics.with_parameter("texture", added, size**2)
     return [
-        result.with_parameter(like, float(shares[0]), minimum=float(share))
-        for result, share in zip(results, shares[1:], strict=True)
+        result.with_parameter(like, float(mean), minimum=float(minimum))
+        for result, (mean, minimum) in zip(results, shares, strict=True)
     ], replace(calibration, systematics=found)
 
 
