@@ -221,7 +221,7 @@ def _first_without_file(logged: list[int], numbers: list[int], name: str) -> str
         return (
             f"{first}; the names of the files show no gap, so a frame that was missed earlier "
             "cannot be excluded"
-            if at_end and shift
+            if at_end
             else first
         )
     return (
