@@ -32,8 +32,7 @@ _UNIT_NAMES = ("units", "unit", "Unit", "unit_string", "NI_UnitDescription")
 # Length of a unit that is kept; a message shows it. [character]
 _LONGEST_UNIT = 80
 
-# Clock of a waveform that has none.
-_NO_TIME, _SECOND = np.datetime64(0, "s"), np.timedelta64(1, "s")
+_SECOND = np.timedelta64(1, "s")
 
 _ROUNDING = 1e-6  # of starts in steps
 
@@ -243,12 +242,11 @@ def _find_starts(channels: Sequence[Any]) -> tuple[float, dict[str, float]]:
     steps = {float(one["wf_increment"]) for one in waves.values()}
     if len(steps) != 1 or min(steps) <= 0:
         return 0.0, {}
-    clocks = [one.get("wf_start_time", _NO_TIME) for one in waves.values()]
-    clocks = clocks if _NO_TIME not in clocks else [_NO_TIME] * len(clocks)
-    starts = {
-        path: float(one.get("wf_start_offset", 0.0)) + (clock - min(clocks)) / _SECOND
-        for (path, one), clock in zip(waves.items(), clocks, strict=True)
-    }
+    starts = {path: float(one.get("wf_start_offset", 0.0)) for path, one in waves.items()}
+    clocks = {path: one.get("wf_start_time") for path, one in waves.items()}
+    if None not in clocks.values():
+        first = min(clocks.values())
+        starts = {path: starts[path] + (clocks[path] - first) / _SECOND for path in starts}
     return steps.pop(), starts
 
 
