@@ -28,6 +28,7 @@ _NO_VARIANCE = 1e-5  # of the largest: shapes below it are fixed by the covarian
 _SHARED = 0.8  # of the CMM points: above it, two calibrations rest on the same readings
 _MINIMUM_PAIRS = 20  # points for a comparison of their scatter
 _ROUNDING = 1e-5  # mm and um: readings that differ by less are one, stored twice
+_PRESENT = 1e-3  # of the largest function: smaller ones lie beside the points
 _RESOLVED = 1e-4  # of the largest singular value: functions below it are not separable
 _PASSES = 5  # without outliers
 _SMALLEST_SPREAD = 1e-12  # of the log ratio, so that equal images keep their points
@@ -349,16 +350,16 @@ def _test_pairs(
     """Fit a smooth change to that of the points and test it against their scatter."""
     # photographs of one fixture, whose position and size are the same in both
     design = calibration.fitted_gradient(thickness).T
-    scale = np.linalg.norm(design, axis=0)
-
-    # functions that the films cannot separate are used once
-    shapes, sizes, turn = np.linalg.svd(design / scale, full_matrices=False)
-    resolved = sizes > _RESOLVED * sizes[0]
     use = np.ones(change.size, bool)
     for _ in range(_PASSES):  # without dust that settled between the photographs
-        basis = shapes[use][:, resolved]
-        values, *_ = np.linalg.lstsq(basis, change[use], rcond=None)
-        residual = change - shapes[:, resolved] @ values
+        # functions that these films cannot separate are used once, those of other films not at all
+        scale = np.linalg.norm(design[use], axis=0)
+        scale = np.maximum(scale, _PRESENT * scale.max())
+        shapes, sizes, turn = np.linalg.svd(design[use] / scale, full_matrices=False)
+        resolved = sizes > _RESOLVED * sizes[0]
+        basis = turn.T[:, resolved] / sizes[resolved] / scale[:, None]
+        values = shapes[:, resolved].T @ change[use]
+        residual = change - design @ basis @ values
         spread = robust_rms(residual[use])
         now = np.abs(residual) <= OUTLIER * max(spread, _SMALLEST_SPREAD)
         if np.array_equal(now, use):
@@ -382,7 +383,6 @@ def _test_pairs(
     bend = max(count - 1, 1)
     bends = bool(scipy.stats.f.sf(beyond_constant / bend / variance, bend, freedom) < FALSE_ALARM)
 
-    at = (calibration.fitted_gradient(film).T / scale) @ turn.T[:, resolved] / sizes[resolved]
-    covariance = variance * np.linalg.inv(basis.T @ basis)
-    std = np.sqrt(np.einsum("ij,jk,ik->i", at, covariance, at))
+    at = calibration.fitted_gradient(film).T @ basis
+    std = np.sqrt(variance) * np.linalg.norm(at, axis=1)
     return _Change(at @ values, std, probability, bends)

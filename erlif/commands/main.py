@@ -11,6 +11,8 @@ import os
 import signal
 import sys
 import traceback
+import warnings
+from collections.abc import Callable
 from importlib import import_module
 from itertools import chain
 from typing import Any
@@ -31,7 +33,7 @@ from erlif.commands.ending import (
     silence,
 )
 from erlif.commands.lines import verbosity
-from erlif.core.errors import ErlifError
+from erlif.core.errors import ErlifError, RangeWarning, UnitWarning
 from erlif.core.version import __version__
 
 # The commands in the order of their use, by what they serve.
@@ -42,6 +44,9 @@ COMMANDS = {
     "Plan a rig": ("simulate", "plan"),
     "Joint": ("design", "linkage", "endurance", "friction"),
 }
+
+# Warnings of models about their arguments: each text is shown once.
+_OF_MODELS = (UnitWarning, RangeWarning)
 
 # Folder of the commands of the joint, which nothing else of erlif names.
 _JOINT = "erlif.joint.commands"
@@ -70,7 +75,10 @@ class _Commands(click.Group):
         open_missing_streams()
         try:
             refuse_little_memory()
-            with signals_interrupt():
+            with signals_interrupt(), warnings.catch_warnings():
+                for kind in _OF_MODELS:
+                    warnings.filterwarnings("always", category=kind)
+                warnings.showwarning = _show_once()
                 return super().invoke(ctx)
 
         # click reports wrong usage itself, with status 2
@@ -112,6 +120,22 @@ class _Commands(click.Group):
             echo_aside(traceback.format_exc())
             echo_aside("erlif: this is a defect of erlif; please report it with the lines above.")
             ctx.exit(DEFECT)
+
+
+def _show_once() -> Callable[..., None]:
+    """Writes each warning of a model as one line, without the place in erlif where it arose."""
+    shown = set()
+
+    def show(
+        message: Warning | str, category: type[Warning], filename: str, lineno: int, *_: Any
+    ) -> None:
+        place = "" if issubclass(category, _OF_MODELS) else f" ({filename}:{lineno})"
+        line = f"  warning: {message}{place}"
+        if line not in shown:
+            shown.add(line)
+            echo_aside(line)
+
+    return show
 
 
 def _show_more(ctx: click.Context, option: click.Parameter, value: int) -> None:

@@ -140,6 +140,9 @@ def measure_camera(
 # Light below which a pixel counts as dark, over that of the brighter pixels. [1]
 _FAR_BELOW = 0.05
 
+# Light of a pixel of the flats that does not respond, over their median. [1]
+_NO_RESPONSE = 0.02
+
 # Share of the pixels that are darker than these brighter ones. [1]
 _BRIGHTER = 0.9
 
@@ -209,7 +212,9 @@ class UnlitPixels:
         return float(above.mean()), float(np.mean(np.diff(above)[self.near] ** 2) / 2)
 
 
-def find_unlit(highest: AnyArray, histogram: Histogram, darks: Darks) -> UnlitPixels | None:
+def find_unlit(
+    highest: AnyArray, histogram: Histogram, darks: Darks, flat: AnyArray | None = None
+) -> UnlitPixels | None:
     """Find the pixels of a camera that no light reaches in a recording.
 
     Parameters
@@ -220,6 +225,8 @@ def find_unlit(highest: AnyArray, histogram: Histogram, darks: Darks) -> UnlitPi
         Pixels by count in these frames.
     darks : Darks
         Of the camera.
+    flat : array, (y, x), optional
+        Light of the flats, whose dark pixels serve where an offset raises all of the frames. [DN]
 
     Returns
     -------
@@ -245,8 +252,11 @@ def find_unlit(highest: AnyArray, histogram: Histogram, darks: Darks) -> UnlitPi
     limit = _FAR_BELOW * bright
     dark = highest < darks.mean + np.float32(limit)
     inner = cv2.erode(dark.astype(np.uint8), _NEIGHBOURS) > 0
-    for mask in (inner & ~darks.bad, dark & ~darks.bad):
-        unlit = np.flatnonzero(mask)
+    masks = [inner, dark]
+    if flat is not None:
+        masks.append(flat < _NO_RESPONSE * np.median(flat))
+    for mask in masks:
+        unlit = np.flatnonzero(mask & ~darks.bad)
         if unlit.size >= _FEWEST:
             break
     if limit < _CLEAR * np.sqrt(darks.temporal_var) or unlit.size < _FEWEST:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from functools import reduce
 from typing import NamedTuple
 
@@ -22,6 +22,9 @@ _SATURATED_SHARE = 1e-3
 
 # Share of full scale that the brightest level must reach.
 _BRIGHT_ENOUGH = 1 / 50
+
+# Mean light of flats that are darks, or the same file. [DN]
+_SAME_COUNTS = 1.0
 
 # Light over that of the surroundings beyond which a pixel is dead or too bright.
 _DEAD, _OVERBRIGHT = 0.5, 1.5
@@ -82,7 +85,7 @@ def reduce_flats(
     """
     full_scale = histogram.size - 1
     levels: list[PageStack] = []
-    first_brightness = brightest = 0.0
+    first_brightness, brightest, lights = 0.0, 0.0, list[float]()
     total = histogram.copy()
     recorded = False
     for image in pages:
@@ -98,6 +101,7 @@ def reduce_flats(
         # a page without light has no response of the pixels, and nothing to be scaled by
         light = np.subtract(image, dark, dtype=precision_of(image))
         brightness = float(light.mean())
+        lights.append(brightness)
         if brightness <= 0:
             continue
 
@@ -111,11 +115,27 @@ def reduce_flats(
     # the histogram of all pages and frames shows a pile-up that single pages hint at
     saturation = find_pile_up(total) or full_scale
     if recorded and (not levels or brightest < full_scale * _BRIGHT_ENOUGH):
-        raise FrameError(
-            f"Expected flats of {camera} well above dark and below saturation ({saturation}); none "
-            "is. Record flats with the light at a quarter to three quarters of full scale."
-        )
+        raise _no_flats(camera, lights, saturation)
     return levels, saturation
+
+
+def _no_flats(camera: str, lights: Sequence[float], saturation: int) -> FrameError:
+    """The refusal of flats without light, by the mean light of each page. [DN]"""
+    found, cure = (
+        "none is",
+        "Record flats with the light at a quarter to three quarters of full scale",
+    )
+    mean = float(np.mean(lights)) if lights else np.inf
+    if mean <= -_SAME_COUNTS:
+        found = f"they are {-mean:.0f} counts darker than the darks"
+        cure = "Exchange dark and flat in the settings; save images anew that are stored inverted"
+    elif mean < _SAME_COUNTS:
+        found = "they are as dark as the darks"
+        cure = "Name the file of the flats in the settings, or record flats with light"
+    return FrameError(
+        f"Expected flats of {camera} well above dark and below saturation ({saturation}); {found}. "
+        f"{cure}."
+    )
 
 
 def sum_light(levels: Iterable[PageStack]) -> AnyArray:

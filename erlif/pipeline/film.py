@@ -190,7 +190,9 @@ def with_light(draft: FilmDraft) -> FilmDraft:
         settings=to_toml(run.settings),
         calibration=record_calibration(curve),
     )
-    return draft.adding(film, *darks, *notes, results=results, curve=curve)
+    # another dark bends the ratio in many ways, which other notes describe
+    draft = replace(draft, notes=(*darks, *draft.notes))
+    return draft.adding(film, *notes, results=results, curve=curve)
 
 
 def with_theory(draft: FilmDraft) -> FilmDraft:

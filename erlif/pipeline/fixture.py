@@ -39,6 +39,7 @@ from erlif.pipeline.engines.results import (
     known_digests,
     mean_drift,
 )
+from erlif.pipeline.physics.profile_offset import note_profile_offset
 from erlif.pipeline.recording.prepare import prepare_chain
 from erlif.pipeline.recording.pulses import check_pulses, refuse_stuck_cameras
 from erlif.pipeline.recording.register import FixtureMap
@@ -133,6 +134,7 @@ def calibrate(
             fixture.directory / settings.fixture.profile, fixture.directory
         ),
         notes=(
+            *note_profile_offset(frames, calibration, settings.fixture.profile),
             *calibration.notes,
             *prepared.notes,
             *notes_on_pulses,
@@ -154,7 +156,7 @@ def combine_all(chain: FrameChain, progress: Progress) -> tuple[RatioImages, lis
             # the next pair fills the same arrays: the sum and the sample of the pulse copy
             pair = chain.measure(frame)
             total.add(pair)
-            frames.append(FrameResult.of(frame, pair))
+            frames.append(FrameResult.of(frame, pair, with_cells=True))
             progress("ratio", done, len(usable))
     return RatioImages(total.mean().to_images().isel(frame=0)), frames
 

@@ -123,6 +123,17 @@ def test_departures_are_compared_too():
     assert compare_calibrations(other, earlier).drifted
 
 
+@pytest.mark.parametrize("factor", [1.5, 3.0, 20.0])
+def test_points_that_changed_beyond_all_others_leave_finite_changes(factor):
+    """A spline has pieces that rest on the thinnest points alone."""
+    earlier = calibrate_wedge(np.random.default_rng(5), noise=0.05, background=0.012)
+    thin = np.where(earlier.curve.curve_thickness < 1.5, factor, 1.0)
+    curve = earlier.curve.assign(curve_ratio=earlier.curve.curve_ratio * thin)
+    found = compare_calibrations(earlier, replace(earlier, curve=curve))
+    assert np.abs(found.difference).max() < 2 * np.log(factor)
+    npt.assert_allclose(found.difference[found.thickness > 4], 0, atol=0.02)
+
+
 def test_calibrations_without_a_film_in_common_are_refused():
     calibration = calibrate_wedge(np.random.default_rng(6))
     with pytest.raises(CalibrationError, match="share a range"):

@@ -5,6 +5,7 @@ import os
 import re
 import subprocess
 import sys
+import warnings
 
 import click
 import pytest
@@ -14,6 +15,7 @@ import erlif
 import erlif.pipeline
 from erlif.commands.main import main, show_log
 from erlif.commands.options import QuantityOption
+from erlif.core.errors import ErlifError, UnitWarning
 
 COMMANDS = sorted(main.commands)
 
@@ -131,6 +133,22 @@ def test_a_defect_of_ours_and_a_refusal_of_the_system_have_a_next_step(
     monkeypatch.setattr(erlif.pipeline, "process", fail)
     message = command("process", lab.run, status=status).stderr
     assert all(word in message for word in words)
+
+
+def test_a_warning_of_a_model_is_one_line_without_a_place_in_the_code(lab, command, monkeypatch):
+    def process(*args, **options):
+        for _ in range(3):
+            warnings.warn("viscosity = 120 Pa s is implausible", UnitWarning, stacklevel=1)
+            warnings.warn("overflow", RuntimeWarning, stacklevel=1)
+        raise ErlifError("the end")
+
+    monkeypatch.setattr(erlif.pipeline, "process", process)
+    with warnings.catch_warnings():
+        warnings.simplefilter("default")
+        lines = command("process", lab.run, status=2).stderr.splitlines()
+    assert lines.count("  warning: viscosity = 120 Pa s is implausible") == 1
+    (other,) = [line for line in lines if "overflow" in line]
+    assert "test_main.py" in other
 
 
 @pytest.mark.parametrize(("given", "used"), [(None, "1"), ("4", "4")])

@@ -90,6 +90,17 @@ def test_single_dark_pixels_serve_where_there_are_no_others(rng, darks):
     assert find([page(rng, light)], darks) is None
 
 
+@pytest.mark.parametrize("offset", [60, 300, 1000])
+def test_pixels_that_are_dark_in_the_flats_show_an_offset_of_all_frames(rng, darks, offset):
+    flat = np.full(SHAPE_OF_UNLIT, 4000.0)
+    flat.flat[[5, 1000, 1001, 3003]] = 3.0
+    frames = [page(rng, flat * 0.2) + np.uint16(offset) for _ in range(8)]
+    histogram = sum(np.bincount(frame.ravel(), minlength=4096) for frame in frames)
+    found = find_unlit(np.max(frames, axis=0), histogram, darks, flat)
+    npt.assert_array_equal(found.place, [5, 1000, 1001, 3003])
+    npt.assert_allclose(np.mean([found.read(one)[0] for one in frames]), offset, atol=1.5)
+
+
 def test_level_and_variance_of_dark_pixels_are_those_of_the_noise(rng, darks):
     """Variance 2^2 + 1/12 of a frame and a sixteenth of it in the mean of the darks."""
     found = find([page(rng, corners(900.0)) for _ in range(8)], darks)

@@ -67,6 +67,14 @@ def test_flats_below_a_fiftieth_of_full_scale_are_refused(light):
         reduce([page(light)])
 
 
+@pytest.mark.parametrize(
+    ("light", "cause"), [(-3, "3 counts darker than the darks"), (0, "as dark as the darks")]
+)
+def test_flats_that_are_no_flats_are_named(light, cause):
+    with pytest.raises(FrameError, match=cause):
+        reduce([page(light), page(light)])
+
+
 @pytest.mark.parametrize("first", [0, -3])
 def test_a_page_without_light_is_left_out(first):
     (stack,), _ = reduce([page(first), page(1000), page(1000)])

@@ -12,6 +12,7 @@ from erlif.core.notes import Note, remark, warn
 from erlif.core.products import EncoderLog
 from erlif.io.ingest.images import Page, is_one_file
 from erlif.io.ingest.logs.checks import check_frame_numbers, check_values
+from erlif.io.ingest.logs.clock_times import with_clocks
 from erlif.io.ingest.logs.columns import ColumnChoice, convert_columns, find_columns, missing_column
 from erlif.io.ingest.logs.resample import FEWEST_SAMPLES, ContinuousLog, unwrap_angle
 from erlif.io.ingest.logs.table import LogColumn, LogTable
@@ -101,6 +102,8 @@ def read_log(
         As `read_encoder_log`.
     """
     table = read_log_table(path, choice.wanted)
+    if "time" in choice.names:
+        table = with_clocks(table)
     known = find_columns(table, choice)
     columns, _ = known
     by_frame = "frame" in columns or frames is None or len(table.rows) == frames
@@ -218,7 +221,7 @@ def _first_without_file(logged: list[int], numbers: list[int], name: str) -> str
         return (
             f"{first}; the names of the files show no gap, so a frame that was missed earlier "
             "cannot be excluded"
-            if at_end and shift
+            if at_end
             else first
         )
     return (

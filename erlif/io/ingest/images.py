@@ -170,8 +170,9 @@ def find_pages(
     """
     paths = match_files(directory, pattern)
     if not paths:
+        there = "it is a folder" if (directory / pattern).is_dir() else "there is none"
         raise FrameError(
-            f"Expected files {pattern} of {what} in {directory}; there is none. Put them there, or "
+            f"Expected files {pattern} of {what} in {directory}; {there}. Put them there, or "
             "correct the name in the settings."
         )
     found = read_headers(paths, selection)
@@ -349,9 +350,12 @@ def check_depth(counts: Counts, *, bit_depth: int, name: str) -> None:
             f"{top}: {depth}-bit counts, left-aligned. {todo}"
         )
     if top > full_scale:
+        fits = f"bit_depth = {top.bit_length()} fits"
+        if int(counts.min()) >= 65535 - full_scale > full_scale:
+            fits += ", or 16 bits are stored inverted (MINISWHITE)"
         raise FrameError(
             f"Expected counts up to {full_scale} (bit_depth = {bit_depth}); {name} reaches {top}: "
-            f"bit_depth = {top.bit_length()} fits. Set the bit depth of the camera."
+            f"{fits}. Set the bit depth of the camera."
         )
 
 

@@ -9,8 +9,10 @@ from __future__ import annotations
 
 import io
 import logging
+import math
 import struct
 import threading
+from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
@@ -48,8 +50,9 @@ _MOST_UNKNOWN = 16
 # Decoded bytes per byte of a file that LZW can reach; a header that claims more is damaged.
 _DENSEST = 3000
 
-# Values of the tag PhotometricInterpretation: a palette, and a colour for each pixel (Bayer).
-_PALETTE, _MOSAIC = 3, 32803
+# Tag PhotometricInterpretation; its values for inverted grey, a palette, and a colour for each
+# pixel (Bayer).
+_PHOTOMETRIC, _INVERTED, _PALETTE, _MOSAIC = 262, 0, 3, 32803
 
 # Tag that describes the colours of the pixels of a mosaic.
 _MOSAIC_COLOURS = 33421
@@ -114,6 +117,8 @@ class TiffFrames(FrameFile):
             self.kinds = self._read_kinds(directories, size)
             first = self._page(0)
             self.stack = _contiguous(first, self._file.byteorder)
+            if first.photometric == _INVERTED and _PHOTOMETRIC in first.tags:
+                self.warning = "the file is marked as inverted (MINISWHITE); counts are as stored."
             bits = int(first.bitspersample)
             self.bits = bits if 8 < bits < 16 else None
             text = first.description.encode("utf-8", "replace")
@@ -146,7 +151,7 @@ class TiffFrames(FrameFile):
                     known[one.alike] = entry
             found.append(entry)
         kept = [k for k, (_, is_preview) in enumerate(found) if not is_preview]
-        kept = kept or list(range(len(found)))
+        kept = _without_previews([kind for kind, _ in found], kept or list(range(len(found))))
         self._places = [self._places[k] for k in kept]
         return [found[k][0] for k in kept]
 
@@ -380,6 +385,20 @@ def _kind_of(page: tifffile.TiffPage, size: int) -> FrameKind:
     if page.is_contiguous and sum(counts) < page.nbytes:
         return TRUNCATED
     return kind
+
+
+def _without_previews(kinds: Sequence[FrameKind], pages: list[int]) -> list[int]:
+    """Pages but those that are smaller by a whole number than most: previews without a mark."""
+    shapes = Counter(kinds[k].shape for k in pages)
+    full = max(shapes, key=lambda shape: (math.prod(shape), shape))
+    others = set(shapes) - {full, TRUNCATED.shape}
+    reduced = all(
+        len(shape) == len(full) and all(a % b == 0 for a, b in zip(full, shape, strict=True))
+        for shape in others
+    )
+    if not reduced or shapes[full] < sum(shapes[shape] for shape in others):
+        return pages
+    return [k for k in pages if kinds[k].shape not in others]
 
 
 def _read_planes(path: Path, tag: tifffile.TiffTag, order: str) -> Description:

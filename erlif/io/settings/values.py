@@ -208,7 +208,7 @@ ColumnName = Annotated[
 # Units of the columns of a log; the first of a quantity is that of films.
 AngleUnit = Literal["deg", "rad", "mrad", "turn", "tick"]
 TimeUnit = Literal["s", "ms", "us", "ns", "min", "h"]
-ForceUnit = Literal["N", "kN", "mN", "lbf", "kgf"]
+ForceUnit = Literal["N", "kN", "mN", "lbf", "kgf", "gf"]
 TemperatureUnit = Literal["degC", "K", "degF"]
 TorqueUnit = Literal["N m", "kN m", "N mm", "lbf ft", "lbf in"]
 SpeedUnit = Literal["rad/s", "rpm", "deg/s", "rev/s", "m/s", "mm/s"]

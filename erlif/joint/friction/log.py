@@ -173,10 +173,12 @@ def read_torque_log(
         log["cells"] = (("cell", "time"), np.full((1, log.sizes["time"]), load), {"units": "N"})
     _check(log, by_name, kept, vector=vector)
     log.attrs["file"] = path.name
-    log.attrs["columns"] = ", ".join(
+    names = ", ".join(
         f"{quantity} from {' and '.join(repr(column.name) for column in members)}"
         for quantity, members in by_name.items()
-    ) + ("" if load is None else f"; load {load:g} N as given")
+    )
+    given = [] if load is None else [f"load {load:g} N as given"]
+    log.attrs["columns"] = "; ".join([names, *given, *table.remarks])
     log.attrs["unused"] = ", ".join(repr(name) for name in others if name)
     log.attrs["left_out"] = left_out
     return log

@@ -72,6 +72,8 @@ def note_crank(evidence: Evidence) -> Iterator[Note]:
 
     time = np.asarray(run.log["time"].values, float)[:_MOST]
     block = max(_BLOCK, 2 * int(located.trigger.max() + 1))
+    # an encoder of few ticks leaves the even turn by one of them
+    visible = 1.5 * float(np.diff(np.unique(reading.round(6))).min(initial=360.0))
     odd, slips, most = [], [], 0.0
     first: _Turn | None = None
     for start in range(0, max(reading.size - _FEWEST, 1), block):
@@ -84,11 +86,11 @@ def note_crank(evidence: Evidence) -> Iterator[Note]:
         even = np.delete(np.arange(fit.rest.size), single)
         rest = np.interp(np.arange(fit.rest.size), even, fit.rest[even])
         slipped = find_slips(rest, fit.swing)
-        slips += [(start + k, size) for k, size in slipped]
+        slips += [(start + k, size) for k, size in slipped if abs(size) > visible]
 
         # a slip spoils the even turn, by no more than its size
         usual = max((abs(size) for _, size in slipped), default=0.0)
-        single = single[np.abs(fit.rest[single]) > 2 * usual]
+        single = single[np.abs(fit.rest[single]) > max(2 * usual, visible)]
         odd += [start + int(k) for k in single]
         most = max(most, float(np.abs(fit.rest[single]).max(initial=0.0)))
     if odd:

@@ -43,7 +43,7 @@ _JUMP = 10.0  # change of temperature from row to row that no oil has [K]
 _LOAD = 3.0
 
 # Units in which loads are logged.
-_FORCES = ("kN", "kgf", "lbf", "mN")
+_FORCES = ("kN", "kgf", "lbf", "mN", "gf")
 
 # Change of the light per change of the pulse energy below which they are unrelated; 1 else.
 _WITHOUT_PULSE = 0.3

@@ -146,5 +146,5 @@ def _measure_camera(recording: Run | Fixture, number: int, look: FrameLook) -> C
         camera=camera,
         background=() if settings.background is None else read(settings.background, "background"),
     )
-    unlit = find_unlit(look.highest, look.histogram, measured.darks)
+    unlit = find_unlit(look.highest, look.histogram, measured.darks, measured.flat_light)
     return replace(measured, view=look.view, unlit=unlit)

@@ -136,6 +136,16 @@ def test_a_log_in_time_is_recognised_by_its_number_of_rows(write_log):
     assert "its angle is counted on" in str(notes[0])
 
 
+def test_clock_times_that_are_chosen_are_times_over_the_end_of_summer_time(write_log):
+    """02:59:59.5 of summer time is followed by 02:00:00, an hour before it by the clock."""
+    before, after = ("2026-10-25 02:59:59", "2026-10-25 02:00:00")
+    rows = [f"{clock}.{part},{k}" for clock in (before, after) for k, part in enumerate((0, 5))]
+    path = write_log("\n".join(["Zeit,angle_deg", *rows]) + "\n")
+    log, notes = read_log(path, ColumnChoice({"time": "Zeit", "angle": "angle_deg"}), frames=4)
+    np.testing.assert_allclose(log.time, [0, 0.5, 1, 1.5])
+    assert "changes by an hour in row 4" in notes[0].text
+
+
 def test_a_count_of_the_frames_in_a_log_in_time_is_its_pulse(write_log):
     path = write_log("frame,time_s,angle_deg\n" + "".join(f"{k // 3},{k},{k}\n" for k in range(9)))
     with pytest.raises(EncoderError, match='counts the frames, write pulse = "frame"'):

@@ -133,6 +133,20 @@ def test_counts_above_full_scale_are_refused_with_the_depth_that_fits(top, fits)
         check_depth(counts, bit_depth=12, name="a.tif")
 
 
+@pytest.mark.parametrize(("offset", "inverted"), [(0, False), (61440, True)])
+def test_counts_of_an_inverted_image_are_named(offset, inverted):
+    counts = (65535 - GREY) if inverted else GREY + np.uint16(4096)
+    with pytest.raises(FrameError) as refused:
+        check_depth(counts, bit_depth=12, name="a.tif")
+    assert ("stored inverted (MINISWHITE)" in str(refused.value)) == inverted
+
+
+def test_a_folder_in_the_place_of_a_file_is_named(tmp_path):
+    (tmp_path / "camera1.zarr").mkdir()
+    with pytest.raises(FrameError, match=r"camera1\.zarr of camera1 in .*; it is a folder\."):
+        find_pages(tmp_path, "camera1.zarr", "camera1")
+
+
 @pytest.mark.parametrize(
     ("own", "shift", "bit_depth", "advice"),
     [

@@ -184,6 +184,35 @@ def test_previews_are_no_frames(tmp_path, place):
     np.testing.assert_array_equal(read(path), GREY)
 
 
+@pytest.mark.parametrize("step", [2, 4, 8])
+@pytest.mark.parametrize("place", [0, 1, 3])
+def test_smaller_pages_without_a_mark_are_previews(tmp_path, place, step):
+    small = GREY[0, ::step, ::step]
+    images = [*GREY[:place], small, *GREY[place:]]
+    with tifffile.TiffWriter(tmp_path / "a.tif") as file:
+        for image in images:
+            file.write(image, photometric="minisblack", metadata=None, contiguous=False)
+    np.testing.assert_array_equal(read(tmp_path / "a.tif"), GREY)
+
+
+def test_a_page_of_another_region_is_kept_to_be_refused(tmp_path):
+    with tifffile.TiffWriter(tmp_path / "a.tif") as file:
+        for image in (*GREY, GREY[0, :60]):
+            file.write(image, photometric="minisblack", metadata=None, contiguous=False)
+    with closing(TIFF.open(tmp_path / "a.tif")) as opened:
+        assert [kind.shape for kind in opened.kinds] == [*[(64, 80)] * 3, (60, 80)]
+
+
+@pytest.mark.parametrize("photometric", ["miniswhite", "minisblack"])
+def test_a_mark_of_inverted_counts_is_a_warning(tmp_path, photometric):
+    """ImageJ writes it for a look-up table that is inverted, with the counts as they are."""
+    path = tmp_path / "a.tif"
+    tifffile.imwrite(path, GREY, photometric=photometric, metadata=None)
+    with closing(TIFF.open(path)) as opened:
+        assert ("MINISWHITE" in opened.warning) == (photometric == "miniswhite")
+    np.testing.assert_array_equal(read(path), GREY)
+
+
 # what is no stack of counts
 
 

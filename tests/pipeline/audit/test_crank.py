@@ -52,6 +52,18 @@ def test_an_even_turn_has_no_note(mounted, digits):
     assert notes(angle, mounted=mounted, time=np.round(TIME, digits)) == []
 
 
+@pytest.mark.parametrize(("ticks", "step"), [(360, 0.96), (360, 0.97), (400, 0.87), (300, 1.15)])
+def test_an_encoder_of_few_ticks_has_no_note_in_an_even_turn(ticks, step):
+    """Pulses at even steps of the rocker, which beat with the ticks."""
+    time = TIME[ROCKER.argmin()] + np.linspace(0.01, 0.45, 1000) * 2 * math.pi / OMEGA
+    stroke = np.degrees([link_angles(OMEGA * t + 0.7)[0] for t in time])
+    angle = np.arange(stroke[0], stroke[-1], step)
+    ticks_read = np.round((angle - angle[0]) * ticks / 360)
+    log = make_log(ticks_read * 360 / ticks, time=np.interp(angle, stroke, time))
+    located = locate(log, mechanism=CrankRocker(0.055, 0.44, 0.26, 0.51), zero=None)
+    assert list(note_crank(Evidence(run_of(log, "rocker"), located, ()))) == []
+
+
 def test_an_encoder_on_the_coupler_or_on_a_rod_has_no_note_in_an_even_turn():
     coupler = np.degrees([link_angles(OMEGA * t + 0.7)[1] for t in TIME])
     log = make_log(coupler, time=TIME)

@@ -117,7 +117,8 @@ def test_a_camera_slower_than_the_crank_shows_its_speed_by_the_rest_of_a_turn():
 
 
 @pytest.mark.parametrize(
-    ("newtons", "unit"), [(9.80665, "kgf"), (4.44822, "lbf"), (1000.0, "kN"), (1e-3, "mN")]
+    ("newtons", "unit"),
+    [(9.80665, "kgf"), (4.44822, "lbf"), (1000.0, "kN"), (1e-3, "mN"), (9.80665e-3, "gf")],
 )
 def test_the_unit_that_fits_is_named(newtons, unit):
     log = xr.Dataset({"joint_load": ("frame", np.linspace(215, 230, 20) / newtons)})

@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import io
 import logging
+import math
 import stat
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -28,6 +31,10 @@ _UNIT_NAMES = ("units", "unit", "Unit", "unit_string", "NI_UnitDescription")
 
 # Length of a unit that is kept; a message shows it. [character]
 _LONGEST_UNIT = 80
+
+_SECOND = np.timedelta64(1, "s")
+
+_ROUNDING = 1e-6  # of starts in steps
 
 # Name, unit and numbers of each column.
 _Found = Iterator[tuple[str, str, AnyArray]]
@@ -69,7 +76,12 @@ def read_binary_table(path: Path) -> LogTable | None:
             f"{size / 1e6:.0f} MB. Export the part that belongs to the run."
         )
 
-    readers = {"TDMS": _read_tdms, "MATLAB": _read_matlab, "HDF5": _read_hdf5}
+    remarks: list[str] = []
+    readers: dict[str, Callable[[Path], _Found]] = {
+        "TDMS": partial(_read_tdms, remarks),
+        "MATLAB": _read_matlab,
+        "HDF5": _read_hdf5,
+    }
     try:
         channels = list(readers[kind](path))
     except EncoderError:
@@ -79,7 +91,8 @@ def read_binary_table(path: Path) -> LogTable | None:
             f"Expected {path.name} to be a {kind} file; it cannot be read: {reason_of(error)}. "
             "Export the log again."
         ) from error
-    return _make_table(path, kind, channels)
+    table = _make_table(path, kind, channels)
+    return replace(table, remarks=(*table.remarks, *remarks))
 
 
 def _kind(path: Path) -> str | None:
@@ -154,7 +167,7 @@ def _vectors(name: str, values: AnyArray, unit: str = "") -> _Found:
 # formats
 
 
-def _read_tdms(path: Path) -> _Found:
+def _read_tdms(remarks: list[str], path: Path) -> _Found:
     """Channels; a waveform without a channel of times gets one from its properties."""
     try:
         from nptdms import TdmsFile
@@ -173,7 +186,7 @@ def _read_tdms(path: Path) -> _Found:
     try:
         # it leaves a file open that it refuses, but not one that it is given
         with path.open("rb") as raw, TdmsFile.open(raw) as file:
-            channels = list(_list_channels(file, path))
+            channels = list(_list_channels(file, path, remarks))
     finally:
         log_manager.set_level(level)
         handler.setFormatter(log_manager.formatter)
@@ -183,27 +196,58 @@ def _read_tdms(path: Path) -> _Found:
     yield from channels
 
 
-def _list_channels(file: Any, path: Path) -> _Found:
+def _list_channels(file: Any, path: Path, remarks: list[str]) -> _Found:
+    """Channels; waveforms of tasks that start one after the other at the times of the last one."""
     channels = [channel for group in file.groups() for channel in group.channels()]
     _check_size(sum(len(channel) for channel in channels), path)
     short = [channel.name for channel in channels]
     longest = max((len(channel) for channel in channels), default=0)
-    steps = set()
+    compared = [one for one in channels if len(one) == longest and "time" not in short]
+    step, starts = _find_starts(compared)
+    first, last = min(starts.values(), default=0.0), max(starts.values(), default=0.0)
+    rows, begin = longest, first
+
+    # rows of one time, from the start of the last task on
+    apart = last - first
+    is_shifted = apart > step / 2 and len(starts) == len(compared)
+    if is_shifted:
+        rows, begin = longest - math.ceil(apart / step - _ROUNDING), last
+        if rows < 1:
+            raise ValueError(f"its tasks start {apart:g} s apart and have no time in common")
+        remarks.append(f"its tasks start {apart:.6g} s apart; the rows that all have are taken")
+
     for channel in channels:
         values = np.asarray(channel[:])
+        if is_shifted and channel.path in starts:
+            values = _take(values, np.arange(rows) + (last - starts[channel.path]) / step)
         if values.dtype.kind == "M" and values.size:  # time stamps, from the first one
             values = (values - values[0]) / np.timedelta64(1, "s")
         unique = short.count(channel.name) == 1
         name = channel.name if unique else f"{channel.group_name}/{channel.name}"
         yield from _vectors(name, values, _unit(channel.properties))
-        if len(channel) == longest and "wf_increment" in channel.properties:
-            properties = channel.properties
-            steps.add((properties["wf_increment"], properties.get("wf_start_offset", 0.0)))
+    if step:
+        yield "time", "s", begin + step * np.arange(rows)
 
-    if len(steps) == 1 and "time" not in short:
-        increment, offset = (float(value) for value in steps.pop())
-        if increment > 0:
-            yield "time", "s", offset + increment * np.arange(longest)
+
+def _take(values: AnyArray, places: AnyArray) -> AnyArray:
+    """Numbers between rows; of counts and states the nearest, because their mean is none."""
+    if values.dtype.kind != "f":
+        return np.asarray(values[np.rint(places).astype(int)])
+    return np.asarray(np.interp(places, np.arange(values.size), values))
+
+
+def _find_starts(channels: Sequence[Any]) -> tuple[float, dict[str, float]]:
+    """Step of waveforms, 0 where they differ, and the start of each after the first task. [s]"""
+    waves = {one.path: one.properties for one in channels if "wf_increment" in one.properties}
+    steps = {float(one["wf_increment"]) for one in waves.values()}
+    if len(steps) != 1 or min(steps) <= 0:
+        return 0.0, {}
+    starts = {path: float(one.get("wf_start_offset", 0.0)) for path, one in waves.items()}
+    clocks = {path: one.get("wf_start_time") for path, one in waves.items()}
+    if None not in clocks.values():
+        first = min(clocks.values())
+        starts = {path: starts[path] + (clocks[path] - first) / _SECOND for path in starts}
+    return steps.pop(), starts
 
 
 def _read_matlab(path: Path) -> _Found:

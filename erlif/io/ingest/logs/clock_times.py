@@ -11,11 +11,17 @@ from itertools import pairwise
 
 import numpy as np
 
-from erlif.core.arrays import Array
+from erlif.core.arrays import AnyArray, Array
 from erlif.io.ingest.logs.table import CLOCK, LogColumn, LogTable
 
 _DAY, _HOUR, _MINUTE = 86400.0, 3600.0, 60.0
 _TRIED = 5  # cells of a column by which clock times are recognised
+
+# Summer time begins on a Sunday before this hour; days are counted from 2000, a Saturday.
+_SUNDAY, _EARLY = 1, 4 * _HOUR
+
+# Longest usual step of a log in which a change of the clock differs from a pause. [s]
+_LONGEST_STEP = 900.0
 
 _FORM = re.compile(
     r"(?:(?:(?P<y>\d{4})[-/.](?P<m>\d{1,2})[-/.](?P<d>\d{1,2})"
@@ -47,6 +53,11 @@ def read_clock(texts: Iterable[str]) -> Array:
     >>> read_clock(["31.12.2026 23:59:59", "01.01.2027 00:00:00", "broken"])
     array([ 0.,  1., nan])
     """
+    return _read(texts)[0]
+
+
+def _read(texts: Iterable[str]) -> tuple[Array, AnyArray]:
+    """As `read_clock`, and the places where a local clock was put forward or back by an hour."""
     matches = [_FORM.fullmatch(text.strip()) for text in texts]
 
     # 3/4 is the third of April or the fourth of March: the order that gives the shorter log
@@ -56,11 +67,16 @@ def read_clock(texts: Iterable[str]) -> Array:
     seconds: Array = min(orders, key=lambda one: (np.isnan(one).sum(), _span(one)))
     known = np.flatnonzero(np.isfinite(seconds))
     if not known.size:
-        return seconds
-    if not any(_has_date(match) for match in matches) and seconds[known].max() < _DAY:
+        return seconds, known
+    dated = any(_has_date(match) for match in matches)
+    if not dated and seconds[known].max() < _DAY:
         falls = np.array([b - a < -_DAY / 2 for a, b in pairwise(seconds[known])], int)
         seconds[known[1:]] += _DAY * np.cumsum(falls)
-    return np.asarray(seconds - seconds[known[0]])
+    ahead = np.zeros(known.size)
+    if not any(match and match["zone"] for match in matches):
+        ahead = _summer_time(seconds[known], dated=dated)
+        seconds[known] -= ahead
+    return seconds - seconds[known[0]], known[1:][np.diff(ahead) != 0]
 
 
 def with_clocks(table: LogTable) -> LogTable:
@@ -69,21 +85,32 @@ def with_clocks(table: LogTable) -> LogTable:
     Returns
     -------
     LogTable
-        Cells that are no clock time stay texts.
+        Cells that are no clock time stay texts. A local clock is counted on where summer time
+        begins or ends; a remark has the row.
     """
-    return replace(table, columns=tuple(_in_seconds(column) for column in table.columns))
+    read = [_in_seconds(column) for column in table.columns]
+    remarks = [
+        f"the clock of {column.name!r} changes by an hour in row {table.rows[place]}, as summer "
+        "time does; it is counted on"
+        for column, changes in read
+        for place in changes
+    ]
+    return replace(
+        table, columns=tuple(column for column, _ in read), remarks=(*table.remarks, *remarks)
+    )
 
 
-def _in_seconds(column: LogColumn) -> LogColumn:
+def _in_seconds(column: LogColumn) -> tuple[LogColumn, Sequence[int]]:
+    """The column in seconds, and the places where its clock was put forward or back."""
     rows = len(column.values)
     filled = [text for text in column.texts.values() if text]
     if 2 * len(filled) < rows or not any(_FORM.fullmatch(text) for text in filled[:_TRIED]):
-        return column
+        return column, []
     texts = [column.texts.get(place, "") for place in range(rows)]
     # a number among clock times is no time
-    values = read_clock(texts)
+    values, changes = _read(texts)
     left = {int(n): texts[n] or _number(column.values[n]) for n in np.flatnonzero(np.isnan(values))}
-    return LogColumn(column.name, CLOCK, values, left)
+    return LogColumn(column.name, CLOCK, values, left), changes.tolist()
 
 
 def _number(value: float) -> str:
@@ -114,6 +141,24 @@ def _seconds(match: re.Match[str] | None, *, day_first: bool) -> float:
         day = 0.0
     second = float(f"{match['second'] or 0}.{match['part'] or 0}")
     return day * _DAY + hour * _HOUR + int(match["minute"]) * _MINUTE + second - _ahead(match)
+
+
+def _summer_time(local: Array, *, dated: bool) -> Array:
+    """Seconds by which a local clock was put forward since the first row."""
+    before, after = local[:-1], local[1:]
+    usual = float(np.median(after - before)) if before.size else 0.0
+    if not 0 < usual <= _LONGEST_STEP:
+        return np.zeros(local.size)
+
+    def put(hour: float) -> AnyArray:
+        """Where the clock jumps by an hour in one step over a full hour."""
+        step = after - before - hour
+        over = (after - hour) // _HOUR > before // _HOUR
+        return np.asarray((step > 0) & (step <= 2 * usual) & over)
+
+    # a pause of an hour looks alike but on the day of the change
+    summer = (before // _DAY % 7 == _SUNDAY) & (before % _DAY < _EARLY) & dated
+    return np.append(0.0, np.cumsum(_HOUR * (1.0 * (put(_HOUR) & summer) - put(-_HOUR))))
 
 
 @lru_cache(maxsize=64)

@@ -164,7 +164,7 @@ def split_unit(name: str) -> tuple[str, str]:
     >>> split_unit("Encoder [deg]"), split_unit("Kraft / N"), split_unit("note")
     (('Encoder', 'deg'), ('Kraft', 'N'), ('note', ''))
     """
-    if match := re.fullmatch(r"(.*\S)\s*[\[(<]\s*([^\[\]()<>]*?)\s*[\])>]", name):
+    if match := re.fullmatch(r"(.*\S)\s*[\[(<（]\s*([^\[\]()<>（）]*?)\s*[\])>）]", name):
         return match[1].rstrip(" _"), match[2]
     if match := re.fullmatch(r"(.*\S)\s+(?:/|in)\s+(\S{1,8})", name):
         return match[1], match[2]

@@ -48,6 +48,9 @@ _BEFORE_UNIT = re.compile(r"\s+(?=[\[(<])")
 
 _COMMENT = ("#", "%")
 
+# A usual character of Chinese or its punctuation in GBK, which Latin-1 would hardly hold.
+_GBK_PAIR = re.compile(rb"[\xa1-\xa9\xb0-\xd7][\xa1-\xfe]")
+
 _COMMA_NUMBER = re.compile(r"[+-]?(\d+,\d*|,\d+)([eE][+-]?\d+)?")
 
 # A header and one row.
@@ -89,7 +92,7 @@ def read_text_table(path: Path, wanted: Collection[str], use: LogUse = ENCODER) 
 
     Columns are separated by commas, semicolons, tabs or blanks. Where commas do not separate, they
     may be decimal. Rows that begin with # or % are comments, rows above the header a preamble; a
-    row of units may follow the header. The text is UTF-8, UTF-16 with a byte order mark, or
+    row of units may follow the header. The text is UTF-8, UTF-16 with a byte order mark, GBK or
     Latin-1.
 
     Parameters
@@ -195,6 +198,8 @@ def _find_encoding(content: bytes) -> tuple[str, str]:
     try:
         content.decode("utf-8-sig")
     except UnicodeDecodeError:
+        if _GBK_PAIR.sub(b"", content).isascii():
+            return "gbk", "text in GBK"
         return "latin-1", "text in Latin-1"
     return "utf-8-sig", ""
 
@@ -409,9 +414,7 @@ def _read_rows(
     builders = [_Builder(name) for name in layout.names]
     separator, width = layout.separator, len(layout.names)
     rows, texts = array("q"), 0
-    for number, cells in _rows(text, separator, path):
-        if number <= layout.first_row or _is_comment(cells):
-            continue
+    for number, cells in _without_headers(_rows(text, separator, path), layout):
         while len(cells) > width and not cells[-1]:  # a separator at the end of the row
             cells.pop()
         if len(cells) != width:
@@ -449,6 +452,24 @@ def _read_rows(
     if not rows:
         raise _few_rows(path, 1)
     return builders, rows.tolist()
+
+
+def _without_headers(rows: Iterable[_Row], layout: _Layout) -> Iterator[_Row]:
+    """Rows of the table; a further block of the same columns may have its header once more."""
+    above: list[_Row] = []  # shorter rows, which belong to the header of a block if one follows
+    in_header = False
+    for row in rows:
+        number, cells = row
+        if number <= layout.first_row or _is_comment(cells):
+            continue
+        if cells == layout.names:
+            above, in_header = [], True
+        elif len(cells) < len(layout.names) and not _is_numeric(cells, layout.separator):
+            above.append(row)
+        elif not (in_header and _is_unit_row(cells, layout.names)):
+            yield from (*above, row)
+            above, in_header = [], False
+    yield from above
 
 
 def _check_decimals(builders: Sequence[_Builder], path: Path) -> str:

@@ -46,6 +46,39 @@ def test_a_waveform_of_tdms_gives_the_times(tmp_path):
     assert found["Enc [deg]"] == ("deg", ANGLE.tolist())
 
 
+def start_later(lead, rate=100.0, size=400):
+    """Waveforms of three tasks: what each has measured at the times of its own clock."""
+    clock = np.datetime64("2026-03-04T08:00:00")
+    time = np.arange(size) / rate
+    wave = {"wf_increment": 1 / rate, "wf_start_offset": 0.0, "wf_start_time": clock}
+    late = {**wave, "wf_start_time": clock + np.timedelta64(round(1e6 * lead), "us")}
+    return (
+        ("Enc [deg]", 30 * np.sin(time), wave),
+        ("Force [N]", 100 + 10 * (time + lead), late),
+        ("Ticks", np.arange(size, dtype=np.int32), wave),
+    )
+
+
+@pytest.mark.parametrize("lead", [0.35, 0.354, -0.2, 1.5])
+def test_tasks_that_start_one_after_the_other_have_the_same_time_in_a_row(tmp_path, lead):
+    write_tdms(tmp_path / "log.tdms", *start_later(lead))
+    table = read_binary_table(tmp_path / "log.tdms")
+    found = {column.name: column.values for column in table.columns}
+    time = found["time"] + min(lead, 0.0)  # the clock starts with the first task
+    assert len(time) == 400 - np.ceil(round(100 * abs(lead), 6))
+    np.testing.assert_allclose(found["Enc [deg]"], 30 * np.sin(time), atol=1e-3)
+    np.testing.assert_allclose(found["Force [N]"], 100 + 10 * time, atol=1e-9)
+    np.testing.assert_allclose(found["Ticks"], 100 * time, atol=0.51)
+    assert not (found["Ticks"] % 1).any()
+    assert any(f"start {abs(lead):g} s apart" in remark for remark in table.remarks)
+
+
+def test_tasks_without_a_common_time_are_refused(tmp_path):
+    write_tdms(tmp_path / "log.tdms", *start_later(4.0))
+    with pytest.raises(EncoderError, match="4 s apart and have no time in common"):
+        read_binary_table(tmp_path / "log.tdms")
+
+
 def test_a_log_of_a_laboratory_is_read_as_by_another_decoder():
     """Analog inputs of NI-DAQmx at 100 Hz; origin and decoder are in samples.toml."""
     pytest.importorskip("nptdms")

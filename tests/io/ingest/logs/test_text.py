@@ -44,6 +44,48 @@ def test_encodings_of_windows_and_of_old_loggers_are_read(tmp_path, encoding):
     assert spoken is None or spoken in table.remarks
 
 
+@pytest.mark.parametrize("bracket", ["[{}]", "({})", "（{}）"])
+def test_headers_in_chinese_are_read_as_old_windows_programs_write_them(tmp_path, bracket):
+    time, angle, oil = (
+        name + bracket.format(unit)
+        for name, unit in (("时间", "s"), ("编码器角度", "度"), ("油温", "℃"))
+    )
+    table = read(tmp_path, f"{time},{angle},{oil}\n0.5,20,25\n1.5,21,26\n".encode("gbk"), ())
+    assert numbers(table) == {time: [0.5, 1.5], angle: [20, 21], oil: [25, 26]}
+    assert [column.unit for column in table.columns] == ["s", "度", "℃"]
+    assert "text in GBK" in table.remarks
+
+
+@pytest.mark.parametrize("name", ["Größe [°C]", "Füße [µm]", "Öl [°]", "Température", "Ångström²"])
+def test_letters_of_western_europe_are_no_chinese(tmp_path, name):
+    assert name in numbers(read(tmp_path, f"angle,{name}\n1,2\n3,4\n".encode("latin-1")))
+
+
+@pytest.mark.parametrize(
+    "again",
+    [
+        "t,angle\ns,deg\n",
+        "t,angle\n",
+        "\nRig 3\nStep 2\nt,angle\ns,deg\n",
+        "# step 2\nt,angle\n",
+    ],
+)
+def test_a_header_may_come_again_above_each_block(tmp_path, again):
+    table = read(tmp_path, f"t,angle\ns,deg\n0,1\n1,2\n{again}2,3\n3,4\n")
+    assert numbers(table) == {"t": [0, 1, 2, 3], "angle": [1, 2, 3, 4]}
+    assert list(table.rows)[2:] == [5 + again.count("\n"), 6 + again.count("\n")]
+
+
+@pytest.mark.parametrize("between", ["Rig 3\n", "2\n", "t;angle\n"])
+def test_a_short_row_without_a_header_below_it_is_refused(tmp_path, between):
+    with pytest.raises(EncoderError, match="Expected 2 values in row 4"):
+        read(tmp_path, f"t,angle\n0,1\n1,2\n{between}2,3\n")
+
+
+def test_a_block_of_other_columns_is_no_part_of_the_table(tmp_path):
+    assert read(tmp_path, "t,angle\n0,1\n1,2\nangle,t\n3,2\n").columns[0].texts == {2: "angle"}
+
+
 def test_units_come_from_brackets_and_from_their_own_row(tmp_path):
     table = read(tmp_path, "t,angle,F (kN)\nms,rad,\n0,1,2\n1,2,3\n")
     assert [column.unit for column in table.columns] == ["ms", "rad", "kN"]
