@@ -66,6 +66,7 @@ FILM_ATTRIBUTES = (
     Attribute("title", "Title with the name of the run."),
     Attribute("history", "Version of erlif and the step that wrote the file."),
     Attribute("erlif_version", "Version of erlif."),
+    Attribute("erlif_sources", "Digest of its code and tables, which tells checkouts apart."),
     Attribute(
         "format_version", "Version of the file format, 1. An earlier erlif refuses a later one."
     ),
@@ -98,7 +99,7 @@ FILM_ATTRIBUTES = (
 )
 
 PREDICTION_ATTRIBUTES = (
-    *(one for one in FILM_ATTRIBUTES[:6]),
+    *FILM_ATTRIBUTES[:7],
     Attribute(
         "input_hashes",
         "SHA-256 of settings and log, and the identity of the film, by their names, as JSON.",
@@ -110,7 +111,7 @@ PREDICTION_ATTRIBUTES = (
 )
 
 PRESSURE_ATTRIBUTES = (
-    *FILM_ATTRIBUTES[:5],
+    *FILM_ATTRIBUTES[:6],
     *(one for one in FILM_ATTRIBUTES if one.name in ("settings", "settings_stated")),
     Attribute("film_identity", "Identity of the film."),
     Attribute("statement", "What the pressure is good for, and what would make it better."),
@@ -287,6 +288,8 @@ CALIBRATION_ATTRIBUTES = (
     Attribute("title", "ERLIF calibration."),
     Attribute("history", "Version of erlif and the step that wrote the file."),
     Attribute("erlif_version", "Version of erlif."),
+    Attribute("erlif_sources", "Digest of its code and tables, which tells checkouts apart."),
+    Attribute("erlif_sources", "Digest of its code and tables, which tells checkouts apart."),
     Attribute(
         "format_version", "Version of the file format, 1. An earlier erlif refuses a later one."
     ),

@@ -34,7 +34,7 @@ from erlif.commands.ending import (
 )
 from erlif.commands.lines import verbosity
 from erlif.core.errors import ErlifError, RangeWarning, UnitWarning
-from erlif.core.version import __version__
+from erlif.core.version import version_and_sources
 
 # The commands in the order of their use, by what they serve.
 COMMANDS = {
@@ -145,6 +145,12 @@ def _show_more(ctx: click.Context, option: click.Parameter, value: int) -> None:
         show_log(verbosity())
 
 
+def _show_version(ctx: click.Context, _: click.Parameter, asked: bool) -> None:
+    if asked and not ctx.resilient_parsing:
+        click.echo(f"erlif, version {version_and_sources()}")
+        ctx.exit()
+
+
 _VERBOSE = click.option(
     "-v",
     "--verbose",
@@ -156,7 +162,14 @@ _VERBOSE = click.option(
 
 
 @click.group(cls=_Commands, context_settings={"help_option_names": ["-h", "--help"]})
-@click.version_option(__version__, prog_name="erlif")
+@click.option(
+    "--version",
+    is_flag=True,
+    expose_value=False,
+    is_eager=True,
+    callback=_show_version,
+    help="Show the version and exit.",
+)
 @_VERBOSE
 def main() -> None:
     """Oil-film thickness maps with error bars from two-camera fluorescence.

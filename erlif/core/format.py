@@ -7,7 +7,7 @@ import re
 from collections.abc import Mapping
 from typing import Any
 
-from erlif.core.version import __version__
+from erlif.core.version import __version__, digest_of_sources, version_and_sources
 
 # Version of calibration.nc and film.nc; it rises when an older erlif would misread the file.
 FORMAT_VERSION = 1
@@ -25,13 +25,14 @@ def describe_origin(title: str, work: str) -> dict[str, Any]:
         "title": title,
         "history": f"erlif {__version__}: {work}",
         "erlif_version": __version__,
+        "erlif_sources": digest_of_sources(),
         ATTRIBUTE: FORMAT_VERSION,
     }
 
 
 def identify(*parts: str) -> str:
-    """Identity of a piece of work: a hash of what it depends on, the version of erlif included."""
-    return hashlib.sha256("\0".join([__version__, *parts]).encode()).hexdigest()
+    """Identity of a piece of work: a hash of what it depends on, the sources of erlif included."""
+    return hashlib.sha256("\0".join([version_and_sources(), *parts]).encode()).hexdigest()
 
 
 def is_later(attrs: Mapping[Any, Any]) -> bool:
