@@ -170,7 +170,10 @@ def init(
     else:
         _draft_motion(draft, survey, kind)
         _draft_calibration(draft, survey)
-    title = " ".join(directory.resolve().name.replace("_", " ").split())
+    # erlif simulate and many laboratories name the folder of a recording run or fixture
+    place = directory.resolve()
+    called = place.parent if place.name in ("run", "fixture") else place
+    title = " ".join(called.name.replace("_", " ").split())
     draft.values["fixture.name" if fixture else "run.name"] = title
 
     # gaps are written for what this tribometer needs alone

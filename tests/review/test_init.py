@@ -216,6 +216,13 @@ def test_patterns_bands_depth_and_name_are_filled_in(folder):
     assert settings["camera1"]["offset"] == "?? DN"
 
 
+@pytest.mark.parametrize("name", ["run", "fixture"])
+def test_a_folder_named_run_takes_the_name_of_its_parent(folder, name):
+    erlif.init(folder.rename(folder.parent / name))
+    settings = read(folder.parent / name)
+    assert settings["run"]["name"] == folder.parent.name.replace("_", " ").strip()
+
+
 @pytest.mark.parametrize(
     ("bits", "shift", "depth", "alignment"),
     [(10, 6, 10, "left"), (12, 4, 12, "left"), (14, 2, 14, "left"), (10, 2, 12, None)],
