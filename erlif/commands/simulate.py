@@ -188,9 +188,7 @@ def simulate(
 
         photograph(out, seed=seed, rig=rig, overwrite=overwrite, progress=show)
     click.echo(f"written: {', '.join(str(out / name) for name in ('fixture', 'run', 'truth.nc'))}")
-    if note := _note_of_range(out / "truth.nc"):
-        click.echo(note, err=True)
-    if live is not None:
+    if live is not None:  # at once: a watch that waits for the run takes no frame as arrived
         click.echo(
             f"recording starts in {_DELAY:g} s; in another terminal: erlif watch {out / 'run'}"
         )
@@ -204,6 +202,8 @@ def simulate(
                 delay=_DELAY,
                 progress=progress,
             )
+    if note := _note_of_range(out / "truth.nc"):
+        click.echo(note, err=True)
 
 
 def _note_of_range(path: Path) -> str:
