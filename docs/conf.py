@@ -71,6 +71,26 @@ numpydoc_show_class_members = False
 python_maximum_signature_line_length = 88
 
 # Gallery
+
+
+def scrape_drawn(block: tuple, variables: dict, gallery_conf: dict) -> str:
+    """Save the figures of a block; one with empty axes ends the build.
+
+    The gallery closes all figures after each block, so that what a later block draws is lost.
+    """
+    from matplotlib import pyplot
+    from sphinx_gallery.scrapers import matplotlib_scraper
+
+    for number in pyplot.get_fignums():
+        bare = [ax for ax in pyplot.figure(number).axes if ax.axison and not ax.has_data()]
+        if bare:
+            raise RuntimeError(
+                f"{variables['src_file']}: a figure has {len(bare)} axes without data. Make the "
+                "figure in the block that draws it."
+            )
+    return matplotlib_scraper(block, variables, gallery_conf)
+
+
 sphinx_gallery_conf = {
     "examples_dirs": "gallery",
     "gallery_dirs": "auto_gallery",
@@ -85,6 +105,7 @@ sphinx_gallery_conf = {
     "abort_on_example_error": True,
     "run_stale_examples": True,  # figures follow erlif, not only their scripts
     "image_srcset": ["2x"],
+    "image_scrapers": (scrape_drawn,),
 }
 
 # HTML
@@ -279,8 +300,18 @@ def display_math(self, node: nodes.math_block) -> None:
     raise nodes.SkipNode
 
 
+def refuse_equal_pictures(app: Sphinx, error: Exception | None) -> None:
+    """End the build where two pictures of the site are the same."""
+    found: dict[bytes, str] = {}
+    for path in sorted(Path(app.outdir, "_images").glob("*.png")) if error is None else ():
+        other = found.setdefault(path.read_bytes(), path.name)
+        if other != path.name:
+            raise RuntimeError(f"{other} and {path.name} are the same picture.")
+
+
 def setup(app: Sphinx) -> None:
     """Register the MathML renderer and the pages of the API reference."""
+    app.connect("build-finished", refuse_equal_pictures)
     app.add_html_math_renderer("mathml", (inline_math, None), (display_math, None))
     app.connect("builder-inited", write_api_pages, priority=100)
     app.connect("source-read", add_navigation)

@@ -14,8 +14,6 @@ from erlif.joint.models.friction import STEADY_WEAR_TORQUE_RATIO
 from erlif.joint.models.running_in import run_in_bushing
 from erlif.models.contact import winkler_contact, winkler_load
 
-fig, (chart, running) = plt.subplots(1, 2, figsize=(8.5, 3.8), layout="constrained")
-
 # %%
 # The chart: torque ratio over clearance and load. Half angles and clearances span it, and each pair
 # has one load and one ratio.
@@ -27,6 +25,7 @@ load = winkler_load(half_angle, **case)
 ratio = winkler_contact(load * (1 - 1e-12), **case).torque_ratio
 group = load * 0.1 / (1e9 * case["bushing_radius"] ** 2)
 
+fig, chart = plt.subplots(figsize=(5, 3.8), layout="constrained")
 lines = chart.contour(
     np.broadcast_to(fit, ratio.shape), group, ratio, np.arange(1.02, 1.28, 0.04), cmap="cividis"
 )
@@ -38,12 +37,14 @@ chart.set(
     xlabel="shaft radius over clearance",
     ylabel="load group $F t / (E' R_b^2 w)$",
 )
+plt.show()
 
 # %%
 # Running-in: a PTFE bushing of 10 mm with a clearance, and one with an interference, both in
 # diameter, as their walls wear. The interference is the one that takes 1.6 times the torque of a
 # loose bushing here.
 
+fig, running = plt.subplots(figsize=(5, 3.8), layout="constrained")
 distance = np.concatenate([[0.0], np.geomspace(0.01, 150, 60)])
 for play, label in ((350e-6, "clearance 350 µm"), (-22e-6, "interference 22 µm")):
     found = run_in_bushing(

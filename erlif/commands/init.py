@@ -34,16 +34,30 @@ def on_terminal() -> bool:
     type=click.Choice(KINDS),
     help="Tribometer of the run. Default: asked for on a terminal, else crank-rocker.",
 )
+@click.option(
+    "--like",
+    type=PATH,
+    metavar="DIRECTORY",
+    help="Earlier run, or fixture, of the rig: take what the rig keeps.",
+)
 @click.option("--full", is_flag=True, help="Write every optional key with its meaning.")
 @click.option("--overwrite", is_flag=True, help="Replace an existing settings file.")
-def init(directory: Path, fixture: bool, kind: str | None, full: bool, overwrite: bool) -> None:
+def init(
+    directory: Path,
+    fixture: bool,
+    kind: str | None,
+    like: Path | None,
+    full: bool,
+    overwrite: bool,
+) -> None:
     """Write run.toml for the frames and logs in a directory.
 
     Fills in what the files determine: patterns, bit depth, darks and flats, triggers per cycle.
     Every other required value becomes a marked gap, "??", with its unit and meaning. The kind of
     the tribometer decides which are required: a linkage, a disc (rotation), a slider (sinusoidal)
-    or a static film. A JSON schema for editors is written beside it. The example takes the files
-    of `erlif simulate rehearsal`.
+    or a static film. A JSON schema for editors is written beside it. With --like, tribometer,
+    optics, joint, columns and options are those of an earlier run; its oil and speed stand beside
+    the gaps. The example takes the files of `erlif simulate rehearsal`.
 
     \b
     Example:
@@ -61,10 +75,12 @@ def init(directory: Path, fixture: bool, kind: str | None, full: bool, overwrite
         )
     if kind is None:
         kind = DEFAULT_KIND
-        if not fixture and on_terminal():
+        if not fixture and like is None and on_terminal():
             kind = click.prompt("Tribometer", type=click.Choice(KINDS), default=DEFAULT_KIND)
 
-    notes = write_settings(directory, fixture=fixture, kind=kind, overwrite=overwrite, full=full)
+    notes = write_settings(
+        directory, fixture=fixture, kind=kind, overwrite=overwrite, full=full, like=like
+    )
     for note in notes:
         click.echo(wrap_note(note))
 
@@ -82,7 +98,8 @@ def _list_gaps(path: Path) -> Iterator[str]:
     from erlif.io.settings.reading import find_gaps
 
     found = list(find_gaps(tomllib.loads(path.read_text(encoding="utf-8"))))
-    yield f"{len(found)} gaps are left, with their meaning in the file. Replace each ??:"
+    left = "1 gap is" if len(found) == 1 else f"{len(found)} gaps are"
+    yield f"{left} left, with their meaning in the file. Replace each ??:"
     for table, gaps in groupby(found, key=lambda gap: ".".join(gap[:-1])):
         keys = ", ".join(gap[-1] for gap in gaps)
         yield f"  [{table}] {keys}" if table else f"  {keys}"

@@ -16,7 +16,6 @@ COLUMNS = 80
 
 _FEW = 2  # files that one line names
 _LEVEL = 8  # characters of the level before a note
-_MORE = " ..."
 _HANGING = 40  # column up to which a text stands under its beginning
 
 
@@ -128,15 +127,7 @@ def list_notes(notes: Iterable[Note], rest: str) -> Iterator[str]:
             left += 1
         else:
             seen.add(note.subject)
-            yield _cut(lines)
+            yield lines
     if left:
         yield f"{'more':{_LEVEL}s}{count_of(left, 'note')}: {rest}"
     yield from errors
-
-
-def _cut(lines: str) -> str:
-    """The first two lines of a note."""
-    first, *others = lines.splitlines()
-    if len(others) > 1:
-        others = [others[0][: COLUMNS - len(_MORE)].rpartition(" ")[0] + _MORE]
-    return "\n".join([first, *others])

@@ -68,8 +68,8 @@ def process(
 
 def process_one(
     run_dir: Path, calibration: Path | None, output: Path | None, options: dict[str, Any]
-) -> None:
-    """Process a run and print its summary."""
+) -> str:
+    """Process a run, print its summary, and return it."""
     keep_memory()
     with large_imports():
         from erlif import pipeline
@@ -89,12 +89,14 @@ def process_one(
 
     # the film stays open while it is summarised: its maps are read when they are used
     with film:
-        click.echo(wrap(summarise(film)) if verbose else summarise_briefly(film))
+        summary = wrap(summarise(film)) if verbose else summarise_briefly(film)
+    click.echo(summary)
     if source is not None and existed and verbose:
         click.echo(f"used: {source}")
     made = [source] if source is not None and not existed and source.exists() else []
     click.echo(f"written: {', '.join(str(path) for path in (*made, output))}")
     click.echo(f"next: erlif figures {output}")
+    return summary
 
 
 def _named_calibration(run_dir: Path) -> Path | None:

@@ -78,7 +78,7 @@ def _rig_option(name: str, text: str) -> Callable[[Command], Command]:
 # Options that help lists; with ``-v`` it lists all.
 _COMMON = (
     *("seed", "size", "mechanism", "pictures", "spacing", "cycles", "film", "load", "viscosity"),
-    *("planned", "stated", "overwrite", "verbose"),
+    *("planned", "stated", "live", "faults", "overwrite", "verbose"),
 )
 
 
@@ -105,7 +105,7 @@ class _ShortHelp(click.Command):
     default=0,
     show_default=True,
     type=click.IntRange(min=0),
-    help="Seed of the random numbers.",
+    help="Random seed.",
 )
 @click.option(
     "--size",
@@ -120,26 +120,25 @@ class _ShortHelp(click.Command):
     "--parts",
     "planned",
     type=PATH,
-    help="plan.toml of `erlif plan`, photographed at rest. Given options take precedence.",
+    help="plan.toml of erlif plan, at rest. Options take precedence.",
 )
 @click.option(
     "--settings",
     "stated",
     type=PATH,
-    help="TOML file with further settings (docs/simulator.md). Given options take precedence.",
+    help="Further settings (docs/simulator.md). Options take precedence.",
 )
 @click.option(
     "--live",
     type=QuantityOption("Hz", "RATE"),
-    help='Write the frames of the run in real time, such as "10 Hz", for erlif watch.',
+    help='Write frames in real time, such as "10 Hz".',
 )
 @click.option(
     "--fault",
     "faults",
     metavar="FAULT@FRAME",
     multiple=True,
-    help="With --live: camera1-stops, camera2-stops, camera1-loses, camera2-loses or laser-fades "
-    "at a frame, such as camera2-stops@40.",
+    help="With --live, such as camera2-stops@40.",
 )
 @click.option("--overwrite", is_flag=True, help="Replace fixture, run and truth.nc in OUT.")
 def simulate(
@@ -189,9 +188,7 @@ def simulate(
 
         photograph(out, seed=seed, rig=rig, overwrite=overwrite, progress=show)
     click.echo(f"written: {', '.join(str(out / name) for name in ('fixture', 'run', 'truth.nc'))}")
-    if note := _note_of_range(out / "truth.nc"):
-        click.echo(note, err=True)
-    if live is not None:
+    if live is not None:  # at once: a watch that waits for the run takes no frame as arrived
         click.echo(
             f"recording starts in {_DELAY:g} s; in another terminal: erlif watch {out / 'run'}"
         )
@@ -205,6 +202,8 @@ def simulate(
                 delay=_DELAY,
                 progress=progress,
             )
+    if note := _note_of_range(out / "truth.nc"):
+        click.echo(note, err=True)
 
 
 def _note_of_range(path: Path) -> str:

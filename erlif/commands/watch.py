@@ -114,12 +114,14 @@ def watch(
         from erlif.pipeline.watch.setup import SetupWatch
         from erlif.pipeline.watch.watch import Watch
 
+    _await_settings(run_dir)
     show = partial(_show_page, port=port, browser=not no_browser)
     if trial:
         trials = SetupWatch(run_dir, allow_outside=options["allow_outside"])
-        page = show(trials, page="setup.html")
-        with page, _ending(trials, "The setup has ended."), trials.running():
-            _follow_setup(trials)
+        with show(trials, page="setup.html"), _ending(trials):
+            with trials.running():
+                _follow_setup(trials)
+            trials.announce("The setup has ended.", closed=True)
         return
 
     share = None if saturated_above is None else saturated_above / 100
@@ -132,8 +134,7 @@ def watch(
         workers=options["workers"],
         allow_outside=options["allow_outside"],
     )
-    ended = f"The recording has ended; {output.name} is written."
-    with show(watched, page="live.html"), _ending(watched, ended):
+    with show(watched, page="live.html"), _ending(watched):
         with announced_compiling(), watched.running():
             _follow(watched, quiet, on_alarm)
         if not watched.state().arrived:
@@ -143,39 +144,51 @@ def watch(
                 "start again."
             )
         watched.announce("The recording has ended; the run is being processed.")
-        _finish(run_dir, calibration, output, options)
+        summary = _finish(run_dir, calibration, output, options)
+        text = f"{output.name} is written.\n{summary}\nLook at it: erlif view {output}"
+        watched.announce(text, closed=True)
     if watched.alarmed:
         for text in watched.alarmed.values():
             echo_aside(f"alarm: {text}")
         click.get_current_context().exit(ALARMED)
 
 
-def _finish(run_dir: Path, calibration: Path | None, output: Path, options: dict[str, Any]) -> None:
+def _await_settings(run_dir: Path) -> None:
+    """Wait for a directory that does not exist yet, and for the settings in it."""
+    if run_dir.exists():
+        return
+    settings = run_dir / "run.toml"
+    echo_aside(f"{run_dir} does not exist yet: waiting for {settings}. Ctrl-C ends the watch.")
+    while not settings.exists():
+        time.sleep(_LOOK)
+    time.sleep(_EVERY)  # what the settings name may still be on its way
+
+
+def _finish(run_dir: Path, calibration: Path | None, output: Path, options: dict[str, Any]) -> str:
     """Process the run; without its bad frames where it is refused because of them."""
     from erlif.pipeline.recording.pulses import PulseError
 
     try:
-        process_one(run_dir, calibration, output, options)
+        return process_one(run_dir, calibration, output, options)
     except (FrameError, EncoderError) as error:
         if options["skip_bad_frames"] or isinstance(error, PulseError):
             raise
         reason = str(error)
-    else:
-        return
-    process_one(run_dir, calibration, output, options | {"skip_bad_frames": True})
-    echo_aside(f"Frames are left out, as by --skip-bad-frames of erlif process. {reason}")
+    summary = process_one(run_dir, calibration, output, options | {"skip_bad_frames": True})
+    left_out = f"Frames are left out, as by --skip-bad-frames of erlif process. {reason}"
+    echo_aside(left_out)
+    return f"{summary}\n{left_out}"
 
 
 @contextmanager
-def _ending(watched: Follower, done: str) -> Iterator[None]:
-    """State on the page how the work ended."""
+def _ending(watched: Follower) -> Iterator[None]:
+    """State on the page why there is no film."""
     try:
         yield
     except BaseException as error:
         reason = str(error) if isinstance(error, ErlifError) else "erlif watch was ended."
-        watched.announce(f"There is no film: {reason}", closed=True)
+        watched.announce(f"There is no film: {reason}", closed=True, failed=True)
         raise
-    watched.announce(done, closed=True)
 
 
 @contextmanager

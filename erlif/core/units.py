@@ -56,7 +56,21 @@ _HINTS = {
 }
 
 # Quantities of usual size, by the unit of the result.
-_EXAMPLES = {"m": "5 mm", "m/s": "10 mm/s", "Pa": "2 GPa", "Pa s": "0.1 Pa s", "N": "200 N"}
+_EXAMPLES = {
+    "m": "5 mm",
+    "m/s": "10 mm/s",
+    "rad": "5 deg",
+    "rad/s": "114 rpm",
+    "N": "200 N",
+    "N/m": "12 N/mm",
+    "Pa": "2 GPa",
+    "Pa s": "0.1 Pa s",
+    "1/Pa": "20 1/GPa",
+    "nm": "580 nm",
+    "degC": "25 degC",
+    "delta_degC": "1 K",
+    "percent": "5 %",
+}
 
 
 @cache

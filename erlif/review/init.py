@@ -5,7 +5,8 @@ from __future__ import annotations
 import json
 import math
 import os
-from collections.abc import Iterable, Iterator
+import tomllib
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -39,9 +40,13 @@ from erlif.io.settings import (
     RunSettings,
     Settings,
     json_schema,
+    keys_of,
     read_fixture_settings,
+    read_run_settings,
+    tables_of,
     write_template,
 )
+from erlif.io.settings.toml import toml_value
 from erlif.pipeline.audit.log import signed_steps
 from erlif.pipeline.recording.log_cycle import WHOLE_TURN, Cycle, find_cycle
 from erlif.pipeline.recording.pulses import ENERGY_COLUMNS
@@ -92,6 +97,7 @@ def init(
     kind: str = "crank-rocker",
     overwrite: bool = False,
     full: bool = False,
+    like: str | Path | None = None,
 ) -> list[Note]:
     """Write a commented settings file for the frames and logs in a directory.
 
@@ -112,6 +118,9 @@ def init(
         Replace an existing settings file.
     full : bool
         Write every optional key with its meaning, as a comment.
+    like : path, optional
+        Directory of an earlier run, or fixture, of the rig. What the rig keeps is taken from its
+        settings, the kind of tribometer too; what belongs to a run is left to be stated anew.
 
     Returns
     -------
@@ -121,7 +130,7 @@ def init(
     Raises
     ------
     ConfigError
-        If there is no such kind.
+        If there is no such kind, or the settings of `like` cannot be read.
     FrameError
         If there is no such directory, or no image in it.
     OutputError
@@ -145,6 +154,14 @@ def init(
     output = directory / name
     if output.exists() and not overwrite:
         raise OutputError(f"{output} exists already; use --overwrite to replace it.")
+
+    kept: dict[str, Any] = {}
+    if like is not None:
+        (read_fixture_settings if fixture else read_run_settings)(
+            Path(like)
+        )  # refuses what is at fault
+        kept = tomllib.loads(Path(like, name).read_text(encoding="utf-8-sig"))
+        kind = kept.get("mechanism", {"kind": "static"})["kind"]
 
     survey = survey_directory(directory, fixture=fixture)
     if not survey.cameras:
@@ -170,8 +187,13 @@ def init(
     else:
         _draft_motion(draft, survey, kind)
         _draft_calibration(draft, survey)
-    title = " ".join(directory.resolve().name.replace("_", " ").split())
+    # erlif simulate and many laboratories name the folder of a recording run or fixture
+    place = directory.resolve()
+    called = place.parent if place.name in ("run", "fixture") else place
+    title = " ".join(called.name.replace("_", " ").split())
     draft.values["fixture.name" if fixture else "run.name"] = title
+    if like is not None:
+        _take_over(draft, settings, kept, str(like))
 
     # gaps are written for what this tribometer needs alone
     forms = {"mechanism": kind}
@@ -198,6 +220,53 @@ def _refuse_empty(survey: Survey) -> None:
         f"Expected frames of two cameras in {survey.directory}; there is no image file in it. Put "
         "the frames there, for example as camera1/*.tif and camera2/*.tif."
     )
+
+
+# an earlier run of the rig
+
+# Keys that each run states anew; beside the gap stands the value of the earlier run.
+_OF_RUN = {
+    *("mechanism.crank_speed", "mechanism.speed", "mechanism.frequency", "mechanism.load"),
+    *("oil.viscosity", "contact.load", "temperature.camera1", "temperature.camera2"),
+    *("fixture.origin", "fixture.temperature"),
+}
+
+# Keys that follow from the files of a run, where they are needed.
+_OF_FILES = {
+    *("run.name", "fixture.name", "camera1.offset", "camera2.offset", "joint.load"),
+    *("encoder.triggers_per_cycle", "encoder.bins", "encoder.start", "prediction.start_film"),
+}
+
+
+def _take_over(
+    draft: _Draft, settings: type[Settings], kept: Mapping[str, Any], earlier: str
+) -> None:
+    """Take the values of earlier settings, save names of files and what belongs to a run."""
+    # an optional table inside of another one is a value of it
+    tables = [one for one in tables_of(settings) if one.required or len(one.path) == 1]
+    own = {table.title for table in tables}
+    taken = set()
+    for table in tables:
+        part: Any = kept
+        for name in table.path:
+            part = part.get(name, {})
+        files = {key.name for key in keys_of(table.kind) if "file name" in key.form}
+        for name in part.keys() - files:
+            place = f"{table.title}.{name}".lstrip(".")
+            if place in _OF_RUN:
+                draft.set(place, GAP, f"{toml_value(part[name])} in {earlier}.")
+            elif place not in own | _OF_FILES:
+                draft.set(place, part[name])
+                draft.remarks.pop(place, None)
+                taken.add(place)
+
+    if "oil.vogel" in taken:
+        draft.values.pop("oil.viscosity", None)  # one of the two is given
+    if "oil" in kept:
+        draft.remarks["oil"] = f"That of {earlier}; of another oil all values differ."
+    draft.leave_out = [name for name in draft.leave_out if name not in kept]
+    text = f"{count_of(len(taken), 'value')} taken; correct what has changed on the rig since"
+    draft.note(earlier, text)
 
 
 # cameras

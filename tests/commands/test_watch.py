@@ -11,6 +11,7 @@ import time
 import pytest
 
 from erlif.commands.watch import ALARMED
+from erlif.pipeline.watch.watch import Watch
 from erlif.rig.live import Fault, write_live
 from tests.conftest import FULL, snapshot
 from tests.scenes.processes import end_command, limit_the_size_of_files, start_command
@@ -95,6 +96,23 @@ def test_frames_that_are_lost_or_cannot_be_read_are_left_out(recording, run_watc
 def test_bad_options_are_refused_before_anything_starts(lab, run_watch, options, message):
     assert message in run_watch(lab.run, *options, status=2).stderr
     assert not lab.film.exists()
+
+
+def test_it_waits_for_a_directory_that_does_not_exist_yet(lab, run_watch, monkeypatch):
+    """The page states that the run is processed, then the numbers of the film and how to see it."""
+    stated = []
+    monkeypatch.setattr(Watch, "announce", lambda self, text, **end: stated.append((text, end)))
+    elsewhere = lab.run.rename(lab.run.with_name("elsewhere"))
+    threading.Timer(1.0, elsewhere.rename, (lab.run,)).start()
+    result = run_watch(lab.run, "--quiet", "1 s", "--workers", "1")
+    assert f"waiting for {lab.run / 'run.toml'}" in result.stderr
+    (first, _), (last, end) = stated
+    assert first == "The recording has ended; the run is being processed."
+    assert end == {"closed": True}
+    head, *numbers, way = last.splitlines()
+    assert (head, way) == ("film.nc is written.", f"Look at it: erlif view {lab.film}")
+    assert "\n".join(numbers) in result.stdout
+    assert any("min " in line for line in numbers)
 
 
 def test_a_film_that_exists_is_not_replaced(lab, refused):

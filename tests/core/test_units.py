@@ -29,6 +29,13 @@ def test_text_that_would_be_misread_is_refused(text, unit, words):
         parse_quantity(text, unit)
 
 
+@pytest.mark.parametrize(("unit", "example"), [("rad", "5 deg"), ("delta_degC", "1 K")])
+def test_the_example_of_a_message_has_the_unit_of_the_manual(unit, example):
+    with pytest.raises(ValueError, match=f'such as "{example}"; got'):
+        parse_quantity("5", unit)
+    assert math.isfinite(parse_quantity(example, unit))
+
+
 UNITS = [
     *("m", "rad", "rad/s", "N", "Pa", "Pa s", "1/Pa", "nm", "DN", "electron/DN"),
     *("electron", "degC", "delta_degC"),

@@ -3,6 +3,7 @@
 import re
 import shutil
 import tomllib
+from dataclasses import replace
 from pathlib import Path
 
 import h5py
@@ -15,7 +16,9 @@ from scenes.camera_files import random_frames, write_cine, write_mraw
 
 import erlif
 from conftest import SMALL
+from erlif.core.errors import ConfigError
 from erlif.core.notes import Level
+from erlif.io.settings import read_run_settings
 from erlif.rig import RigSettings, simulate
 
 
@@ -201,6 +204,72 @@ def test_a_fixture_without_settings_is_ready_once_its_gaps_are_filled(lab, comma
     assert "error" not in command("check", lab.fixture).stdout
 
 
+# like an earlier run
+
+CONTACT = """
+[contact]
+load = "5 N"
+body = { youngs_modulus = "210 GPa", poissons_ratio = 0.3, radius = "9.5 mm" }
+counterbody = { youngs_modulus = "64 GPa", poissons_ratio = 0.2 }
+[oil]
+viscosity = "0.12 Pa s"
+pressure_viscosity = "20 1/GPa"
+"""
+
+
+def moved(run: Path, target: Path) -> Path:
+    """The files of a recording in another folder, without its settings."""
+    shutil.copytree(run, target, ignore=shutil.ignore_patterns("*.toml", "*.nc"))
+    return target
+
+
+def test_what_the_rig_keeps_is_that_of_the_earlier_run(lab, tmp_path, command):
+    """Two of the 17 gaps are left, with the earlier values beside them."""
+    again = moved(lab.run, tmp_path / "may")
+    printed = command("init", again, "--like", lab.run).stdout
+    assert "2 gaps are left" in printed
+    text = (again / "run.toml").read_text(encoding="utf-8")
+    assert f'-> "114 rpm" in {lab.run}' in re.sub(r"\n# ", " ", text)
+    fill_gaps(again / "run.toml", KNOWN)
+
+    apart = {"run", "calibration"}
+    earlier = read_run_settings(lab.run).model_dump(exclude=apart)
+    found = read_run_settings(again).model_dump(exclude=apart)
+    earlier["encoder"]["triggers_per_cycle"] = found["encoder"]["triggers_per_cycle"]
+    assert found == earlier | {"joint": found["joint"]}
+    assert found["joint"] == earlier["joint"] | {"load": None}  # the log has it
+
+
+def test_the_contact_and_the_oil_of_an_earlier_disc_are_kept(tmp_path):
+    rig = replace(SMALL, mechanism="rotation", pictures=4)
+    run = simulate(tmp_path / "disc", seed=3, rig=rig) / "run"
+    path = run / "run.toml"
+    path.write_text(path.read_text(encoding="utf-8") + CONTACT, encoding="utf-8")
+    again = moved(run, tmp_path / "may")
+    erlif.init(again, like=run)
+    settings = read(again)
+    assert settings["contact"]["counterbody"] == read(run)["contact"]["counterbody"]
+    assert settings["thickness"]["roi"] == read(run)["thickness"]["roi"]
+    assert settings["oil"] == {"viscosity": "?? Pa s", "pressure_viscosity": "20 1/GPa"}
+    assert (settings["mechanism"]["speed"], settings["contact"]["load"]) == ("?? rpm", "?? N")
+
+
+@pytest.mark.parametrize("full", [True, False])
+def test_the_fixture_of_an_earlier_day_leaves_its_origin(lab, tmp_path, full):
+    again = moved(lab.fixture, tmp_path / "may")
+    erlif.init(again, fixture=True, like=lab.fixture, full=full)
+    text = (again / "fixture.toml").read_text(encoding="utf-8")
+    assert [line for line in text.splitlines() if re.match(r'\w+ = "\?\?', line)] == [
+        'origin = "??"'
+    ]
+
+
+def test_an_earlier_run_with_gaps_is_refused(folder):
+    erlif.init(folder)
+    with pytest.raises(ConfigError, match="gaps are left"):
+        erlif.init(folder, overwrite=True, like=folder)
+
+
 # what is found out
 
 
@@ -226,6 +295,13 @@ def test_an_image_named_as_a_mask_is_excluded_and_no_frame(folder, name):
     assert settings["thickness"]["exclude"] == [name]
     assert settings["camera1"]["files"].startswith("cam1_580nm/")
     assert "belong to no camera" not in warnings(notes)
+
+
+@pytest.mark.parametrize("name", ["run", "fixture"])
+def test_a_folder_named_run_takes_the_name_of_its_parent(folder, name):
+    erlif.init(folder.rename(folder.parent / name))
+    settings = read(folder.parent / name)
+    assert settings["run"]["name"] == folder.parent.name.replace("_", " ").strip()
 
 
 @pytest.mark.parametrize(

@@ -243,8 +243,12 @@ def _open_log(
     return sample_log(log, since + encoder.start), notes
 
 
-def read_angles(run_dir: Path, encoder: EncoderSettings, pulses: int) -> Array:
-    """Encoder angle of each pulse, as far as a log that is being written has it.
+# Quantities of a log that are shown while it is written.
+_SHOWN = ("angle", "joint_load", "temperature")
+
+
+def read_so_far(run_dir: Path, encoder: EncoderSettings, pulses: int) -> dict[str, Array]:
+    """Encoder angle, load and temperature of each pulse, as far as a growing log has them.
 
     Parameters
     ----------
@@ -255,9 +259,9 @@ def read_angles(run_dir: Path, encoder: EncoderSettings, pulses: int) -> Array:
 
     Returns
     -------
-    array, (frame,)
-        Empty without a log of angles, and where the times of the frames are those of the camera
-        files or are fitted. [degree]
+    dict of str to array, (frame,)
+        "angle" [degree], "joint_load" [N] and "temperature" [degC], as far as the log has them;
+        empty arrays where the times of the frames are those of the camera files or are fitted.
 
     Raises
     ------
@@ -270,11 +274,12 @@ def read_angles(run_dir: Path, encoder: EncoderSettings, pulses: int) -> Array:
     --------
     >>> from erlif.io.settings import EncoderSettings
     >>> run_dir = Path("data_samples/straight_bushing")
-    >>> read_angles(run_dir, EncoderSettings(file="encoder.csv"), pulses=20).shape
-    (20,)
+    >>> found = read_so_far(run_dir, EncoderSettings(file="encoder.csv"), pulses=20)
+    >>> {name: values.size for name, values in found.items()}
+    {'angle': 20, 'joint_load': 20, 'temperature': 20}
     """
     if encoder.file is None:
-        return np.empty(0)
+        return {}
     path = run_dir / encoder.file
     with path.open("rb") as file:
         file.seek(-1, SEEK_END)
@@ -287,8 +292,8 @@ def read_angles(run_dir: Path, encoder: EncoderSettings, pulses: int) -> Array:
         needs_angle=False,
     )
     if not isinstance(log, ContinuousLog):
-        angles = log["angle"].values if "angle" in log else np.empty(0)
-        return np.asarray(angles[: angles.size - begun][:pulses])
+        whole = log.isel(frame=slice(min(log.sizes["frame"] - begun, pulses)))
+        return {name: np.asarray(whole[name].values) for name in _SHOWN if name in whole}
 
     samples = log.samples.isel(sample=slice(-1 if begun else None))
     times, last = np.empty(0), float(samples["time"][-1])
@@ -296,10 +301,12 @@ def read_angles(run_dir: Path, encoder: EncoderSettings, pulses: int) -> Array:
         times = find_rises(log, samples["pulse"].values)
     elif encoder.frame_rate is not None and not isinstance(encoder.start, str | None):
         times = encoder.start + np.arange(pulses) / encoder.frame_rate
-    if "angle" not in samples:
-        return np.empty(0)
     known = times[times <= last][:pulses]
-    return np.asarray(np.interp(known, samples["time"], samples["angle"]))
+    return {
+        name: np.asarray(np.interp(known, samples["time"], samples[name]))
+        for name in _SHOWN
+        if name in samples
+    }
 
 
 def number_frames(pairs: FramePairs) -> EncoderLog:

@@ -218,6 +218,8 @@ def _read(directory: Path, name: str, kind: type[_Settings]) -> _Settings:
         hint = " Name the directory of the recording."
         if directory.name == name:
             hint = f" Name the directory that holds it: {directory.parent}"
+        elif directory.suffix in (".nc", ".zarr"):
+            hint = f" Did you mean: erlif figures {directory}?"
         raise ConfigError(
             f"Expected a directory with {name} in it; {directory} is not a directory.{hint}"
         )
@@ -340,10 +342,18 @@ _BOUNDS = {"greater_than", "greater_than_equal", "less_than", "less_than_equal"}
 
 
 def _suggest(key: str, kind: type[Settings], location: tuple[int | str, ...]) -> str:
-    """The known key that is nearest to an unknown one, or all of them."""
+    """The table that an unknown key belongs to, the known key nearest to it, or all of them."""
+    homes = (n for n, each in kind.model_fields.items() if key in _keys_below(each.annotation))
+    if elsewhere := " or ".join(f"[{name}]" for name in homes):
+        return f"it belongs to {elsewhere}"
     known = [name for table in _tables_at(kind, location) for name in table.model_fields]
     near = difflib.get_close_matches(key, known, n=1, cutoff=0.5)
     return f"did you mean {near[0]!r}?" if near else f"known here: {', '.join(known)}"
+
+
+def _keys_below(annotation: Any) -> set[str]:
+    """The keys of the tables that a field may hold."""
+    return {name for table in tables_in(annotation) for name in table.model_fields}
 
 
 def _tables_at(kind: type[Settings], location: tuple[int | str, ...]) -> list[type[Settings]]:

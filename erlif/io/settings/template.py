@@ -193,7 +193,9 @@ def _table_lines(
         if tables_in(field.annotation) and not field.is_required() and table.path:
             yield ""
             yield from _comment(meaning_of(table.kind, name))
-            yield f"# {name} = {toml_value(example_of(field))}"
+            known = values.get(f"{table.title}.{name}")
+            mark = "# " if known is None else ""
+            yield f"{mark}{name} = {toml_value(example_of(field) if known is None else known)}"
 
 
 def _short_lines(
@@ -213,6 +215,9 @@ def _short_lines(
         *comment, line = _key_lines(key, value, remark)
         yield from comment if f'"{gap_text(key)}"' in line else _comment(_arrow(remark))
         yield line
+    for name in table.kind.model_fields.keys() - {key.name for key in keys_of(table.kind)}:
+        if table.path and (known := values.get(f"{table.title}.{name}")) is not None:
+            yield f"{name} = {toml_value(known)}"
     if optional:
         yield from _comment(f"optional: {', '.join(optional)}")
 

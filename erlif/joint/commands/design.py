@@ -42,7 +42,7 @@ def design(
     if materials:
         from erlif.joint.sizing import read_materials
 
-        click.echo(list_materials(read_materials()))
+        click.echo(wrap(list_materials(read_materials())))
         return
     if source is None:
         raise click.UsageError(

@@ -384,7 +384,8 @@ def designs_figure(
     panels = figure.subplots(2, 1, height_ratios=(height - 4 * _TABLE_ROW, pt(lines)))
     loads_of_designs(compared, first, second, ax=panels[0])
     panels[1].axis("off")
-    table = panels[1].table(rows, bbox=(0, 0, 1, 1), cellLoc="left", colWidths=(0.3, 0.7))
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    table = panels[1].table(rows, bbox=(0, 0, 1, 1), cellLoc="left", colWidths=widths)
     table.auto_set_font_size(False)
     table.set_fontsize(rcParams["font.size"])
     for cell in table.get_celld().values():

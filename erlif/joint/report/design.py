@@ -223,22 +223,28 @@ def list_materials(materials: Mapping[str, Material]) -> str:
     Returns
     -------
     str
-        One line for each, with hardness, strength, limits and source.
+        One line for each, of at most 80 columns, and its source below.
 
     Examples
     --------
     >>> from erlif.joint.sizing import read_materials
-    >>> list_materials(read_materials()).splitlines()[1].split()[0]
+    >>> list_materials(read_materials()).splitlines()[2].split()[0]
     '42CrMo4'
     """
-    head = ("yield MPa", "hardness HB", "E GPa", "degC", "p MPa", "pv W/mm2", "source")
-    rows: list[tuple[str, ...]] = [("material", "use", *head)]
+    head = ("yield", "hardness", "E", "limit", "p", "pv")
+    rows: list[tuple[str, ...]] = [("material", *head)]
+    rows.append(("", "MPa", "HB", "GPa", "degC", "MPa", "W/mm2"))
     for one in materials.values():
         strength = scaled(one.yield_stress, 1e6), hardness_range(one) or "-"
         limits = (one.temperature, 1), (one.pressure, 1e6), (one.pv, 1e6)
         numbers = (scaled(value, unit) for value, unit in ((one.youngs_modulus, 1e9), *limits))
-        rows.append((one.name, one.use, *strength, *numbers, one.source))
-    return print_columns(rows, "<<>>>>>><")
+        rows.append((one.name, *strength, *numbers))
+    first, units, *lines = print_columns(rows, "<>>>>>>").splitlines()
+    sourced = (
+        f"{line}\n    {one.use}; {one.source}"
+        for line, one in zip(lines, materials.values(), strict=True)
+    )
+    return "\n".join([first, units, *sourced])
 
 
 def hardness_range(material: Material) -> str:

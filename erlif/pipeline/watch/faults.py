@@ -52,7 +52,7 @@ def describe_fall(pairs: Sequence[LivePair]) -> str:
     Parameters
     ----------
     pairs : sequence of LivePair
-        In the order in which they were measured.
+        In any order: the newest pair is measured first.
 
     Returns
     -------
@@ -72,6 +72,7 @@ def describe_fall(pairs: Sequence[LivePair]) -> str:
     """
     if len(pairs) < 2 * _ENDS:
         return ""
+    pairs = sorted(pairs, key=lambda pair: pair.place)
     for camera in range(2):
         first, last = (
             max(one.light[camera] for one in part) for part in (pairs[:_ENDS], pairs[-_ENDS:])

@@ -71,6 +71,8 @@ class Follower:
         """Text of the page about the end of the run; empty while the run is recorded."""
         self.closed = False
         """Whether nothing more follows."""
+        self.failed = False
+        """Whether the end is one without a film."""
 
     def jobs(self) -> Sequence[Callable[[], None]]:
         """Functions that further threads call repeatedly until the end."""
@@ -96,10 +98,10 @@ class Follower:
                 for thread in threads:
                     thread.join()
 
-    def announce(self, status: str, *, closed: bool = False) -> None:
+    def announce(self, status: str, *, closed: bool = False, failed: bool = False) -> None:
         """State something of the end on the page; with `closed`, the last thing."""
         with self._changed:
-            self.status, self.closed = status, closed
+            self.status, self.closed, self.failed = status, closed, failed
             self._notify()
 
     def wait(self, version: int, timeout: float) -> int:

@@ -63,6 +63,7 @@ class SetupWatch(Follower):
             return {
                 "version": self._version,
                 "status": self.status,
+                "failed": self.failed,
                 "closed": self.closed,
                 "frames": self._arrivals.counts(),
                 "arrived": len(self._arrived),

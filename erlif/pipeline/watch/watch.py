@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import time
 from collections import deque
@@ -18,7 +19,7 @@ from erlif.core.errors import EncoderError, ErlifError
 from erlif.core.guarded import file_stamp
 from erlif.io.ingest import FramePairs, Run
 from erlif.io.ingest.arrivals import Arrival
-from erlif.io.ingest.recording import read_angles
+from erlif.io.ingest.recording import read_so_far
 from erlif.pipeline.fixture import find_calibration
 from erlif.pipeline.watch.alarms import Alarms
 from erlif.pipeline.watch.faults import describe_fall, describe_pulses
@@ -65,8 +66,9 @@ class WatchState:
         The last of them in the order of the recording.
     newest : LiveMap | None
         Its map.
-    angles : Array
-        Encoder angle by place in the recording, (frame,), as far as the log has it. [degree]
+    logged : dict[str, Array]
+        Angle [degree], load [N] and temperature [degC] by place in the recording, (frame,), as far
+        as the log has them.
     registered_on : int
         Pairs from which references and camera map were found; 0 before.
     faults : dict[str, str]
@@ -82,7 +84,7 @@ class WatchState:
     measured: tuple[LivePair, ...]
     latest: LivePair | None
     newest: LiveMap | None
-    angles: Array
+    logged: dict[str, Array]
     registered_on: int
     faults: dict[str, str]
     alarms: dict[str, str]
@@ -140,7 +142,7 @@ class Watch(Follower):
         self._renewed = 0
         """Version with which the pairs so far got the minimum of another contact."""
         self._pulses: deque[tuple[int, PulseSample]] = deque(maxlen=_PULSES)
-        self._angles: Array = np.empty(0)
+        self._logged: dict[str, Array] = {}
         self._log: tuple[tuple[int, int, int], int] | None = None
         self._pause = _LOG
         self._away = 0.0
@@ -164,7 +166,7 @@ class Watch(Follower):
                 tuple(self._measured),
                 self._latest,
                 self._newest,
-                self._angles,
+                self._logged,
                 0 if self._film is None else self._film.pairs,
                 self.faults(),
                 alarms,
@@ -187,18 +189,25 @@ class Watch(Follower):
         """As `erlif.show.view.live.LiveSource`."""
         self.wait(version, timeout)
         state = self.state()
+        logged = state.logged.get("angle", np.empty(0))
         pairs = pairs if version >= self._renewed else 0
         return {
             "after": pairs,
             "version": state.version,
             "status": self.status,
             "closed": self.closed,
+            "failed": self.failed,
             "frames": state.frames,
             "arrived": state.arrived,
             "measured": len(state.measured),
             "pairs": [as_plain(one) for one in state.measured[pairs:]],
             "newest": None if state.latest is None else as_plain(state.latest),
-            "angles": [round(float(angle), 3) for angle in state.angles[angles:]],
+            "angles": [round(float(angle), 3) for angle in logged[angles:]],
+            "logged": {
+                name: float(values[-1])
+                for name, values in state.logged.items()
+                if values.size and math.isfinite(values[-1])
+            },
             "registered_on": state.registered_on,
             "faults": list(state.faults.values()),
             "alarms": state.alarms,
@@ -226,7 +235,7 @@ class Watch(Follower):
             self._waiting += range(first, len(self._arrived))
 
     def _read_log(self) -> None:
-        """Angles of the log, as far as it has come; a log that cannot be read yet has none."""
+        """Take what the log has so far; a log that cannot be read yet has none."""
         self._ended.wait(self._pause)
         encoder = self.settings.encoder
         if encoder is None or encoder.file is None or not self._arrived:
@@ -236,13 +245,14 @@ class Watch(Follower):
             state = file_stamp(self.directory / encoder.file), pulses
             if state == self._log:
                 return
-            angles = read_angles(self.directory, encoder, pulses)
+            logged = read_so_far(self.directory, encoder, pulses)
         except (OSError, EncoderError):
             return
         self._log, self._pause = state, max(_LOG, (time.monotonic() - begun) / _SHARE)
         with self._changed:
-            if not np.array_equal(angles, self._angles):
-                self._angles = angles
+            same = logged.keys() == self._logged.keys()
+            if not (same and all(np.array_equal(logged[k], self._logged[k]) for k in logged)):
+                self._logged = logged
                 self._notify()
 
     def _work(self) -> None:

@@ -269,6 +269,8 @@ def _draw_statistic(
         pale = bool(pale_at[part[0]])
         alpha = _PALE if pale else 1.0
         artists.append(style.draw_band(ax, x, low, high, colour))
+        if part.size == 1:  # a band of one trigger has no area
+            ax.vlines(x, low, high, colour, alpha=alpha, linewidth=pt(0.7))
         named = f"{label}, part beyond range" if pale else label
         look: dict[str, Any] = {"form": dashes, "width": 0.9, "label": named}
         artists += style.draw_line(ax, x, value[part], colour, alpha=alpha, **look)

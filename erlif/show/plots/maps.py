@@ -241,8 +241,11 @@ def _draw_flags(ax: Axes, flags: FlagImage, film: xr.Dataset) -> None:
 
 
 def _outline_region(ax: Axes, film: xr.Dataset) -> None:
-    """Outline the region of interest, black on white to be visible on every colour."""
+    """Outline a region of interest that is less than the image, black on white."""
     (left, right), (top, bottom) = region_of(film).x, region_of(film).y
+    x, y = film.x.values, film.y.values
+    if left <= x[0] and x[-1] <= right and top <= y[0] and y[-1] <= bottom:
+        return
     corners = [left, right, right, left, left], [top, top, bottom, bottom, top]
     look: dict[str, Any] = {"linewidth": 1.1, "scalex": False, "scaley": False}
     style.draw_line(ax, *corners, "white", **look)

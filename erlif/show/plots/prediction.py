@@ -108,8 +108,9 @@ def film_over_run(film: xr.Dataset, frames: xr.Dataset, *, ax: Axes = style.NEW)
     artists = triggers.draw_strokes(ax, film, mean, film.film_min.values, bars.std, **_MEASURED)
     order = np.argsort(turns, kind="stable")
     stretches = np.split(order, np.flatnonzero(triggers.find_gaps(np.diff(turns[order]))) + 1)
-    x, y = (triggers.broken(stretches, each) for each in (turns, frames.film_predicted_min.values))
-    artists += style.draw_line(ax, x, y, label="predicted", **_PREDICTED)
+    predicted = frames.film_predicted_min.values
+    look = _PREDICTED | {"label": "predicted"}
+    artists += triggers.draw_stretches(ax, stretches, turns, predicted, **look)
     ax.set(xlabel="turns of the crank [1]", ylabel=_MINIMUM)
     style.legend_below(ax, title=bars.title)
     return artists

@@ -35,6 +35,7 @@ _LEAST_REACH = 0.01  # um; a film that is its gap still needs a scale
 _BLOCKS = 24  # along x of such a map
 _SHAPES = 5  # of the gap: constant, and slope and curvature along x and y
 _HUNDREDTH = 0.005  # half of one; degree
+_MEAN = -1  # key of the mean over the triggers
 _LESS_GAP = "film less the quadratic surface in x and y that fits its region of interest"
 _BAR = 0.75  # inch beside a sheet for its colour bar
 
@@ -68,6 +69,11 @@ def map_sheet_figure(
     7
     """
     groups = sheet_groups(film)
+    chosen = np.sort(np.concatenate([members for _, members in groups]))
+    departures = {k: depart_from_gap(film, k) for k in chosen.tolist()} if less_gap else {}
+    if less_gap and chosen.size > 1:
+        departures[_MEAN] = _mean_departure(list(departures.values()))
+        groups.append(("mean", np.array([_MEAN])))
     columns = best_columns([members.size for _, members in groups])
     rows = [math.ceil(members.size / columns) for _, members in groups]
     left, right, bottom, top = pixel_edges(film)
@@ -76,9 +82,8 @@ def map_sheet_figure(
     figure = style.new_figure(TWO_COLUMNS, sum(rows) * height + _FOOT, given=figure, text=text)
     panels = figure.subplots(sum(rows), columns, squeeze=False)
 
-    chosen = np.sort(np.concatenate([members for _, members in groups]))
     quantity, titles = _small_titles(film, chosen)
-    departures = {k: depart_from_gap(film, k) for k in chosen.tolist()} if less_gap else {}
+    titles[_MEAN] = f"{chosen.size} triggers"
     if less_gap:
         every = np.concatenate([one.values.ravel() for one in departures.values()])
         limits = style.even_limits(every, within=_WITHIN, least=_LEAST_REACH)
@@ -188,6 +193,15 @@ def depart_from_gap(film: xr.Dataset, trigger: int) -> MapBlocks:
     shapes = np.stack([np.ones_like(x), x, y, x**2, y**2], axis=1)
     gap = shapes @ np.linalg.lstsq(shapes[use], h[use], rcond=None)[0]
     return means._replace(values=(h - gap).reshape(means.values.shape))
+
+
+def _mean_departure(departures: list[MapBlocks]) -> MapBlocks:
+    """Mean of the departures of all triggers, where half of them are known: marks of the wall."""
+    values = np.stack([one.values for one in departures])
+    known = np.isfinite(values).sum(axis=0)
+    total = np.nansum(values, axis=0)
+    half = len(departures) / 2
+    return departures[0]._replace(values=np.where(known >= half, total / np.fmax(known, 1), np.nan))
 
 
 def _draw_small_map(

@@ -140,6 +140,8 @@ def _draw_power(ax: Axes, film: xr.Dataset, name: str, label: str, **look: Any) 
     ends = np.geomspace(used.min(), used.max(), 50)
     error = f" ± {std:.3f}" if np.isfinite(std) else ""
     label = f"{label}, n = {power:.3f}{error}".replace("-", "−")
+    if "triggers_used" in film[name].attrs:
+        label += f",\n{film[name].attrs['triggers_used']} of {film.sizes['trigger']} triggers"
     look |= {"linewidth": pt(0.8), "label": label, "zorder": 1.5}
     return ax.plot(_MILLI * ends, np.exp(scale) * ends**power, **look)
 
@@ -185,7 +187,7 @@ def film_and_theory(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]
         look |= {"markerfacecolor": "none", "markeredgewidth": pt(0.5)}
         artists += style.draw_line(ax, x, film.film_predicted_min.values, MEAN, form="D", **look)
 
-    # steady theory depends on speed and load alone, so that its points in order make a curve
+    # where the load differs between the strokes, steady theory is no curve over speed over load
     order = np.argsort(x)
     regime = str(film.film_theory.attrs.get("regime", "steady"))
     low, high = _range_of_film(film, ("film_theory", "film_hamrock_dowson"))
@@ -194,8 +196,14 @@ def film_and_theory(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]
         ("film_hamrock_dowson", OUTWARD, _DASH_DOT, formula_label(film)),
     ):
         curve = film[name].values[order]
-        label = "\n".join([label, *_describe_beyond(curve, low, high)])
-        artists += style.draw_line(ax, x[order], curve, colour, form=dashes, label=label)
+        beyond = _describe_beyond(curve, low, high)
+        label = "\n".join([label, *beyond])
+        form = dashes if _is_curve(curve) else "."
+        drawn = style.draw_line(ax, x[order], curve, colour, form=form, label=label)
+        # words without a key where nothing of the curve is seen
+        if beyond and not beyond[0].startswith("partly"):
+            drawn[0].set_color("none")
+        artists += drawn
 
     ax.set(xlabel=_LABELS[_speed_name(film)], ylabel="film thickness [µm]", ylim=(low, high))
     style.plain_log_ticks(ax)
@@ -219,6 +227,12 @@ def _range_of_film(film: xr.Dataset, theories: Sequence[str]) -> tuple[float, fl
     both = np.log(np.concatenate([near, theory])) if near.size + theory.size else np.zeros(1)
     widen = max(math.log(_LEAST_RATIO) - float(np.ptp(both)), 2 * _MARGIN * float(np.ptp(both))) / 2
     return float(np.exp(both.min() - widen)), float(np.exp(both.max() + widen))
+
+
+def _is_curve(values: Array) -> bool:
+    """Whether values in the order of the abscissa rise, or fall, from one to the next."""
+    steps = np.diff(values[np.isfinite(values)])
+    return bool((steps >= 0).all() or (steps <= 0).all())
 
 
 def _describe_beyond(curve: Array, low: float, high: float) -> list[str]:
@@ -281,15 +295,17 @@ def film_over_theory(film: xr.Dataset, *, ax: Axes = style.NEW) -> list[Artist]:
         if scope := formula_scope(attrs):
             label += f", {scope}"
         if off[ratio] > math.log(_REACH) >= min(off.values()):
-            style.draw_line(ax, [], [], colour, form="--", label=f"{label}, beyond the axis")
+            style.draw_line(ax, [], [], "none", label=f"{label}, beyond the axis")
             continue
         std = film[f"{ratio}_std"].values
         artists += draw_strokes(ax, film, x, values, std, which=np.isfinite(values), colour=colour)
         style.draw_line(ax, ends, [float(attrs["factor"])] * 2, colour, form="--", label=label)
+    counts = sorted({np.count_nonzero(np.isfinite(film[one].values)) for one in known})
+    of = " to ".join(map(str, counts[:1] + counts[1:][-1:]))
     units = {"rocker_speed": "|ω| [rad s⁻¹]", "sliding_speed": "sliding speed [m s⁻¹]"}
     ax.set(xlabel=units[name], ylabel="minimum film over theory")
     style.plain_log_ticks(ax)
-    style.legend_below(ax, title="medians", ncols=1)
+    style.legend_below(ax, title=f"medians of {of} triggers", ncols=1)
     return artists
 
 

@@ -9,6 +9,7 @@ import numpy.typing as npt
 import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
 from erlif.core.arrays import Array, Mask
@@ -241,7 +242,7 @@ def draw_over_cycle(
     along = choose_abscissa(film)
     artists = draw_strokes(ax, film, along.values, value, std, **look)
     stretches = in_order(film, along.values)
-    artists += draw_line(ax, broken(stretches, along.values), broken(stretches, expected), **line)
+    artists += draw_stretches(ax, stretches, along.values, expected, **line)
     label_abscissa(ax, along)
     ax.set_ylabel(quantity)
     return artists
@@ -329,6 +330,16 @@ def find_gaps(steps: Array) -> Mask:
     before = np.r_[-np.inf, steps[:-1]]
     after = np.r_[steps[1:], -np.inf]
     return np.asarray(steps > _GAP * np.maximum(before, after))
+
+
+def draw_stretches(
+    ax: Axes, stretches: list[npt.NDArray[np.intp]], x: Array, y: Array, **line: Any
+) -> list[Line2D]:
+    """Draw a line that breaks between the stretches; a stretch of one trigger is a dash."""
+    across, values = (broken(stretches, each) for each in (x, y))
+    missing = np.isnan(np.pad(values, 1, constant_values=np.nan))
+    alone = np.flatnonzero(missing[:-2] & missing[2:] & ~missing[1:-1])
+    return draw_line(ax, across, values, marker="_", markevery=alone.tolist(), **line)
 
 
 def broken(stretches: list[npt.NDArray[np.intp]], values: Array) -> Array:

@@ -125,7 +125,7 @@ def summarise_comparison(found: ModelComparison) -> str:
         for name, shown in TABLES["fitted"].items():
             if name in fitted:
                 lines.append(f"    {shown['title']}: {_value(fitted[name], shown)}")
-        lines += [f"  {note}" for note in found.fit.notes]
+        lines += [f"  {note.level}: {note}" for note in found.fit.notes]
     return "\n".join(lines)
 
 

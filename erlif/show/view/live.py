@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
+from threading import Event
 from typing import Any, Protocol
 
 from erlif.core.arrays import FlagImage, Image
@@ -16,6 +18,9 @@ from erlif.show.view.serving import require_library, serving
 
 # Time for which a request for news waits for some. [s]
 _PATIENCE = 5.0
+
+# Time in which news reach the page, and the page asks again. [s]
+_SENT = 1.0
 
 # Requests at a time: each open page waits for news in a thread, and for a map in another.
 _THREADS = 16
@@ -82,7 +87,7 @@ def readings_of(source: LiveSource) -> dict[str, Callable[[Request], Found]]:
 
 @contextmanager
 def live_page(source: LiveSource, *, page: str = "live.html", port: int = 0) -> Iterator[str]:
-    """Serve the page while the block runs.
+    """Serve the page while the block runs, and until an open page has shown the end.
 
     Parameters
     ----------
@@ -103,10 +108,25 @@ def live_page(source: LiveSource, *, page: str = "live.html", port: int = 0) -> 
         If the port is taken, or the packages of the viewer are missing.
     """
     require_library()
-    executor = ThreadPoolExecutor(_THREADS)
-    shared = {"films": [], "executor": executor, "page": page, "reading": readings_of(source)}
+    executor, reading = ThreadPoolExecutor(_THREADS), readings_of(source)
+    asked, shown = -math.inf, Event()
+
+    def news(request: Request) -> Found:
+        nonlocal asked
+        asked = time.monotonic()
+        found = reading["news"](request)
+        if isinstance(found, dict) and found["closed"]:
+            shown.set()
+        return found
+
+    shared = {"films": [], "executor": executor, "page": page, "reading": reading | {"news": news}}
     try:
         with serving(port=port, **shared) as address:
-            yield address
+            try:
+                yield address
+            finally:
+                # a page that is open asks at least once in this time, and shows the end
+                if time.monotonic() - asked < _PATIENCE + _SENT and shown.wait(_PATIENCE):
+                    time.sleep(_SENT)
     finally:
         executor.shutdown(wait=False, cancel_futures=True)

@@ -35,9 +35,10 @@ def require_library() -> None:
     """
     missing = [name for name in ("tornado", "tomlkit") if find_spec(name) is None]
     if missing:
+        named = f"{' and '.join(missing)} {'is' if len(missing) == 1 else 'are'}"
         raise ErlifError(
-            f"Expected the packages of the viewer; {' and '.join(missing)} is not installed. "
-            'Install it with: pip install "erlif[view]"'
+            f"Expected the packages of the viewer; {named} not installed. "
+            'Install with: pip install "erlif[view]"'
         )
 
 

@@ -9,7 +9,7 @@ import tifffile
 
 from erlif.core.errors import EncoderError, FrameError
 from erlif.io.ingest import open_run, read_frames
-from erlif.io.ingest.recording import read_angles
+from erlif.io.ingest.recording import read_so_far
 from erlif.io.settings import EncoderSettings
 
 
@@ -132,13 +132,15 @@ def test_angles_of_a_log_by_frame_come_row_by_row(lab):
     encoder = EncoderSettings(file="encoder.csv")
     text = log.read_text()
     angles = np.genfromtxt(log, delimiter=",", names=True)["angle_deg"]
-    np.testing.assert_array_equal(read_angles(lab.run, encoder, 6), angles)
-    np.testing.assert_array_equal(read_angles(lab.run, encoder, 4), angles[:4])
+    np.testing.assert_array_equal(read_so_far(lab.run, encoder, 6)["angle"], angles)
+    np.testing.assert_array_equal(read_so_far(lab.run, encoder, 4)["angle"], angles[:4])
+    loads = np.genfromtxt(log, delimiter=",", names=True)["load_N"]
+    np.testing.assert_array_equal(read_so_far(lab.run, encoder, 6)["joint_load"], loads)
     log.write_text(text[:-3])  # the last row is begun
-    np.testing.assert_array_equal(read_angles(lab.run, encoder, 6), angles[:5])
+    np.testing.assert_array_equal(read_so_far(lab.run, encoder, 6)["angle"], angles[:5])
     log.unlink()
     with pytest.raises(OSError, match="encoder"):
-        read_angles(lab.run, encoder, 6)
+        read_so_far(lab.run, encoder, 6)
 
 
 @pytest.mark.parametrize("rows", [60, 200])
@@ -146,11 +148,11 @@ def test_angles_of_a_log_in_time_come_as_far_as_it_has_the_pulses(lab, rows):
     pulse = np.where(np.arange(200) % 25 == 12, 5.0, 0.01)
     expected = 20 * np.sin((np.arange(8) * 25 + 11.5) / 100)[: (rows - 13) // 25 + 1]
     encoder = write_in_time(lab, ",trigger_V", {"pulse": "trigger_V"}, rows, pulse)
-    found = read_angles(lab.run, encoder, 8)
+    found = read_so_far(lab.run, encoder, 8)["angle"]
     np.testing.assert_allclose(found, expected, atol=1e-3)
-    assert read_angles(lab.run, encoder, 2).size == 2
+    assert read_so_far(lab.run, encoder, 2)["angle"].size == 2
 
     encoder = write_in_time(lab, "", {"frame_rate": "4 Hz", "start": "0.115 s"}, rows)
-    np.testing.assert_allclose(read_angles(lab.run, encoder, 8), expected, atol=1e-3)
+    np.testing.assert_allclose(read_so_far(lab.run, encoder, 8)["angle"], expected, atol=1e-3)
     encoder = write_in_time(lab, "", {"frame_rate": "4 Hz", "start": "fit"}, rows)
-    assert read_angles(lab.run, encoder, 8).size == 0
+    assert read_so_far(lab.run, encoder, 8)["angle"].size == 0

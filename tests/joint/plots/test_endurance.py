@@ -81,3 +81,4 @@ def test_runs_that_survived_are_drawn_open_and_the_table_states_the_interval():
     assert any("of so few runs" in text for text in written)
     for text, cell in cells.items():  # rows were half as high as the letters in them
         assert text.get_window_extent().height < 0.8 * cell.get_window_extent().height
+        assert text.get_window_extent().width < 0.95 * cell.get_window_extent().width

@@ -2,6 +2,7 @@
 
 from scenes.joints import designed, designed_without_motion
 
+from erlif.commands.lines import wrap
 from erlif.joint.report import list_materials, summarise_design
 from erlif.joint.sizing import read_materials
 
@@ -33,8 +34,9 @@ def test_what_is_wrong_or_not_known_is_named():
         assert "inf " not in text
         assert "-0 um" not in text
     assert "give [motion] half_swing and period" in summarise_design(designed_without_motion())
-    lines = list_materials(read_materials()).splitlines()
-    assert len(lines) == len(read_materials()) + 1
+    lines = wrap(list_materials(read_materials())).splitlines()
+    assert max(map(len, lines)) <= 80
+    assert sum(not line.startswith(" ") for line in lines) == len(read_materials()) + 1
 
 
 def test_a_doubtful_row_has_its_mark_in_the_brief_table():

@@ -17,6 +17,13 @@ def test_a_fall_to_three_quarters_is_stated_for_its_camera():
     assert "camera 2 falls: at most 740 DN" in describe_fall(pairs([1000.0] * 20 + [740.0] * 20))
 
 
+def test_the_start_is_that_of_the_recording_and_not_of_the_measurement():
+    """The newest pair is measured first: after a delay the first ones come last."""
+    fallen = pairs([1000.0] * 20 + [740.0] * 20)
+    assert describe_fall(fallen[::-1]) == describe_fall(fallen)
+    assert describe_fall(pairs([740.0] * 20 + [1000.0] * 20)[::-1]) == ""
+
+
 def test_a_film_that_darkens_single_pairs_is_no_fall():
     assert describe_fall(pairs([1000.0, 300.0] * 30)) == ""
 

@@ -47,8 +47,12 @@ def test_every_pair_is_measured_as_it_comes_and_the_angles_follow(empty_run, fil
         for frame in range(6):
             write(frame)
         wait_until(lambda: len(watch.state().measured) == 6, watch)
-        wait_until(lambda: len(watch.state().angles) == 6, watch)
+        wait_until(lambda: len(watch.state().logged.get("angle", ())) == 6, watch)
         state = watch.state()
+        logged = watch.news(-1, 0, 0, 0.0)["logged"]
+    last = np.genfromtxt(run_dir / "encoder.csv", delimiter=",", names=True)[-1]
+    assert logged["joint_load"] == last["load_N"]
+    assert logged["temperature"] == last["temperature_C"]
     assert state.frames == (6, 6)
     assert state.latest.place == 5
     assert state.newest.title == "pair 5, frame_0005.tif"
@@ -61,7 +65,7 @@ def test_every_pair_is_measured_as_it_comes_and_the_angles_follow(empty_run, fil
             assert pair.film_mean == pytest.approx(
                 float(finished.film_mean[pair.place]), abs=tolerance
             )
-        assert state.angles[3] == pytest.approx(float(finished.encoder_angle[3]))
+        assert state.logged["angle"][3] == pytest.approx(float(finished.encoder_angle[3]))
 
 
 def test_news_hold_what_is_new_and_wait_for_it(empty_run):

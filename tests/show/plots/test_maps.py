@@ -1,5 +1,7 @@
 """Maps: what is drawn is the film, at its place, with its flags."""
 
+import re
+
 import matplotlib.pyplot as plt
 import numpy as np
 import numpy.testing as npt
@@ -21,6 +23,15 @@ def test_map_without_valid_pixels_states_why(film):
     assert "100 % above range" in plots.film_over_cycle(empty)[0].axes.texts[0].get_text()
     maps = [ax for ax in plots.map_sheet_figure(empty).axes if ax.images]
     assert {ax.texts[0].get_text() for ax in maps} == {"no valid\npixel"}
+
+
+def test_a_region_that_is_the_image_is_not_drawn(film, with_settings):
+    assert len(plots.thickness_map(film, trigger=0).axes.lines) == 2
+    for left, lines in ((0, 0), (1, 2)):
+        table = re.search(r"\[thickness.roi\]\nx = .*\ny = .*", film.attrs["settings"])[0]
+        whole = f"[thickness.roi]\nx = [{left}, 99]\ny = [0, 99]"
+        chosen = with_settings((table, whole))
+        assert len(plots.thickness_map(chosen, trigger=0).axes.lines) == lines
 
 
 @pytest.mark.parametrize("size", [(7.0, 3.0), (4.5, 6.0)])

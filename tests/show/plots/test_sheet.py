@@ -43,6 +43,15 @@ def test_less_the_gap_a_sheet_shows_what_departs_from_it(changed):
     npt.assert_allclose(first.get_xlim(), pixel_edges(changed)[:2])
 
 
+def test_marks_of_the_wall_stand_out_in_the_mean_over_the_triggers(changed):
+    """A mark of 0.05 um at every trigger, in noise of 0.05 um a pixel."""
+    changed.thickness.values[:, 30:33, :] += np.float32(0.05)
+    panels = [ax for ax in plots.map_sheet_figure(changed, less_gap=True).axes if ax.images]
+    *_, mean = (ax.images[0].get_array().filled(np.nan) for ax in panels)
+    assert panels[-1].get_title() == f"{scene.TRIGGERS} triggers"
+    assert np.nanmean(mean[:21], axis=1).argmax() == 10
+
+
 def test_rows_are_of_equal_length_where_they_can_be_and_angles_have_the_digits_they_need(film):
     assert [best_columns([count]) for count in (12, 14, 16, 18, 60)] == [6, 7, 8, 9, 10]
     for step, titles in ((30.0, ["11.1°", "41.1°"]), (30.25, ["11.10°", "41.35°"])):

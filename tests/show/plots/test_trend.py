@@ -30,7 +30,8 @@ def test_drawn_power_goes_through_the_films(film):
     drawn = np.exp(np.interp(np.log(np.sort(SPEED_OVER_LOAD)), np.log(x), np.log(y)))
     npt.assert_allclose(drawn, np.sort(scene.minimum_film()), rtol=1e-6)
     npt.assert_allclose([x.min(), x.max()], [SPEED_OVER_LOAD.min(), SPEED_OVER_LOAD.max()])
-    powers = ["mean, n = 0.400 ± 0.010", "minimum, n = 0.600 ± 0.010"]
+    of = f",\n{scene.TRIGGERS} of {scene.TRIGGERS} triggers"
+    powers = [f"mean, n = 0.400 ± 0.010{of}", f"minimum, n = 0.600 ± 0.010{of}"]
     assert labels_of(line.axes) == [*powers, "outward", "return"]
 
 
@@ -43,6 +44,18 @@ def test_triggers_too_slow_for_the_fit_are_grey(changed):
     assert labels_of(artists[-1].axes)[-1] == "not in the fit"
     # the fitted line ends at the slowest trigger of the fit
     assert artists[-1].get_xdata().min() > x.max()
+
+
+def test_a_theory_of_two_loads_is_no_line_and_one_beyond_the_axis_has_no_key(changed):
+    """Back at the same speeds under twice the load, the curve would be a loop."""
+    changed.rocker_speed.values[:] = speed = np.array([1.0, 2.0, 3.0, 3.2, 2.1, 1.1])
+    for loads, loop in ((0.0, False), (0.5, True)):
+        changed.film_hamrock_dowson.values[:] = speed - loads * (np.arange(6) > 2)
+        *_, theory, formula = plots.film_and_theory(changed)
+        assert (formula.get_linestyle() == "None") == loop
+        assert formula.get_color() != "none"
+    assert "\nbeyond the axis" in theory.get_label()
+    assert theory.get_color() == "none"
 
 
 @pytest.mark.parametrize("factor", [0.5, 2.5, 20.0])

@@ -1,12 +1,14 @@
 """What the triggers are drawn against, by the motion and by what the film holds."""
 
 import numpy as np
+from matplotlib.figure import Figure
 from scenes.motion import DISC, SLIDER, film_of
 
 from erlif.show.plots.triggers import (
     broken,
     choose_abscissa,
     close_turn,
+    draw_stretches,
     find_gaps,
     has_varying_speed,
     in_order,
@@ -59,6 +61,16 @@ def test_stretches_end_with_their_stroke():
     line = broken(parts, np.arange(6))
     assert line[~np.isnan(line)].tolist() == [0, 1, 2, 3, 4, 5]
     assert np.flatnonzero(np.isnan(line)).tolist() == [2, 6]
+
+
+def test_a_stretch_of_one_trigger_is_a_dash():
+    """Beside a dead point a cycle that begins within a stroke leaves one, whose line has no end."""
+    ax = Figure().add_subplot()
+    parts = [np.array([0, 1, 2]), np.array([3]), np.array([4, 5])]
+    y = np.array([1.0, 2.0, 3.0, 4.0, np.nan, 6.0])
+    (line,) = draw_stretches(ax, parts, np.arange(6.0), y, colour="k")
+    assert line.get_marker() == "_"
+    assert line.get_ydata()[line.get_markevery()].tolist() == [4.0, 6.0]
 
 
 def test_no_line_joins_the_triggers_of_two_turns():

@@ -83,6 +83,13 @@ def test_nothing_is_printed_of_a_fit_that_does_not_describe_the_film():
     assert "viscosity" not in text
 
 
+def test_a_warning_of_a_fit_is_named_as_one():
+    found = comparison(Estimate(0.12, 0.001, 0.118, 0.122, "Pa s"))
+    note = warn("fit", "The residuals are large")
+    text = summarise_comparison(replace(found, fit=replace(found.fit, notes=(note,))))
+    assert text.splitlines()[-1] == "  warning: fit: The residuals are large"
+
+
 def test_models_that_could_not_be_fitted_are_listed_with_the_reason():
     found = comparison(Estimate(0.12, 0.001, 0.118, 0.122, "Pa s"))
     why = {"a pin on a sideways spring": "no film carries the load"}

@@ -1,6 +1,7 @@
 """The page of a run that is watched, as its requests and as a browser shows it."""
 
 import json
+import threading
 import time
 import urllib.error
 import urllib.request
@@ -51,6 +52,8 @@ class Source:
             "version": self.version,
             "status": "film.nc is written" if self.ended else "",
             "closed": self.ended,
+            "failed": False,
+            "logged": {"joint_load": 222.4, "temperature": 25.04},
             "frames": [3, 3],
             "arrived": 3,
             "measured": 3,
@@ -148,6 +151,26 @@ def test_the_page_is_served_with_its_token_alone():
         urllib.request.urlopen(address, timeout=2)
 
 
+def test_the_page_is_served_until_an_open_one_has_the_end():
+    source, got = Source(), []
+
+    def ask(address):
+        while not (got and got[-1]["closed"]):
+            query = f"news?version={got[-1]['version'] if got else -1}&pairs=3&angles=3"
+            with urllib.request.urlopen(address + query, timeout=10) as response:
+                got.append(json.load(response))
+            time.sleep(0.3)
+
+    with live_page(source) as address:
+        page = threading.Thread(target=ask, args=(address,))
+        page.start()
+        while not got:
+            time.sleep(0.01)
+        source.ended = True
+    page.join()
+    assert got[-1]["status"] == "film.nc is written"
+
+
 class TestInTheBrowser:
     pytestmark = MARKS
 
@@ -162,6 +185,8 @@ class TestInTheBrowser:
                 assert page.inner_text("#film_min") == "4.00 ± 0.10 µm"
                 assert page.inner_text("#saturated") == "0.0 % / 1.0 %"
                 assert page.inner_text("#drift") == "–, 0.25 px"
+                assert page.inner_text("#joint_load") == "222 N"
+                assert page.inner_text("#temperature") == "25.0 °C"
                 assert "camera 2 lacks frame 1" in page.inner_text("#faults")
                 assert "saturated: 1.0 %" in page.inner_text("#key")
                 assert page.is_hidden("#alarm")
@@ -175,7 +200,7 @@ class TestInTheBrowser:
                 assert page.title().startswith("ALARM")
 
                 source.ended, source.version = True, 5
-                page.wait_for_selector("#status.bad")
+                page.wait_for_selector("#status.stated")
                 assert page.inner_text("#status") == "film.nc is written"
 
     def test_maps_that_pass_quickly_have_half_the_detail_and_the_last_all(self):

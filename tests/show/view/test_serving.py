@@ -15,6 +15,9 @@ def test_a_missing_package_is_named_with_the_line_that_installs_it(monkeypatch):
     monkeypatch.setattr(serving, "find_spec", lambda name: None if name == "tornado" else name)
     with pytest.raises(ErlifError, match=r'tornado is not installed.*pip install "erlif\[view\]"'):
         serving.require_library()
+    monkeypatch.setattr(serving, "find_spec", lambda name: None)
+    with pytest.raises(ErlifError, match="tornado and tomlkit are not installed"):
+        serving.require_library()
 
 
 def test_a_port_in_use_is_refused(example_path, serve):

@@ -119,6 +119,11 @@ function showNumbers() {
   const newest = news.newest;
   byId("pairs").textContent = `${news.measured} / ${news.arrived}`;
   byId("frames").textContent = news.frames.join(" / ");
+  for (const [name, unit, digits] of [["joint_load", "N", 0], ["temperature", "°C", 1]]) {
+    if (!(name in news.logged)) continue;
+    byId(name).textContent = `${fixed(news.logged[name], digits)} ${unit}`;
+    byId(name).parentElement.hidden = false;
+  }
   if (!newest) return;
   for (const name of ["film_min", "film_mean"]) {
     byId(name).textContent = `${fixed(newest[name], 2)} ± ${fixed(newest[`${name}_std`], 2)} µm`;

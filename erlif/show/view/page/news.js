@@ -20,21 +20,21 @@ export async function follow(known, show) {
     try {
       news = await (await get("news", { version, ...known() })).json();
     } catch (error) {
-      end(`erlif watch does not run any more (${error.message}).`);
+      state(`erlif watch does not run any more (${error.message}).`, true);
       return;
     }
     clock = news.now - Date.now() / 1000;
     version = news.version;
     show(news);
-    if (news.status) end(news.status);
+    if (news.status) state(news.status, news.failed);
     if (news.closed) return;
     await pause();
   }
 }
 
-function end(text) {
+function state(text, bad) {
   byId("status").textContent = text;
-  byId("status").classList.add("bad");
+  byId("status").className = bad ? "bad" : "stated";
 }
 
 export function showAge(news) {
