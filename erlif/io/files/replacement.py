@@ -10,6 +10,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
+from erlif.core.bounded import read_bounded
 from erlif.core.errors import OutputError
 from erlif.core.hdf5 import open_hdf5
 from erlif.core.tables import read_table
@@ -25,6 +26,9 @@ _NOT_ALLOWED = (errno.EACCES, errno.EPERM, errno.EROFS)
 
 # Errors of a folder in the place of a file, or the other way round.
 _IN_THE_WAY = (errno.EISDIR, errno.ENOTDIR, errno.EEXIST, errno.ENOTEMPTY, errno.ELOOP)
+
+# Size of a description in a zarr store that is read. [byte]
+LARGEST_DESCRIPTION = 2**24
 
 # Bytes at both ends of a file in which the mark is looked for.
 _MARKED = 2**16
@@ -106,7 +110,8 @@ def _is_own_store(output: Path, holds: str) -> bool:
     if not any(output.iterdir()):
         return True
     try:
-        attributes = json.loads((output / "zarr.json").read_bytes()).get("attributes", {})
+        text = read_bounded(output / "zarr.json", largest=LARGEST_DESCRIPTION)
+        attributes = json.loads(text).get("attributes", {})
     except (OSError, ValueError, AttributeError):
         return False
     return "erlif_version" in attributes and (not holds or (output / holds).is_dir())
