@@ -304,7 +304,7 @@ def _move(source: Path, target: Path, names: Sequence[str]) -> None:
 
 def take_name(scratch: Path, output: Path) -> None:
     """Rename a complete file or directory to its output name, replacing the previous one."""
-    if scratch.is_dir() and output.exists():
+    if scratch.is_dir():
         _exchange(scratch, output)
     else:
         scratch.replace(output)
@@ -314,15 +314,18 @@ def _exchange(scratch: Path, output: Path) -> None:
     """Put a directory in the place of another one.
 
     Only files can be replaced in one step. The old directory keeps a name beside the new one until
-    the exchange is complete.
+    the exchange is complete; one that a killed process has left goes with it.
     """
     old = output.with_name(f".{output.name}.old")
-    remove(old)
-    output.rename(old)
+    replaced = output.exists()
+    if replaced:
+        remove(old)
+        output.rename(old)
     try:
         scratch.rename(output)
     except BaseException:
-        old.rename(output)
+        if replaced:
+            old.rename(output)
         raise
     remove(old)
 
