@@ -71,6 +71,11 @@ FILM_ATTRIBUTES = (
         "format_version", "Version of the file format, 1. An earlier erlif refuses a later one."
     ),
     Attribute("settings", "All settings, defaults included, as TOML."),
+    Attribute(
+        "settings_version",
+        "Number of keys of run.toml, which rises with every new one. An erlif that knows fewer "
+        "names it where it cannot read the settings.",
+    ),
     Attribute("settings_stated", "Keys that run.toml states, with commas; others are defaults."),
     Attribute("input_hashes", "SHA-256 of every input by its relative name, as JSON."),
     Attribute("recorded", "Day on which the first frame was written."),
@@ -99,7 +104,7 @@ FILM_ATTRIBUTES = (
 )
 
 PREDICTION_ATTRIBUTES = (
-    *FILM_ATTRIBUTES[:7],
+    *FILM_ATTRIBUTES[:8],
     Attribute(
         "input_hashes",
         "SHA-256 of settings and log, and the identity of the film, by their names, as JSON.",
@@ -112,7 +117,7 @@ PREDICTION_ATTRIBUTES = (
 
 PRESSURE_ATTRIBUTES = (
     *FILM_ATTRIBUTES[:6],
-    *(one for one in FILM_ATTRIBUTES if one.name in ("settings", "settings_stated")),
+    *(one for one in FILM_ATTRIBUTES if one.name.startswith("settings")),
     Attribute("film_identity", "Identity of the film."),
     Attribute("statement", "What the pressure is good for, and what would make it better."),
     Attribute("balance", "The load that it makes, beside the logged one."),

@@ -18,7 +18,7 @@ from erlif.calibration.regression import BLACK
 from erlif.calibration.systematics import Systematics
 from erlif.core.arrays import Array
 from erlif.core.errors import CalibrationError
-from erlif.core.format import is_later
+from erlif.core.format import LaterVersionError, is_later
 
 # Largest size of the arrays of one group; a map of 25 megapixels has 425 MB. [byte]
 LARGEST = 2**30
@@ -65,10 +65,7 @@ def check_file(dataset: xr.Dataset) -> None:
     if dataset.nbytes > LARGEST:
         raise ValueError(f"its header claims {dataset.nbytes / 1e9:.1f} GB")
     if is_later(dataset.attrs):
-        raise ValueError(
-            "it was written by a later version of erlif, "
-            f"{dataset.attrs.get('erlif_version', 'unknown')}"
-        )
+        raise LaterVersionError(dataset.attrs)
     for name, variable in dataset.variables.items():
         if variable.dtype.kind == "c":
             raise ValueError(f"{name} has complex values")

@@ -30,7 +30,7 @@ from erlif.core.errors import (
     RegistrationError,
     reason_of,
 )
-from erlif.core.format import describe_origin, is_version_after
+from erlif.core.format import LaterVersionError, describe_origin, is_version_after
 from erlif.core.notes import warn
 from erlif.core.version import __version__
 from erlif.io.files import (
@@ -138,6 +138,11 @@ Make one with: erlif calibrate FIXTURE_DIR
             return _read(path)
     except ErlifError:
         raise
+    except LaterVersionError as error:
+        raise CalibrationError(
+            f"Expected a calibration of erlif {__version__} or earlier in {path}; {error}. Install "
+            "a later one, or calibrate again with: erlif calibrate FIXTURE_DIR"
+        ) from error
     except Exception as error:  # damaged bytes make HDF5 raise errors of any kind
         reason = f"{path} is damaged or something else ({reason_of(error)})"
         raise foreign_file(reason) from error

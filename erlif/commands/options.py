@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import errno
+import os
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, TypeVar
@@ -53,7 +55,23 @@ def output_option(what: str, default: str) -> Callable[[Command], Command]:
     default : str
         Path without the option, or "none" where nothing is written.
     """
-    return click.option("-o", "--output", type=PATH, help=f"{what}; default: {default}.")
+    return click.option(
+        "-o",
+        "--output",
+        type=PATH,
+        callback=_expect_folder,
+        help=f"{what}; default: {default}.",
+    )
+
+
+def _expect_folder(ctx: click.Context, option: click.Parameter, value: Path | None) -> Path | None:
+    """Refuse an output in a folder that does not exist: its name may be misspelt."""
+    if value is not None and not value.parent.is_dir():
+        raise OutputError(
+            f"Expected an existing folder for the output {value}; {value.parent} is none. Make it, "
+            "or correct -o."
+        )
+    return value
 
 
 CALIBRATION = click.option(
@@ -166,8 +184,11 @@ def expect_suffix(output: Path, *suffixes: str) -> None:
 
 
 def expect_output(output: Path, *suffixes: str, overwrite: bool, holds: str = "") -> None:
-    """Refuse an output of another suffix, and one that exists as `refuse_existing` does."""
+    """Refuse another suffix, a folder without permission, and what `refuse_existing` refuses."""
     from erlif.io.files import refuse_existing
+    from erlif.io.files.replacement import write_error
 
     expect_suffix(output, *suffixes)
     refuse_existing(output, overwrite=overwrite, holds=holds)
+    if output.parent.is_dir() and not os.access(output.parent, os.W_OK):
+        raise write_error(output, PermissionError(errno.EACCES, ""))

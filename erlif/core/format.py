@@ -16,6 +16,14 @@ FORMAT_VERSION = 1
 ATTRIBUTE = "format_version"
 
 
+class LaterVersionError(ValueError):
+    """A file of a later erlif, which this one does not read."""
+
+    def __init__(self, attrs: Mapping[Any, Any], more: str = "") -> None:
+        written = str(attrs.get("erlif_version", "unknown"))[:40]
+        super().__init__(f"it was written by a later version of erlif, {written}{more}")
+
+
 def describe_origin(title: str, work: str) -> dict[str, Any]:
     """Global attributes of a film or prediction: title, and the work that made it, such as
     "process block A".

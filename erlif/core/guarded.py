@@ -14,17 +14,21 @@ import atexit
 import math
 import os
 import pickle
+import signal
 import subprocess
 import sys
 import threading
+import time
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 from functools import lru_cache
 from pathlib import Path
 from typing import IO, Any
 
-# Duration of one file after which the child is ended. [s]
-LONGEST = 10.0
+# Processor time for one file after which the child is ended. A busy machine gives it little of its
+# time, so that the time on the clock is bounded for a child that waits without end alone. [s]
+LONGEST = 10
+PATIENCE = 300.0
 
 # What the child may take for an HDF5 file, of which it keeps little, and for a MATLAB file, which
 # it reads. [byte]
@@ -116,17 +120,17 @@ class _Child:
             process = self._start()
             assert process.stdin is not None
             assert process.stdout is not None
-            timer = threading.Timer(LONGEST, process.kill)
+            began = time.monotonic()
+            timer = threading.Timer(PATIENCE, process.kill)
             timer.start()
             try:
-                pickle.dump((task, path), process.stdin)
+                pickle.dump((task, path, LONGEST), process.stdin)
                 process.stdin.flush()
                 done, answer = pickle.load(process.stdout)
             except (EOFError, OSError, pickle.UnpicklingError):
+                late = time.monotonic() - began >= PATIENCE
                 self.end()
-                raise ValueError(
-                    "the library that reads it ended, or took too much time or memory"
-                ) from None
+                raise ValueError(_end_of(process.returncode, late=late)) from None
             finally:
                 timer.cancel()
         if not done:
@@ -141,16 +145,30 @@ class _Child:
             process.communicate()
 
     def _start(self) -> subprocess.Popen[bytes]:
+        if self.process is not None and self.process.poll() is not None:
+            self.end()  # something else has ended it between two files
         if self.process is None:
-            # "-P": the folder of this file is no place for imports
+            # "-P": the folder of this file is no place for imports; in a session of its own, as
+            # Ctrl-C ends a recording that is watched, and not the reading of its files
             self.process = subprocess.Popen(
                 [sys.executable, "-P", __file__],
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
                 stderr=subprocess.DEVNULL,
+                start_new_session=True,
                 env={**os.environ, "OPENBLAS_NUM_THREADS": "1"},
             )
         return self.process
+
+
+def _end_of(status: int, *, late: bool) -> str:
+    """Describe how the child ended on a file."""
+    if late:
+        return f"the library that reads it did not end within {PATIENCE:g} s"
+    if -status == getattr(signal, "SIGXCPU", None):
+        return f"the library that reads it took more than {LONGEST} s of processor time"
+    name = signal.Signals(-status).name if status < 0 else f"exit status {status}"
+    return f"the library that reads it crashed or took too much memory ({name})"
 
 
 _child = _Child()
@@ -211,16 +229,28 @@ def _numbers(name: str, value: Any) -> Iterator[tuple[str, Any]]:
 
 def _limit_memory(most: int) -> None:
     """Bound what is taken from now on; systems other than Linux bound the time alone."""
-    try:
+    with suppress(ImportError, OSError):
         import resource
 
         taken = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
-    except (ImportError, OSError):
-        return
-    most += taken
-    hard = resource.getrlimit(resource.RLIMIT_AS)[1]
+        _limit(resource.RLIMIT_AS, taken + most)
+
+
+def _limit_time(most: int) -> None:
+    """Bound the processor time from now on; Windows has no such bound."""
+    with suppress(ImportError):
+        import resource
+
+        _limit(resource.RLIMIT_CPU, math.ceil(time.process_time()) + most)
+        resource.setrlimit(resource.RLIMIT_CORE, (0, resource.getrlimit(resource.RLIMIT_CORE)[1]))
+
+
+def _limit(what: int, most: int) -> None:
+    import resource
+
+    hard = resource.getrlimit(what)[1]
     soft = most if hard == resource.RLIM_INFINITY else min(most, hard)
-    resource.setrlimit(resource.RLIMIT_AS, (soft, hard))
+    resource.setrlimit(what, (soft, hard))
 
 
 _TASKS: dict[str, Callable[[str], Any]] = {"hdf5": _walk_hdf5, "matlab": _load_matlab}
@@ -230,10 +260,11 @@ def _serve(requests: IO[bytes], answers: IO[bytes]) -> None:
     """Run tasks from `requests` one by one until the parent process ends."""
     while True:
         try:
-            task, path = pickle.load(requests)
+            task, path, longest = pickle.load(requests)
         except EOFError:
             return
         try:
+            _limit_time(longest)
             answer = True, _TASKS[task](path)
         except OSError as error:
             answer = False, OSError(*error.args)

@@ -48,6 +48,14 @@ _QUANTITY = re.compile(
     r"\s*((?:1\s*/\s*)?[^\W\d](?:[\w ^/·()⁻-]|\*(?!\*)){0,40}|°C?|%(?:\s?/\s?K)?)\s*\Z"
 )
 
+# Powers of a unit: one or two digits behind a letter. A power of a number or of another power, such
+# as um^9^9^9, has more digits than can be computed.
+_RAISED = "⁰¹²³⁴-⁹"
+_POWER = re.compile(
+    rf"(?<=[^\W\d{_RAISED}])(?:\^-?\d{{1,2}}|⁻?[{_RAISED}]{{1,2}})(?![\d^⁻{_RAISED}])"
+)
+_NO_POWER = re.compile(rf"[\^⁻{_RAISED}]|\d{{3}}")
+
 # What to write in place of a unit of mass where a force is expected.
 _HINTS = {
     "lb": 'write "lbf" for a force',
@@ -203,6 +211,11 @@ def convert(number: str, name: str, unit: str) -> float:
     float
         Infinite beyond the largest float.
 
+    Raises
+    ------
+    ValueError
+        For powers that pint would compute without end; pint raises errors of many classes.
+
     Examples
     --------
     >>> convert("60", "um", "m")
@@ -212,6 +225,8 @@ def convert(number: str, name: str, unit: str) -> float:
     if factor is not None and math.isfinite(float(number)):
         # in fractions: "60 um" gives 6e-05 m, and not its neighbour
         return _nearest_float(Fraction(number) * factor)
+    if _NO_POWER.search(_POWER.sub("", name.replace(" ", ""))):
+        raise ValueError(f"{name} has a power that is none of a unit")
     spelling = name.replace("°C", "degC").replace("°", "deg")
     return float(_registry().Quantity(float(number), spelling).to(unit).magnitude)
 

@@ -12,13 +12,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
-import numba
 import numpy as np
 
 from erlif.core.arrays import FAST, AnyArray, Array, FlagImage, Image, Mask
 from erlif.core.detector import reading_var
 from erlif.core.flags import Flag
 from erlif.core.products import References
+from erlif.core.speed.kernels import njit
 
 _SATURATED, _DIM, _BAD_PIXEL, _MASKED = (
     np.uint16(flag) for flag in (Flag.SATURATED, Flag.DIM, Flag.BAD_PIXEL, Flag.MASKED)
@@ -288,7 +288,7 @@ def measure_light(
     return out
 
 
-@numba.njit(nogil=True, cache=True, error_model="numpy")
+@njit(nogil=True, cache=True, error_model="numpy")
 def _measure_bands(counts, pixels, dry, gaps, images):  # type: ignore[no-untyped-def]
     """Fill the images of one camera while their rows are in the cache; return the highest count."""
     dark, per_flat, least, bad, full_scale = pixels
@@ -335,7 +335,7 @@ def _measure_bands(counts, pixels, dry, gaps, images):  # type: ignore[no-untype
     return highest
 
 
-@numba.njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST)
+@njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST)
 def _correct_counts(  # type: ignore[no-untyped-def]
     counts, dark, per_flat, least, bad, full_scale, light, flags
 ):
@@ -359,7 +359,7 @@ def _correct_counts(  # type: ignore[no-untyped-def]
     return highest
 
 
-@numba.njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST)
+@njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST)
 def _subtract_background(light, flags, background, least, energy):  # type: ignore[no-untyped-def]
     """Take the light of the dry joint away, (counts - dark - energy (page - dark))/flat.
 
@@ -373,7 +373,7 @@ def _subtract_background(light, flags, background, least, energy):  # type: igno
             flags[i, j] = (flags[i, j] & keep) | (_DIM if value < least[i, j] else _NONE)
 
 
-@numba.njit(nogil=True, cache=True)
+@njit(nogil=True, cache=True)
 def fill_bad_pixels(signal, bad, rows, columns, farthest):  # type: ignore[no-untyped-def]
     """Replace each bad pixel by the mean of the good ones in the smallest square that has some.
 
@@ -404,7 +404,7 @@ def fill_bad_pixels(signal, bad, rows, columns, farthest):  # type: ignore[no-un
                 break
 
 
-@numba.njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST)
+@njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST)
 def _bin(light, flags, half, half_weight, blocks):  # type: ignore[no-untyped-def]
     """Fill the last three arguments."""
     height, width = light.shape
@@ -439,7 +439,7 @@ def _bin(light, flags, half, half_weight, blocks):  # type: ignore[no-untyped-de
             blocks[k, m] = level / np.float32((bottom - top) * (right - left))
 
 
-@numba.njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST)
+@njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST)
 def fill_noise(light, noise, energy, variance, fixed, start, stop):  # type: ignore[no-untyped-def]
     """Fill rows of two variances; row j is stored as row j modulo their number of rows.
 

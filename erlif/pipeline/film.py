@@ -23,7 +23,7 @@ from erlif.core.variables import FILM, FRAMES
 from erlif.correction import CAMERA_NOISE, CHARACTERISTICS
 from erlif.io.files import describe_hashes
 from erlif.io.ingest import Run, format_notes, skipped_notes
-from erlif.io.settings import stated_keys, to_toml
+from erlif.io.settings import RunSettings, count_keys, stated_keys, to_toml
 from erlif.kinematics import encoder_notes
 from erlif.pipeline.audit.audits import audit_run
 from erlif.pipeline.audit.evidence import Evidence
@@ -188,6 +188,7 @@ def with_light(draft: FilmDraft) -> FilmDraft:
     film = film.assign_attrs(
         largest_error=largest,
         settings=to_toml(run.settings),
+        settings_version=count_keys(RunSettings),
         calibration=record_calibration(curve),
     )
     # another dark bends the ratio in many ways, which other notes describe

@@ -175,9 +175,10 @@ def find_calibration(
     run : Run
     given : Calibration, RunCurve or path, optional
         Takes precedence. Default: the calibration that run.toml names; where its file does not
-        exist and a fixture lies in its directory, that fixture is calibrated and the result kept.
+        exist and a fixture lies in its directory, that fixture is calibrated.
     allow_outside : bool
-        As for `calibrate`.
+        As for `calibrate`; a calibration made of a fixture outside the run directory is then kept
+        in its directory too.
     progress : "bar", bool or callable, optional
 
     Returns
@@ -213,22 +214,23 @@ def _named_calibrations(run: Run, *, allow_outside: bool, progress: Progress) ->
             '"path/to/calibration.nc" to it, or use --calibration.'
         )
 
-    names = [run.directory / name for name in run.settings.calibrations]
-    return [_open_or_make(one, allow_outside=allow_outside, progress=progress) for one in names]
+    found = []
+    for path in (run.directory / name for name in run.settings.calibrations):
+        # a run from somebody else names any folder of this machine
+        inside = path.resolve().is_relative_to(run.directory.resolve())
+        if path.exists() or not (path.parent / "fixture.toml").is_file():
+            found.append(open_calibration(path))
+            continue
+        with stage("calibration", _logger):
+            made = calibrate(path.parent, allow_outside=allow_outside, progress=progress)
+        found.append(made)
+        if inside or allow_outside:
+            with suppress(OutputError):  # a directory that cannot be written is no obstacle
+                save_calibration(made, path)
+    return found
 
 
 def before_wall_of(run: Run, calibration: Calibration) -> Calibration:
     """Adapt the calibration to the reflectance of the wall, if the settings state one."""
     reflectance = run.settings.optics.reflectance
     return calibration if reflectance is None else change_wall(calibration, reflectance)
-
-
-def _open_or_make(path: Path, *, allow_outside: bool, progress: Progress) -> Calibration:
-    """Open a calibration; make it from its fixture if it does not exist yet."""
-    if path.exists() or not (path.parent / "fixture.toml").is_file():
-        return open_calibration(path)
-    with stage("calibration", _logger):
-        made = calibrate(path.parent, allow_outside=allow_outside, progress=progress)
-    with suppress(OutputError):  # a fixture directory that cannot be written is no obstacle
-        save_calibration(made, path)
-    return made

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import cv2
-import numba
 import numpy as np
 
 from erlif.core.arrays import Array, Image
+from erlif.core.speed.kernels import njit
 from erlif.ratio.pair import PairRatio
 
 # Width of the surroundings whose mean variance gives the weight of a pixel. [px]
@@ -118,7 +118,7 @@ def _weigh(pair: PairRatio) -> Image:
     return weights
 
 
-@numba.njit(nogil=True, cache=True, error_model="numpy")
+@njit(nogil=True, cache=True, error_model="numpy")
 def _add_frame(frame_weight, images, flag, weight, sums, flags):  # type: ignore[no-untyped-def]
     """Add the images of a frame to the sums."""
     log_ratio, variance, fixed, shared = images
@@ -137,7 +137,7 @@ def _add_frame(frame_weight, images, flag, weight, sums, flags):  # type: ignore
                 total_shared[i, j] += w * shared[i, j]
 
 
-@numba.njit(nogil=True, cache=True, error_model="numpy")
+@njit(nogil=True, cache=True, error_model="numpy")
 def _fill_mean(weight, sums, total_flags, images, flags):  # type: ignore[no-untyped-def]
     """Fill the images of the mean, and its flags."""
     ratio, new, total_fixed, total_shared = sums

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import cv2
-import numba
 import numpy as np
 
 from erlif.core.arrays import FlagImage, Image, Mask
 from erlif.core.flags import Flag
+from erlif.core.speed.kernels import njit
 
 # Width of the blocks whose light is averaged. [px]
 _BLOCK = 16
@@ -95,7 +95,7 @@ def flag_bubbles(one: Image, two: Image, flags: FlagImage, *, share: float) -> N
         _flag_dark(one, two, limit, near, _BLOCK, _DISC, flags)
 
 
-@numba.njit(nogil=True, cache=True, error_model="numpy", fastmath={"nsz", "contract"})
+@njit(nogil=True, cache=True, error_model="numpy", fastmath={"nsz", "contract"})
 def _measure_blocks(one, two, block):  # type: ignore[no-untyped-def]
     """Mean and least light of both cameras together in square blocks; NaN and infinity without."""
     height, width = one.shape
@@ -130,7 +130,7 @@ def _measure_blocks(one, two, block):  # type: ignore[no-untyped-def]
     return mean, least
 
 
-@numba.njit(nogil=True, cache=True)
+@njit(nogil=True, cache=True)
 def _flag_dark(one, two, limit, near, block, disc, flags):  # type: ignore[no-untyped-def]
     """Flag pixels with less light than a limit given per block, interpolated between centres.
 
@@ -164,7 +164,7 @@ def _flag_dark(one, two, limit, near, block, disc, flags):  # type: ignore[no-un
                     begin = last
 
 
-@numba.njit(nogil=True, cache=True)
+@njit(nogil=True, cache=True)
 def _flag_about(row, begin, end, disc, flags):  # type: ignore[no-untyped-def]
     """Flag the discs about the pixels of a row from begin to end."""
     for n in range(disc.size):

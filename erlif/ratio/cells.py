@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-import numba
 import numpy as np
 
 from erlif.core.arrays import AnyArray, Array, FlagImage, Image
+from erlif.core.speed.kernels import njit
 from erlif.correction.light import BLOCK
 
 # Rows and columns of cells over the image.
@@ -142,7 +142,7 @@ def cell_centres(shape: tuple[int, int]) -> tuple[Array, Array]:
     return x.ravel(), y.ravel()
 
 
-@numba.njit(nogil=True, cache=True)
+@njit(nogil=True, cache=True)
 def _sum_logarithms(light, log_ratio, variance, flags, step, sums):  # type: ignore[no-untyped-def]
     """Blocks of each cell, those whose light and ratio are used, and sums; one in step counts."""
     down, along = light.shape[0] // BLOCK, light.shape[1] // BLOCK

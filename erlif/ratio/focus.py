@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import numba
-
 from erlif.core.arrays import FAST, FlagImage, Image
+from erlif.core.speed.kernels import njit
 from erlif.correction import NoiseTables
 
 _LAG = 4  # px: distance over which speckle is hardly correlated
@@ -53,7 +52,7 @@ def measure_sharpness(light: Image, flags: FlagImage, noise: NoiseTables) -> flo
     return float(near / far)
 
 
-@numba.njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST)
+@njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST)
 def _sum_differences(light, flags, per_flat, numbers, step):  # type: ignore[no-untyped-def]
     """Squared relative differences of neighbours and of distant pixels without noise, and pairs."""
     per_gain, read_var = numbers[0], numbers[1]

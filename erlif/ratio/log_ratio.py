@@ -8,12 +8,12 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-import numba
 import numpy as np
 
 from erlif.core.arrays import FAST, Image
 from erlif.core.flags import Flag
 from erlif.core.products import AlignedFrames, RatioImages, require
+from erlif.core.speed.kernels import njit
 from erlif.ratio.bubbles import flag_bubbles
 from erlif.ratio.pair import PairRatio, gather_ratios
 from erlif.ratio.sharpness import BlurDifference
@@ -183,7 +183,7 @@ def empty_ratio(
     return PairRatio(log_ratio, variance, fixed, shared, np.empty(shape, np.uint16), light_one)
 
 
-@numba.njit(nogil=True, cache=True, error_model="numpy", fastmath={"contract"})
+@njit(nogil=True, cache=True, error_model="numpy", fastmath={"contract"})
 def _take_log(values, bits, exponents):  # type: ignore[no-untyped-def]
     """Replace values by their logarithms; `bits` is the same memory as whole numbers."""
     for t in range(values.size):
@@ -201,7 +201,7 @@ def _take_log(values, bits, exponents):  # type: ignore[no-untyped-def]
         values[x] = exponents[x] * _LN2_HIGH + (f + y)
 
 
-@numba.njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST)
+@njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST)
 def divide_rows(  # type: ignore[no-untyped-def]
     one,
     two,
@@ -294,7 +294,7 @@ def divide_rows(  # type: ignore[no-untyped-def]
     return total, of_two
 
 
-@numba.njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST)
+@njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST)
 def _take_logs(one, two, row, start, ghost, values, bits, spare):  # type: ignore[no-untyped-def]
     """Logarithm of the ratio of a row, and for the ghost of the product in the row below."""
     height, width = one.shape
@@ -320,7 +320,7 @@ def _take_logs(one, two, row, start, ghost, values, bits, spare):  # type: ignor
             spare[_at((row + 1) % 3), x] = values[1, x] if lit else _NAN
 
 
-@numba.njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST)
+@njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST)
 def _divide_row(  # type: ignore[no-untyped-def]
     one, two, variances, bits_of, row, first, excess, values, spare, images
 ):
@@ -364,7 +364,7 @@ def _divide_row(  # type: ignore[no-untyped-def]
     return sum_all, sum_two
 
 
-@numba.njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST)
+@njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST)
 def _shift_row(two, map_var, row, shared):  # type: ignore[no-untyped-def]
     """Variance by the registration, from Sobel's gradient of camera 2 over its light."""
     y, up, down = _at(row), _at(row - 1), _at(row + 1)

@@ -7,9 +7,10 @@ the variance with registration over that without; all are 0 where a pixel is not
 
 from __future__ import annotations
 
-import numba
 import numpy as np
 import numpy.typing as npt
+
+from erlif.core.speed.kernels import njit
 
 # Directions of a step that are tried, evenly over half a turn.
 DIRECTIONS = 16
@@ -71,7 +72,7 @@ def step_distances(reach: int) -> npt.NDArray[np.int64]:
     return np.asarray(np.rint(2 * (x * np.cos(angle) + y * np.sin(angle))), np.int64)
 
 
-@numba.njit(nogil=True, cache=True)
+@njit(nogil=True, cache=True)
 def weigh_pixels(value, variance, shared, sound, middle, reach):  # type: ignore[no-untyped-def]
     """Pixels as the fits read them.
 
@@ -104,7 +105,7 @@ def weigh_pixels(value, variance, shared, sound, middle, reach):  # type: ignore
     return planes
 
 
-@numba.njit(nogil=True, cache=True)
+@njit(nogil=True, cache=True)
 def fit_planes(  # type: ignore[no-untyped-def]
     planes, taps, limit, middle, smooth, remaining, suspect
 ):
@@ -156,7 +157,7 @@ def fit_planes(  # type: ignore[no-untyped-def]
                 suspect[i, j] = 1
 
 
-@numba.njit(nogil=True, cache=True)
+@njit(nogil=True, cache=True)
 def _sum_row(planes, taps, i, columns, sums):  # type: ignore[no-untyped-def]
     """Fill the sums over the window for one row of pixels: along y, then along x."""
     width = sums.shape[1]
@@ -171,13 +172,13 @@ def _sum_row(planes, taps, i, columns, sums):  # type: ignore[no-untyped-def]
             _add(sums[k], columns[_ACROSS[k, 0], t : t + width], taps[_ACROSS[k, 1], t])
 
 
-@numba.njit(nogil=True, cache=True)
+@njit(nogil=True, cache=True)
 def _add(out, row, factor):  # type: ignore[no-untyped-def]
     for j in range(out.size):
         out[j] += factor * row[j]
 
 
-@numba.njit(nogil=True, cache=True)
+@njit(nogil=True, cache=True)
 def _invert_normal(normal):  # type: ignore[no-untyped-def]
     """Inverse of the normal matrix of a plane, both as 1, x, y, x^2, xy, y^2; 0 if singular."""
     m0, mx, my = normal[0], normal[1], normal[2]
@@ -198,7 +199,7 @@ def _invert_normal(normal):  # type: ignore[no-untyped-def]
     )
 
 
-@numba.njit(nogil=True, cache=True)
+@njit(nogil=True, cache=True)
 def _plane_variance(inverse, squared):  # type: ignore[no-untyped-def]
     """Variance of a plane at the middle: the sum of its squared weights times the variances."""
     a, b, c = inverse[:3]
@@ -206,7 +207,7 @@ def _plane_variance(inverse, squared):  # type: ignore[no-untyped-def]
     return left + 2 * (a * b * squared[1] + a * c * squared[2] + b * c * squared[4])
 
 
-@numba.njit(nogil=True, cache=True)
+@njit(nogil=True, cache=True)
 def _gain_of_step(inverse, data, s0, sx, sy, zs, ss):  # type: ignore[no-untyped-def]
     """Reduction of the sum of squares of a plane by a step.
 
@@ -220,7 +221,7 @@ def _gain_of_step(inverse, data, s0, sx, sy, zs, ss):  # type: ignore[no-untyped
     return (zs - (data[0] * p0 + data[1] * px + data[2] * py)) ** 2 / rest
 
 
-@numba.njit(nogil=True, cache=True)
+@njit(nogil=True, cache=True)
 def find_steps(planes, distances, places, limit):  # type: ignore[no-untyped-def]
     """Find the pixels with a significant step in their window.
 
@@ -248,7 +249,7 @@ def find_steps(planes, distances, places, limit):  # type: ignore[no-untyped-def
     return steps
 
 
-@numba.njit(nogil=True, cache=True)
+@njit(nogil=True, cache=True)
 def fit_one_side(  # type: ignore[no-untyped-def]
     planes, window, distances, places, limit, value, variance, middle, smooth, remaining
 ):
@@ -292,7 +293,7 @@ def fit_one_side(  # type: ignore[no-untyped-def]
             remaining[i, j] = variance[i, j]
 
 
-@numba.njit(nogil=True, cache=True)
+@njit(nogil=True, cache=True)
 def _sum_over(surroundings, kept, window):  # type: ignore[no-untyped-def]
     """Sums over the kept pixels.
 
@@ -321,7 +322,7 @@ def _sum_over(surroundings, kept, window):  # type: ignore[no-untyped-def]
     return normal, squared, data, registration
 
 
-@numba.njit(nogil=True, cache=True)
+@njit(nogil=True, cache=True)
 def _cut_at_step(surroundings, distances, limit, kept):  # type: ignore[no-untyped-def]
     """Drop the pixels beyond the most significant step; return whether there was one."""
     taps = kept.shape[0]
@@ -360,7 +361,7 @@ def _cut_at_step(surroundings, distances, limit, kept):  # type: ignore[no-untyp
     return True
 
 
-@numba.njit(nogil=True, cache=True)
+@njit(nogil=True, cache=True)
 def _sum_along_lines(surroundings, distance, kept, lines):  # type: ignore[no-untyped-def]
     """Fill the sums of weights times 1, x, y and of the weighted data, for each distance."""
     taps = kept.shape[0]

@@ -23,12 +23,12 @@ from __future__ import annotations
 import math
 
 import cv2
-import numba
 import numpy as np
 
 from erlif.core.arrays import Array, Image, Mask
 from erlif.core.errors import ModelError
 from erlif.core.products import RatioImages, require
+from erlif.core.speed.kernels import njit
 from erlif.ratio.planes import find_steps, fit_one_side, fit_planes, step_distances, weigh_pixels
 
 # Significance of a step through a pixel from which on its window is searched. [std]
@@ -237,7 +237,7 @@ def _outer(kernel: Array, spread: int) -> Array:
     return np.outer(line, line)
 
 
-@numba.njit(nogil=True, cache=True)
+@njit(nogil=True, cache=True)
 def _correlate(value, variance, smooth, sound, lag, every):  # type: ignore[no-untyped-def]
     """Autocovariance of the residuals, in standard deviations, up to a lag; and their number."""
     height, width = value.shape

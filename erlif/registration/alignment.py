@@ -10,11 +10,11 @@ from collections.abc import Sequence
 
 import numpy as np
 import xarray as xr
-from numba import njit
 
 from erlif.core.arrays import AnyArray, Array
 from erlif.core.flags import FLAG_ATTRS, Flag
 from erlif.core.products import AlignedFrames, CorrectedFrames, require
+from erlif.core.speed.kernels import njit
 from erlif.registration.camera_map import CameraMap
 from erlif.registration.interpolation import NOTHING_BAD, sample_rows, spline_coefficients
 from erlif.registration.settings import orient

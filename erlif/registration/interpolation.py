@@ -10,11 +10,11 @@ from typing import Final
 
 import cv2
 import numpy as np
-from numba import njit
 
 from erlif.core.arrays import FAST, AnyArray, Image, Mask
 from erlif.core.errors import RegistrationError
 from erlif.core.flags import Flag
+from erlif.core.speed.kernels import njit
 from erlif.correction.light import fill_bad_pixels
 from erlif.registration.bands import in_bands
 

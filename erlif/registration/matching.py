@@ -12,9 +12,9 @@ from typing import Final
 
 import cv2
 import numpy as np
-from numba import njit
 
 from erlif.core.arrays import FAST, AnyArray, Array, Image
+from erlif.core.speed.kernels import njit
 from erlif.registration.bands import in_bands
 
 # Layout of the cell sums, the last axis of an array (row, column, SUMS).

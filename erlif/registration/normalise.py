@@ -8,9 +8,9 @@ from typing import Final
 
 import cv2
 import numpy as np
-from numba import njit
 
 from erlif.core.arrays import FAST, AnyArray, Image
+from erlif.core.speed.kernels import njit
 from erlif.registration.bands import in_bands
 
 # Side of the cells from which the local mean and rms are averaged. [px]

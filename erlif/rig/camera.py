@@ -7,9 +7,9 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numba import njit
 
 from erlif.core.arrays import Array, Counts
+from erlif.core.speed.kernels import njit
 from erlif.rig.settings import RigSettings
 
 # Largest count of a 12-bit camera. [DN]

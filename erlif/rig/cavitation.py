@@ -16,11 +16,11 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from scipy.interpolate import CubicSpline, interpn
 
 from erlif.core.arrays import Array
 from erlif.core.errors import ModelError
+from erlif.core.speed.kernels import njit
 from erlif.rig.orbit import THINNEST, RigidBearing
 
 # Nodes round the circumference, five times denser at the load line than opposite.

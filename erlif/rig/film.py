@@ -9,10 +9,10 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from erlif.core.arrays import Array
 from erlif.core.errors import ModelError
+from erlif.core.speed.kernels import njit
 from erlif.rig.settings import RigSettings
 
 # Thickness [um] at object points (x, y) [pixel of camera 1].

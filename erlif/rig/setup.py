@@ -10,9 +10,9 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numba import njit
 
 from erlif.core.arrays import Array, Counts
+from erlif.core.speed.kernels import njit
 from erlif.rig.camera import Camera, build_camera, displacement, expose, seen_from_camera_2
 from erlif.rig.dyes import DyedOil, signals_of
 from erlif.rig.film import BARE_FILM, Bubbles, Field

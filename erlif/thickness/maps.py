@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-import numba
 import numpy as np
 import xarray as xr
 
@@ -15,6 +14,7 @@ from erlif.calibration import RatioCurve
 from erlif.core.arrays import AnyArray, FlagImage, Image
 from erlif.core.flags import FLAG_ATTRS
 from erlif.core.products import RatioImages, ThicknessMaps, require
+from erlif.core.speed.kernels import njit
 from erlif.core.variables import FILM
 from erlif.thickness.surroundings import PAD, Surroundings, decide, enter_row
 
@@ -174,7 +174,7 @@ def find_medians(log_ratio: Image, variance: Image, flags: FlagImage) -> tuple[f
     return 0.0, 0.0
 
 
-@numba.njit(nogil=True, cache=True, error_model="numpy", inline="always")
+@njit(nogil=True, cache=True, error_model="numpy", inline="always")
 def look_up(log_ratio, i, tables, scale, rows):  # type: ignore[no-untyped-def]
     """Entries for the film at the ratio of row i, and for rate and calibration at the row near."""
     _, near, entry, part, film, pairs, _, _ = rows
@@ -202,7 +202,7 @@ def look_up(log_ratio, i, tables, scale, rows):  # type: ignore[no-untyped-def]
         pairs[_at(2 * t + 1)] = slopes[_at(n) + _at(1)]
 
 
-@numba.njit(nogil=True, cache=True, error_model="numpy", inline="always")
+@njit(nogil=True, cache=True, error_model="numpy", inline="always")
 def fill_maps(variance, displaced, i, rows, maps):  # type: ignore[no-untyped-def]
     """Fill row i of the maps; NaN where it is flagged."""
     _, rate, _, part, film, _, slopes, own = rows
@@ -237,7 +237,7 @@ def fill_maps(variance, displaced, i, rows, maps):  # type: ignore[no-untyped-de
         std_shared[y, x] = own[x]
 
 
-@numba.njit(nogil=True, cache=True, error_model="numpy")
+@njit(nogil=True, cache=True, error_model="numpy")
 def _fill_maps(  # type: ignore[no-untyped-def]
     images, scale, tables, limits, surroundings, rows, near, maps
 ):

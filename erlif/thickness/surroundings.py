@@ -17,11 +17,11 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-import numba
 import numpy as np
 
 from erlif.core.arrays import AnyArray, Image
 from erlif.core.flags import Flag
+from erlif.core.speed.kernels import njit
 
 # Distance of a measurable film from the ends of the calibration. [std of a pixel]
 CLEAR = 2.0
@@ -103,7 +103,7 @@ class Surroundings(NamedTuple):
         )
 
 
-@numba.njit(nogil=True, cache=True, error_model="numpy", inline="always")
+@njit(nogil=True, cache=True, error_model="numpy", inline="always")
 def enter_row(images, u, surroundings):  # type: ignore[no-untyped-def]
     """Add row u to the sums over squares; below the image, no pixel is sound.
 
@@ -152,7 +152,7 @@ def enter_row(images, u, surroundings):  # type: ignore[no-untyped-def]
         noise[z, _at(t)] = noise[z, _at(PAD + width)]
 
 
-@numba.njit(nogil=True, cache=True, error_model="numpy", inline="always")
+@njit(nogil=True, cache=True, error_model="numpy", inline="always")
 def decide(  # type: ignore[no-untyped-def]
     log_ratio, i, limits, surroundings, bits_around, near, flags
 ):

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 
-import numba
 import numpy as np
 import numpy.typing as npt
 
 from erlif.calibration import RatioCurve
 from erlif.core.arrays import Array
+from erlif.core.speed.kernels import njit
 
 _FILMS = 20001  # films of the table; its linear interpolation is good to 1e-8 of the log ratio
 
@@ -155,7 +155,7 @@ class FilmCurve:
         return place, log_ratio - first - (place + 0.5) * width
 
 
-@numba.njit(nogil=True, cache=True, error_model="numpy")
+@njit(nogil=True, cache=True, error_model="numpy")
 def _look_up(film, films, log_ratio, slope, found):  # type: ignore[no-untyped-def]
     """Interpolate both numbers of each film linearly, as `numpy.interp` does."""
     last = films.size - 1

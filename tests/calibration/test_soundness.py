@@ -38,7 +38,7 @@ def opened_after(saved, tmp_path, change):
     message = str(refused.value)
     assert message.startswith("Expected a calibration")
     assert "missing" in message or str(path) in message
-    assert message.endswith("Make one with: erlif calibrate FIXTURE_DIR")
+    assert message.endswith("with: erlif calibrate FIXTURE_DIR")
     return message
 
 

@@ -37,6 +37,7 @@ def test_output_may_lie_elsewhere_and_the_run_be_read_only(
         directory.chmod(0o555)
     try:
         monkeypatch.chdir(tmp_path)
+        (tmp_path / "résultats µm").mkdir()
         result = command("process", os.path.relpath(lab.run), "-o", "résultats µm/film 1.nc")
     finally:
         for directory in (lab.run, lab.fixture):

@@ -7,6 +7,9 @@ import contextlib
 import os
 import random
 import resource
+import signal
+import threading
+import time
 from concurrent.futures import ThreadPoolExecutor
 
 import h5py
@@ -14,6 +17,7 @@ import numpy as np
 import pytest
 from scipy.io import loadmat, savemat
 
+from erlif.core import guarded
 from erlif.core.guarded import check_hdf5, read_matlab
 
 
@@ -40,7 +44,7 @@ def test_a_length_that_ends_the_process_ends_that_of_the_child_alone(tmp_path):
     content = bytearray(path.read_bytes())
     content[content.index(b"\x19\x00\0\0\x10") + 1] |= 8
     path.write_bytes(content)
-    with pytest.raises(ValueError, match="ended, or took too much time or memory"):
+    with pytest.raises(ValueError, match="crashed or took too much memory"):
         check_hdf5(path)
     check_hdf5(write(tmp_path / "b.h5"))
 
@@ -66,6 +70,59 @@ def test_threads_wait_for_each_other(tmp_path):
     paths = [write(tmp_path / f"{n}.h5") for n in range(6)]
     with ThreadPoolExecutor(len(paths)) as threads:
         assert len(list(threads.map(check_hdf5, paths))) == len(paths)
+
+
+@pytest.fixture
+def child(tmp_path, monkeypatch):
+    """A child with tasks that loop, wait, end or name the signals it is reached by."""
+    program = tmp_path / "program.py"
+    program.write_text(
+        "import os, runpy, sys, time\n"
+        f"child = runpy.run_path({guarded.__file__!r})\n"
+        "child['_TASKS'] |= {\n"
+        "    'loop': lambda path: [None for _ in iter(int, 1)],\n"
+        "    'wait': lambda path: time.sleep(60),\n"
+        "    'crash': lambda path: os.abort(),\n"
+        "    'pid': lambda path: os.getpid(),\n"
+        "    'session': lambda path: os.getsid(0),\n"
+        "}\n"
+        "child['_serve'](sys.stdin.buffer, sys.stdout.buffer)\n"
+    )
+    monkeypatch.setattr(guarded, "__file__", str(program))
+    monkeypatch.setattr(guarded, "LONGEST", 1)
+    child = guarded._Child()
+    yield child
+    child.end()
+
+
+def test_a_file_is_bounded_by_processor_time_and_the_message_states_the_end(child, monkeypatch):
+    began = time.monotonic()
+    with pytest.raises(ValueError, match="more than 1 s of processor time"):
+        child.ask("loop", "")
+    with pytest.raises(ValueError, match=r"crashed or took too much memory \(SIGABRT\)"):
+        child.ask("crash", "")
+    monkeypatch.setattr(guarded, "PATIENCE", 1.5)
+    with pytest.raises(ValueError, match=r"did not end within 1\.5 s"):
+        child.ask("wait", "")
+    assert time.monotonic() - began < 30
+
+
+def test_a_child_that_gets_no_time_from_the_machine_keeps_its_file(child):
+    """Stopped for three times the processor time that it may take."""
+    running = child.ask("pid", "")
+    os.kill(running, signal.SIGSTOP)
+    threading.Timer(3.0, os.kill, (running, signal.SIGCONT)).start()
+    began = time.monotonic()
+    assert child.ask("pid", "") == running
+    assert time.monotonic() - began > 2
+
+
+def test_a_child_that_ended_between_two_files_is_replaced_and_ctrl_c_does_not_reach_it(child):
+    running = child.ask("pid", "")
+    assert child.ask("session", "") == running != os.getsid(0)
+    os.kill(running, signal.SIGKILL)
+    child.process.wait()
+    assert child.ask("pid", "") != running
 
 
 # MATLAB 5

@@ -4,6 +4,8 @@ import contextlib
 import math
 import pickle
 import re
+import subprocess
+import sys
 import tomllib
 from pathlib import Path
 
@@ -84,6 +86,38 @@ PIECES = [
 def test_any_text_gives_a_finite_number_or_a_value_error(text, unit):
     with contextlib.suppress(ValueError):
         assert math.isfinite(parse_quantity("5 " + text, unit))
+
+
+ENDLESS = [
+    *("60 um^9^9^9", "60 um^(9^9^9)", "60 um^-9^9^9", "60 um*9999999999^9999999999"),
+    *("5 m^9 ^9 ^9 ^9", "5 m^(2)^(99)^(99)^(99)", "5 mm/9^9^9^9", "5 um 9^9^9", "1 min^99999999"),
+    *("5 m·9⁹⁹⁹⁹⁹⁹⁹", "5 m⁹^9^9", "5 m^9⁹⁹⁹", "5 (((((9^9)^9)^9)^9)^9)m"),
+]
+
+
+def test_powers_without_end_are_refused_at_once():
+    """In a process with bounds on memory and time: python does not interrupt a power."""
+    program = (
+        "import resource, sys\n"
+        "resource.setrlimit(resource.RLIMIT_AS, (2**31, 2**31))\n"
+        "from erlif.core.units import parse_quantity\n"
+        "for text in sys.argv[1:]:\n"
+        "    try: parse_quantity(text, 'm')\n"
+        "    except ValueError as error: print(error)\n"
+    )
+    command = [sys.executable, "-c", program, *ENDLESS]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=20, check=True)
+    refused = done.stdout.splitlines()
+    assert len(refused) == len(ENDLESS)
+    assert all(repr(text) in line for text, line in zip(ENDLESS, refused, strict=True))
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [("8.8 g/cm^3", 8800), ("880 kg m^-3", 880), ("880 kg·m⁻³", 880), ("880 kg / m ^ 3", 880)],
+)
+def test_powers_of_units_are_read(text, value):
+    assert parse_quantity(text, "kg/m^3") == pytest.approx(value)
 
 
 def test_quantity_keeps_its_text_and_computes_as_a_float():

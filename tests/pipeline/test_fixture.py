@@ -1,5 +1,6 @@
 """A fixture directory to a calibration, and the calibration of a run."""
 
+import shutil
 from dataclasses import replace
 
 import numpy as np
@@ -49,9 +50,26 @@ def test_frames_of_a_film_at_rest_are_combined(prepared):
     npt.assert_allclose(noise[1] / noise[0], 3, rtol=0.2)
 
 
-def test_missing_calibration_is_made_from_its_fixture_and_kept(lab, calibration):
-    (lab.fixture / "calibration.nc").unlink()
+def test_missing_calibration_is_made_and_kept_outside_the_run_only_if_allowed(lab, calibration):
+    kept = lab.fixture / "calibration.nc"
+    kept.unlink()
     made, _ = find_calibration(open_run(lab.run), None, progress=silent)
     npt.assert_array_equal(made.calibration.parameters, calibration.parameters)
-    kept = erlif.open_calibration(lab.fixture / "calibration.nc")
+    assert not kept.exists()
+
+    # a link in the run directory leads outside all the same
+    (lab.run / "fixture").symlink_to(lab.fixture)
+    lab.edit("run/run.toml", ("../fixture", "fixture"))
+    find_calibration(open_run(lab.run), None, progress=silent)
+    assert not kept.exists()
+    find_calibration(open_run(lab.run), None, allow_outside=True, progress=silent)
+    kept = erlif.open_calibration(kept)
     npt.assert_array_equal(kept.parameters, calibration.parameters)
+
+
+def test_a_calibration_within_the_run_directory_is_kept(lab):
+    shutil.copytree(lab.fixture, lab.run / "fixture")
+    (lab.run / "fixture" / "calibration.nc").unlink()
+    lab.edit("run/run.toml", ("../fixture", "fixture"))
+    find_calibration(open_run(lab.run), None, progress=silent)
+    assert (lab.run / "fixture" / "calibration.nc").exists()

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 from types import ModuleType
 from typing import Any, Final
 
-import numba
 import numpy as np
 
 from erlif.core.arrays import AnyArray, Image
+from erlif.core.speed.kernels import njit
 
 isal_zlib: ModuleType | None
 try:
@@ -218,7 +218,7 @@ def _flat(values: AnyArray) -> Image:
     return np.ascontiguousarray(values, np.float32).reshape(-1)
 
 
-@numba.njit(nogil=True, cache=True)
+@njit(nogil=True, cache=True)
 def _round_one(value, scale, factor):  # type: ignore[no-untyped-def]
     """A value rounded as in `round_map`."""
     own = np.float32(value).view(np.uint32) & _EXPONENT
@@ -236,14 +236,14 @@ def _round_one(value, scale, factor):  # type: ignore[no-untyped-def]
     return rounded if np.abs(value) < np.float32(np.inf) else np.float32(np.nan)
 
 
-@numba.njit(nogil=True, cache=True)
+@njit(nogil=True, cache=True)
 def _round(values, scale, factor, rounded):  # type: ignore[no-untyped-def]
     """Fill `rounded`; see `round_map`."""
     for i in range(values.size):
         rounded[i] = _round_one(values[i], scale[i], factor)
 
 
-@numba.njit(nogil=True, cache=True)
+@njit(nogil=True, cache=True)
 def _round_and_shuffle(values, scale, factor, planes):  # type: ignore[no-untyped-def]
     """Round, and write the bytes of the values as planes, the lowest byte first."""
     for i in range(values.size):

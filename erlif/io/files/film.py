@@ -13,6 +13,8 @@ from pathlib import Path
 import xarray as xr
 
 from erlif.core.errors import OutputError, reason_of
+from erlif.core.format import LaterVersionError
+from erlif.core.version import __version__
 from erlif.io.files.coordinates import set_coordinates
 from erlif.io.files.headers import check_netcdf, check_zarr
 from erlif.io.files.kinds import KINDS, kind_of
@@ -240,6 +242,11 @@ def _is_from_zarr(error: BaseException) -> bool:
 
 
 def _damaged(path: Path, error: Exception) -> OutputError:
+    if isinstance(error, LaterVersionError):
+        return OutputError(
+            f"Expected a film of erlif {__version__} or earlier in {path}; {error}. Install a "
+            "later one, or make the film again with: erlif process RUN_DIR"
+        )
     return OutputError(
         f"Expected a film as erlif process writes it; {path} is damaged or something else "
         f"({reason_of(error)}). {_MAKE_ONE}"

@@ -8,7 +8,9 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterator
+import os
+import stat
+from collections.abc import Iterator, Sequence, Set
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +19,7 @@ import numpy as np
 from erlif.core.bounded import read_bounded
 from erlif.core.hdf5 import chunk_count, find_chunks, open_hdf5, refuse_elsewhere
 from erlif.core.variables import FILM
+from erlif.io.files.replacement import LARGEST_DESCRIPTION
 
 # Largest size of what is read at once: a map, or a variable of the triggers. [byte]
 LARGEST_READ = 2**30
@@ -24,8 +27,8 @@ LARGEST_READ = 2**30
 # Variables of which the map of a trigger is one chunk.
 MAPS = tuple(name for name, one in FILM.items() if one.dims == ("trigger", "y", "x"))
 
-# Size of a description in a zarr store that is read. [byte]
-_LARGEST_DESCRIPTION = 2**24
+# What a text takes in memory beside its letters, and a chunk while it is read. [byte]
+_TEXT, _CHUNK = 64, 2**13
 
 # Codecs of zarr that erlif writes, and those that other programs use for arrays of numbers.
 _CODECS = frozenset({"bytes", "blosc", "zstd", "gzip", "crc32c", "vlen-utf8", "transpose"})
@@ -43,6 +46,7 @@ def check_netcdf(path: Path) -> None:
     """
     import h5py
 
+    at_once = 0
     with open_hdf5(path) as file:
         for name, entry in _netcdf_entries(file, h5py):
             if not isinstance(entry, h5py.Dataset):
@@ -51,7 +55,10 @@ def check_netcdf(path: Path) -> None:
 
             # the maps of a film are read one after the other, all else at once
             per_read = entry.shape[1:] if name in MAPS else entry.shape
-            _check_size(name, math.prod(per_read or ()) * entry.dtype.itemsize)
+            size = math.prod(per_read or ()) * entry.dtype.itemsize
+            _check_size(name, size)
+            at_once += _size_at_once(name, entry.shape or (), size, entry.chunks)
+            _check_size("its small variables", at_once)
             if name not in MAPS:
                 continue
             if entry.ndim != len(("trigger", "y", "x")):
@@ -80,14 +87,15 @@ def check_zarr(path: Path) -> None:
 
     Argument and errors as in `check_netcdf`.
     """
+    files, at_once = _regular_files(path), 0
     for place in [path, *sorted(path.glob("*/")), *sorted(path.glob("*/*/"))]:
         description = place / "zarr.json"
-        if not description.is_file():
+        if str(description) not in files:
             if place == path:
                 raise ValueError("it has no zarr.json")
             continue
         name = place.relative_to(path).as_posix()
-        text = read_bounded(description, largest=_LARGEST_DESCRIPTION)
+        text = read_bounded(description, largest=LARGEST_DESCRIPTION)
         try:
             header = json.loads(text)
         except (ValueError, RecursionError) as error:
@@ -95,11 +103,26 @@ def check_zarr(path: Path) -> None:
         if not isinstance(header, dict):
             raise ValueError(f"{name}/zarr.json describes no array")
         if header.get("node_type") == "array":
-            _check_array(place, name, header)
+            at_once += _check_array(place, name, header, files)
+            _check_size("its small variables", at_once)
 
 
-def _check_array(place: Path, name: str, header: dict[str, Any]) -> None:
-    """Refuse an array of a zarr store by its description."""
+def _regular_files(path: Path) -> set[str]:
+    """Names of the files of a zarr store; pipes, devices and links to folders are refused."""
+    files = set()
+    for folder, folders, names in os.walk(path):
+        links = [name for name in folders if os.path.islink(os.path.join(folder, name))]
+        for name in (os.path.join(folder, each) for each in [*links, *names]):
+            state = os.stat(name)
+            if not stat.S_ISREG(state.st_mode):
+                raise ValueError(f"{os.path.relpath(name, path)} is not a regular file")
+            _check_size(os.path.relpath(name, path), state.st_size)
+            files.add(name)
+    return files
+
+
+def _check_array(place: Path, name: str, header: dict[str, Any], files: Set[str]) -> int:
+    """Refuse an array of a zarr store by its description; its part of what is read at once."""
     codecs = [codec.get("name") for codec in header["codecs"]]
     if not _CODECS.issuperset(codecs):
         raise ValueError(f"{name} has the codecs {codecs}")
@@ -107,21 +130,34 @@ def _check_array(place: Path, name: str, header: dict[str, Any]) -> None:
     shape = [int(length) for length in header["shape"]]
     chunks = [int(length) for length in header["chunk_grid"]["configuration"]["chunk_shape"]]
     kind = header["data_type"]
-    itemsize = np.dtype(kind).itemsize if isinstance(kind, str) and kind != "string" else 1
+    if isinstance(kind, str) and kind != "string":
+        itemsize = np.dtype(kind).itemsize
+    else:  # an object of python for each text
+        text = kind["configuration"] if isinstance(kind, dict) else {}
+        itemsize = max(_TEXT, text.get("length_bytes", 0))
     if len(chunks) != len(shape) or min([*shape, *chunks], default=1) < 1:
         raise ValueError(f"{name} has the shape {shape} in chunks of {chunks}")
-    _check_size(name, math.prod(shape[1:] if name in MAPS else shape) * itemsize)
-    _check_size(name, math.prod(chunks) * itemsize)
+    size = math.prod(shape[1:] if name in MAPS else shape) * itemsize
+    _check_size(name, max(size, math.prod(chunks) * itemsize))
 
     # a chunk that is missing would be read as the fill value; other programs leave out chunks of
     # zeros, and name chunks in another way
     separator = header["chunk_key_encoding"].get("configuration", {}).get("separator")
     if name in MAPS and separator == ".":
         for trigger in range(shape[0]):
-            if not (place / f"c.{trigger}.0.0").is_file():
+            if f"{place}{os.sep}c.{trigger}.0.0" not in files:
                 raise ValueError(f"the map {trigger} of {name} is missing")
+    return _size_at_once(name, shape, size, chunks)
+
+
+def _size_at_once(name: str, shape: Sequence[int], size: int, chunks: Sequence[int] | None) -> int:
+    """Part of a variable in what is read when the film is opened; none of arrays like maps."""
+    if name in MAPS or len(shape) >= len(FILM["thickness"].dims):
+        return 0
+    counts = (-(-n // chunk) for n, chunk in zip(shape, chunks or shape, strict=True))
+    return size + _CHUNK * math.prod(counts)
 
 
 def _check_size(name: str, size: int) -> None:
     if size > LARGEST_READ:
-        raise ValueError(f"its header claims {size / 1e9:.1f} GB of {name}")
+        raise ValueError(f"it claims {size / 1e9:.1f} GB of {name}")

@@ -10,6 +10,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
+from erlif.core.bounded import read_bounded
 from erlif.core.errors import OutputError
 from erlif.core.hdf5 import open_hdf5
 from erlif.core.tables import read_table
@@ -25,6 +26,9 @@ _NOT_ALLOWED = (errno.EACCES, errno.EPERM, errno.EROFS)
 
 # Errors of a folder in the place of a file, or the other way round.
 _IN_THE_WAY = (errno.EISDIR, errno.ENOTDIR, errno.EEXIST, errno.ENOTEMPTY, errno.ELOOP)
+
+# Size of a description in a zarr store that is read. [byte]
+LARGEST_DESCRIPTION = 2**24
 
 # Bytes at both ends of a file in which the mark is looked for.
 _MARKED = 2**16
@@ -106,7 +110,8 @@ def _is_own_store(output: Path, holds: str) -> bool:
     if not any(output.iterdir()):
         return True
     try:
-        attributes = json.loads((output / "zarr.json").read_bytes()).get("attributes", {})
+        text = read_bounded(output / "zarr.json", largest=LARGEST_DESCRIPTION)
+        attributes = json.loads(text).get("attributes", {})
     except (OSError, ValueError, AttributeError):
         return False
     return "erlif_version" in attributes and (not holds or (output / holds).is_dir())
@@ -299,7 +304,7 @@ def _move(source: Path, target: Path, names: Sequence[str]) -> None:
 
 def take_name(scratch: Path, output: Path) -> None:
     """Rename a complete file or directory to its output name, replacing the previous one."""
-    if scratch.is_dir() and output.exists():
+    if scratch.is_dir():
         _exchange(scratch, output)
     else:
         scratch.replace(output)
@@ -309,15 +314,18 @@ def _exchange(scratch: Path, output: Path) -> None:
     """Put a directory in the place of another one.
 
     Only files can be replaced in one step. The old directory keeps a name beside the new one until
-    the exchange is complete.
+    the exchange is complete; one that a killed process has left goes with it.
     """
     old = output.with_name(f".{output.name}.old")
-    remove(old)
-    output.rename(old)
+    replaced = output.exists()
+    if replaced:
+        remove(old)
+        output.rename(old)
     try:
         scratch.rename(output)
     except BaseException:
-        old.rename(output)
+        if replaced:
+            old.rename(output)
         raise
     remove(old)
 

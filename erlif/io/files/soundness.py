@@ -17,9 +17,9 @@ import xarray as xr
 
 from erlif.core.arrays import AnyArray
 from erlif.core.flags import Flag
-from erlif.core.format import is_later
+from erlif.core.format import LaterVersionError, is_later
 from erlif.core.variables import FILM, FRAMES, LARGEST_NUMBER, REGISTRATION, Variable
-from erlif.io.settings import RunSettings
+from erlif.io.settings import RunSettings, count_keys
 
 # Longest attribute. [character]
 LARGEST_TEXT = 2**24
@@ -91,7 +91,7 @@ def check_film(film: xr.Dataset) -> None:
     Raises
     ------
     ValueError
-        With the bare reason, the first one found.
+        With the bare reason, the first one found; `LaterVersionError` for a film of a later erlif.
 
     Examples
     --------
@@ -103,8 +103,7 @@ def check_film(film: xr.Dataset) -> None:
     ValueError: it has no variable film_min_std
     """
     if is_later(film.attrs):
-        version = film.attrs.get("erlif_version", "unknown")
-        raise ValueError(f"it was written by a later version of erlif, {version}")
+        raise LaterVersionError(film.attrs)
     _check_variables(film, FILM)
     _read_small(film)
     for variable in FILM.values():
@@ -231,7 +230,14 @@ def _check_film_attributes(film: xr.Dataset) -> None:
         if name in film.attrs:
             _expect_text(film.attrs, name)
 
-    settings = read_settings(film.attrs["settings"])
+    try:
+        settings = read_settings(film.attrs["settings"])
+    except ValueError:
+        written, known = film.attrs.get("settings_version", 0), count_keys(RunSettings)
+        if _is_number(written) and written > known:
+            more = f": its settings have version {written}, this erlif reads up to {known}"
+            raise LaterVersionError(film.attrs, more) from None
+        raise
     if settings.linkage is not None and "encoder_angle" in film and "rocker_speed" not in film:
         raise ValueError("it has a linkage and no variable rocker_speed")
     for name in ("calibration", "input_hashes"):

@@ -160,7 +160,9 @@ class _Camera:
         try:
             stamp = file_stamp(path)
             before = self._stamps.get(path)
-            if before == stamp:
+            # a file of which nothing was read may be sound: its opening may have failed
+            again = before == stamp and path in self._broken and not self._files.get(path)
+            if before == stamp and not again:
                 return []
             found = read_headers([path], self.selection)
             after = file_stamp(path)
@@ -176,7 +178,8 @@ class _Camera:
         if single and before is not None and stamp[1] - before[1] > 1e9 * PATIENCE:
             self._rewritten[path] = "it was written again after its pair was taken"
         if found.faults:
-            self._broken[path] = (now, next(iter(found.faults.values())))
+            since = self._broken[path][0] if again else now
+            self._broken[path] = (since, next(iter(found.faults.values())))
         else:
             self._broken.pop(path, None)
         return [page for n, page in enumerate(found.pages) if n not in found.faults]

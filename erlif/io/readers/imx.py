@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
 from erlif.core.arrays import AnyArray, Counts
+from erlif.core.speed.kernels import njit
 
 
 # one signature, compiled once per machine in half a second

@@ -1,6 +1,7 @@
 from .bore import BoreSettings as BoreSettings
 from .keys import Key as Key
 from .keys import Table as Table
+from .keys import count_keys as count_keys
 from .keys import keys_of as keys_of
 from .keys import tables_of as tables_of
 from .planning import CoefficientSettings as CoefficientSettings

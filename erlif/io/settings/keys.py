@@ -133,6 +133,22 @@ def tables_of(kind: type[Settings], path: tuple[str, ...] = ()) -> Iterator[Tabl
                 yield Table(table.path, table.kind, required, table.meaning)
 
 
+def count_keys(kind: type[Settings]) -> int:
+    """Number of keys and tables of a settings file: a version that rises with every new one.
+
+    Returns
+    -------
+    int
+
+    Examples
+    --------
+    >>> from erlif.io.settings import VogelSettings
+    >>> count_keys(VogelSettings)
+    3
+    """
+    return sum(len(table.kind.model_fields) for table in tables_of(kind))
+
+
 def keys_of(kind: type[Settings]) -> Iterator[Key]:
     """Yield the keys of one table that hold a value; keys that hold a table are left out.
 

@@ -535,7 +535,7 @@ class RunSettings(Settings):
     """run.toml."""
 
     calibration: CalibrationNames | None = Field(None, examples=["../fixture/calibration.nc"])
-    """calibration.nc of a fixture photographed with the same cameras and filters; made on the way
+    """calibration.nc of a fixture photographed with the same cameras and filters; fitted on the way
     if only its fixture.toml exists. Two names: the fixture before and after the run. The option
     --calibration takes precedence."""
     run: RunName

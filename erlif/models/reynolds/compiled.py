@@ -10,9 +10,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from erlif.core.arrays import Array, Mask
+from erlif.core.speed.kernels import njit
 from erlif.models.reynolds.balance import (
     LARGEST_APPROACH,
     MOST_ITERATIONS,

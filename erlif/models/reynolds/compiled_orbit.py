@@ -7,7 +7,8 @@ follows this file alone.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
+
+from erlif.core.speed.kernels import njit
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

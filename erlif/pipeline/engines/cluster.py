@@ -52,6 +52,11 @@ _ADDRESS = re.compile(r"((tcp|tls|ws|wss|ucx|ucxx)://)?(\[[0-9a-fA-F:.]+\]|[^\s/
 # Of the client: as the default of dask it would also serve the locks with which xarray writes.
 _OPTIONS = {"set_as_default": False}
 
+# Of scheduler and workers on this machine.
+_NO_PAGES: dict[str, list[str]] = {
+    f"distributed.{place}.http.routes": [] for place in ("scheduler", "worker")
+}
+
 # Time in which a scheduler must be reached. [s]
 _PATIENCE = 10
 
@@ -100,11 +105,12 @@ class Cluster:
         self._open = ExitStack()
         self._client: Any = None
         _check_form(scheduler)
-        if importlib.util.find_spec("distributed") is None:
-            raise ClusterError(
-                "Expected dask.distributed for --scheduler; it is not installed. Install it on all "
-                'machines with: pip install "erlif[cluster]"'
-            )
+        for package in ("distributed", "cryptography"):
+            if importlib.util.find_spec(package) is None:
+                raise ClusterError(
+                    f"Expected {package} for --scheduler; it is not installed. Install it on all "
+                    'machines with: pip install "erlif[cluster]"'
+                )
         # workers of our own start with the first work, so that bad input is refused at once
         if not _LOCAL.fullmatch(scheduler):
             self._connect()
@@ -198,16 +204,21 @@ class Cluster:
 
     def _connect(self) -> None:
         """Connect to the scheduler, or start one with workers on this machine."""
+        import dask
         from distributed import Client, LocalCluster
 
         local = _LOCAL.fullmatch(self.scheduler)
         if local:
             folder = self._open.enter_context(tempfile.TemporaryDirectory(prefix="erlif-workers-"))
+            # other users of this machine reach it too: they have no certificate of this start, and
+            # are shown no pages about the run
+            self._open.enter_context(dask.config.set(_NO_PAGES))
             own = self._open.enter_context(
                 LocalCluster(
                     n_workers=int(local[1]),
                     threads_per_worker=1,
                     processes=True,
+                    security=True,
                     dashboard_address="127.0.0.1:0",
                     memory_limit=0,  # erlif bounds its memory itself
                     local_directory=folder,

@@ -12,12 +12,12 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-import numba
 import numpy as np
 
 from erlif.calibration import Reabsorption
 from erlif.core.arrays import AnyArray, Array, FlagImage, Image
 from erlif.core.flags import Flag
+from erlif.core.speed.kernels import njit
 from erlif.ratio import PairRatio
 from erlif.thickness import FilmTables, compare_light, middle_of
 from erlif.thickness.maps import LookUpRows, fill_maps, find_medians, look_up
@@ -159,7 +159,7 @@ def measure_pulse(pair: PairRatio, tables: FilmTables, *, model: Reabsorption) -
     )
 
 
-@numba.njit(nogil=True, cache=True, error_model="numpy")
+@njit(nogil=True, cache=True, error_model="numpy")
 def _measure_film(  # type: ignore[no-untyped-def]
     images, offset, scale, tables, limits, surroundings, rows, blocks, maps
 ):
@@ -297,7 +297,7 @@ def _unpack(packed: Array) -> tuple[Array, Array, Array]:
     return first.astype(float), second.astype(float), third.astype(float)
 
 
-@numba.njit(nogil=True, cache=True, error_model="numpy", inline="always")
+@njit(nogil=True, cache=True, error_model="numpy", inline="always")
 def _accumulate(  # type: ignore[no-untyped-def]
     log_ratio, variance, displaced, lit, i, place, offset, around, flags, columns, sums
 ):
@@ -328,7 +328,7 @@ def _accumulate(  # type: ignore[no-untyped-def]
         sums[7, j] += mark + (_THIRD if outside else _ZERO)
 
 
-@numba.njit(nogil=True, cache=True, error_model="numpy", inline="always")
+@njit(nogil=True, cache=True, error_model="numpy", inline="always")
 def _close_blocks(sums, row, left, right, blocks):  # type: ignore[no-untyped-def]
     """Add up a row of blocks along the row, and begin the next."""
     for q in range(sums.shape[0]):
@@ -340,7 +340,7 @@ def _close_blocks(sums, row, left, right, blocks):  # type: ignore[no-untyped-de
             blocks[q, row, n] = total
 
 
-@numba.njit(nogil=True, cache=True, error_model="numpy", inline="always")
+@njit(nogil=True, cache=True, error_model="numpy", inline="always")
 def add_to_blocks(images, i, offset, around, flags, block_rows):  # type: ignore[no-untyped-def]
     """Add row i of the images, if it lies in the region, and close the blocks that it completes.
 

@@ -28,7 +28,7 @@ from erlif.io.files import (
     write_film,
 )
 from erlif.io.ingest import hash_files_beside_frames, open_run
-from erlif.io.settings import RunSettings, to_toml
+from erlif.io.settings import RunSettings, count_keys, to_toml
 from erlif.pipeline.physics.clock import fit_start
 from erlif.pipeline.physics.joint import locate_run, missing_load
 from erlif.pipeline.physics.prediction import (
@@ -246,6 +246,7 @@ def _predicted_triggers(source: PredictionInputs, prediction: Prediction) -> xr.
             f"predicted oil-film thickness, {settings.name}", f"predict {settings.name}"
         ),
         settings=to_toml(settings),
+        settings_version=count_keys(RunSettings),
         input_hashes=describe_hashes(source.hashes),
         model=f"transient Reynolds, {describe_sideways(settings.prediction)}",
         cells=list(CELLS),

@@ -345,7 +345,7 @@ def _pressure_by_trigger(
     of_motion = {name: film[name].variable for name in ("encoder_angle", "crank_angle", "stroke")}
     result = set_coordinates(result.assign(of_motion))
     # name the mount
-    kept = ("settings", "settings_stated")
+    kept = ("settings", "settings_version", "settings_stated")
     result.attrs.update({name: film.attrs[name] for name in kept if name in film.attrs})
     return result.assign_attrs(
         **describe_origin(f"pressure from the film, {settings.name}", f"pressure {settings.name}"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import math
 import os
 import time
@@ -43,6 +44,9 @@ _HELD = 3.0
 
 # Pairs in which the pulses of both cameras are compared.
 _PULSES = 12
+
+# Errors of opening or reading that pass: no handle or memory is free, a share has a fault.
+_PASSING = errno.EMFILE, errno.ENFILE, errno.ENOMEM, errno.EIO, errno.ESTALE
 
 # A file of this name in the run directory ends the watch.
 STOP = "stop"
@@ -296,9 +300,9 @@ class Watch(Follower):
             pair, shown, gaps = film.measure(pairs, 0, arrival)
         except ErlifError as error:
             named = self._arrivals.renew(arrival)
-            away = not all(page.path.exists() for page in named.pages)
+            away = _passes(error) or not all(page.path.exists() for page in named.pages)
             if away:
-                self._ended.wait(_AGAIN)  # a share that has gone may come back
+                self._ended.wait(_AGAIN)  # a share that has gone may come back, a handle be free
             with self._changed:
                 # the share may have come back since: a pair is given up at the second attempt
                 again = away or frame not in self._failed
@@ -352,3 +356,12 @@ class Watch(Follower):
         raised = self.alarms.raised(pairs, silence=0.0 if pairs else self.silence)
         self.alarmed = raised | self.alarmed
         self._raised |= {name: (time.monotonic(), text) for name, text in raised.items()}
+
+
+def _passes(error: BaseException | None) -> bool:
+    """Whether an error comes from one of the system that passes."""
+    while error is not None:
+        if isinstance(error, OSError) and error.errno in _PASSING:
+            return True
+        error = error.__cause__
+    return False

@@ -55,6 +55,8 @@ class Shared:
         File of the page itself.
     reading : Mapping[str, Callable[[Request], Found]]
         What the page can ask for, by its name in the address.
+    defects : set[tuple[type, str]]
+        Those that were logged.
     """
 
     access: AccessRule
@@ -64,6 +66,7 @@ class Shared:
     reading: Mapping[str, Callable[[queries.Request], queries.Found]] = field(
         default_factory=lambda: READING
     )
+    defects: set[tuple[type, str]] = field(default_factory=set)
 
 
 class _Guarded(tornado.web.RequestHandler):
@@ -101,7 +104,11 @@ class _Guarded(tornado.web.RequestHandler):
     def log_exception(self, kind: Any, error: Any, traceback: Any) -> None:
         """Log a defect without its request, whose address holds the token."""
         if not isinstance(error, ErlifError | tornado.web.HTTPError):
-            _logger.error("the viewer has a defect", exc_info=(kind, error, traceback))
+            # the page asks again and again
+            known = (kind, str(error)) in self.shared.defects
+            self.shared.defects.add((kind, str(error)))
+            if not known:
+                _logger.error("the viewer has a defect", exc_info=(kind, error, traceback))
 
     def write_error(self, status_code: int, **details: Any) -> None:
         """An expected failure as a sentence; others without details of this machine."""
@@ -110,7 +117,7 @@ class _Guarded(tornado.web.RequestHandler):
             self.set_status(400)
             self.finish({"message": str(error)})
         else:
-            reason = "there is no such page" if status_code == 404 else "the viewer has a defect"
+            reason = "the viewer has a defect" if status_code >= 500 else "this is not served"
             self.finish({"message": f"{reason} ({status_code})"})
 
 

@@ -72,7 +72,9 @@ def readings_of(source: LiveSource) -> dict[str, Callable[[Request], Found]]:
         return {**found, "now": time.time()}
 
     def newest(request: Request) -> Found:
-        layer = LAYERS[request.text("layer")]
+        layer = next((one for one in layers if one.name == request.text("layer")), None)
+        if layer is None:
+            raise ErlifError("Expected a layer that the page offers. Reload the page.")
         source.wait_for_map(request.whole("after"), _PATIENCE)
         shown = source.newest(layer.name)
         if shown is None:

@@ -400,7 +400,7 @@ def change_region(films: Sequence[FilmReader], body: bytes) -> dict[str, str]:
         x0, x1, y0, y1 = (float(value) for value in wanted["region"])
         request = Request(films, {"film": str(wanted["film"])})
         confirmed, before = wanted.get("confirmed") is True, str(wanted.get("before", ""))
-    except (ValueError, TypeError, KeyError) as error:
+    except (ValueError, TypeError, KeyError, RecursionError) as error:
         raise ErlifError("Expected a film and a region as JSON. Reload the page.") from error
 
     from erlif.trend import find_region  # loads the fits, which nothing else here needs

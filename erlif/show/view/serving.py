@@ -20,6 +20,10 @@ from erlif.show.view.films import open_films
 
 _THREADS = 2  # that read: a map is on its way while a profile is computed
 
+# Connections at a time, of which a browser has six for a page, and time after which one without a
+# request is closed [s]. Others on this machine could take all handles of the program.
+_CONNECTIONS, _IDLE = 64, 15
+
 
 def require_library() -> None:
     """Refuse to start without the packages of the viewer.
@@ -125,11 +129,33 @@ def serving(*, port: int, **shared: Any) -> Iterator[str]:
         ) from error
     listening.setblocking(False)
     access = AccessRule(int(listening.getsockname()[1]))
-    server = HTTPServer(make_application(Shared(access, **shared)), max_body_size=2**16)
+
+    class Server(HTTPServer):  # type: ignore[misc, unused-ignore] # tornado is loaded here alone
+        def handle_stream(self, stream: Any, address: Any) -> None:
+            if len(self._connections) < _CONNECTIONS:
+                super().handle_stream(stream, address)
+            else:
+                stream.close()
+
+    server = Server(
+        make_application(Shared(access, **shared)),
+        max_body_size=2**16,
+        idle_connection_timeout=_IDLE,
+        body_timeout=_IDLE,
+    )
     started: Future[Callable[[], object]] = Future()
+
+    reported: set[str] = set()
+
+    def report_once(loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:
+        text = f"{context['message']} {context.get('exception')}"
+        if text not in reported:
+            reported.add(text)
+            loop.default_exception_handler(context)
 
     async def run() -> None:
         ended = asyncio.Event()
+        asyncio.get_running_loop().set_exception_handler(report_once)
         server.add_socket(listening)
         started.set_result(partial(asyncio.get_running_loop().call_soon_threadsafe, ended.set))
         await ended.wait()

@@ -1,14 +1,19 @@
 """Films whose headers claim what the file does not hold."""
 
 import json
+import os
+import resource
 import shutil
+import time
 
 import h5py
 import numpy as np
 import pytest
 import xarray as xr
+import zarr
 
-from erlif.io.files import MapVariable, PartialFilm, open_film, write_film
+from erlif.core.errors import OutputError
+from erlif.io.files import MapVariable, PartialFilm, open_film, refuse_existing, write_film
 from erlif.io.files.headers import check_netcdf, check_zarr
 from erlif.show.plots import example_film
 
@@ -100,6 +105,70 @@ def test_a_description_that_erlif_does_not_write_is_refused(tmp_path, changes, w
     describe(path, "joint_load", **changes)
     with pytest.raises(ValueError, match=words):
         check_zarr(path)
+
+
+@pytest.mark.parametrize(
+    ("place", "kind"),
+    [
+        *((place, "pipe") for place in ("zarr.json", ".zattrs", "joint_load/zarr.json")),
+        *((place, "pipe") for place in ("joint_load/c/0", "flags/c.2.0.0", "frames/zarr.json")),
+        ("joint_load/c/0", "/dev/zero"),
+        ("flags/c.2.0.0", "/dev/zero"),
+        ("again", "."),
+        ("joint_load/c/0", "terabyte"),
+    ],
+)
+def test_a_store_without_end_is_refused_at_once(tmp_path, place, kind):
+    path = store(tmp_path / "film.zarr")
+    entry = path / place
+    entry.parent.mkdir(exist_ok=True)
+    entry.unlink(missing_ok=True)
+    if kind == "pipe":
+        os.mkfifo(entry)
+    elif kind == "terabyte":
+        with entry.open("wb") as file:
+            file.truncate(2**40)
+    else:
+        entry.symlink_to(kind)
+    began = time.monotonic()
+    with pytest.raises(OutputError, match=f"{place} is not a regular file|claims .* GB of {place}"):
+        open_film(path)
+    with pytest.raises(OutputError, match=r"something else|exists"):
+        refuse_existing(path, overwrite=place in ("zarr.json", "joint_load"), holds="thickness")
+    assert time.monotonic() - began < 5
+
+
+def add_unknown(path, number, length, **options):
+    """A variable without values, with the shape that its header claims."""
+    if path.is_dir():
+        group = zarr.open_group(path, mode="a", zarr_format=3)
+        group.create_array(f"u{number}", shape=(length,), dtype="f8", **options)
+    else:
+        with h5py.File(path, "r+") as file:
+            file.create_dataset(f"u{number}", (length,), "f8", **options)
+
+
+@pytest.mark.parametrize(("count", "length", "chunk"), [(8, 2**27, 2**24), (1, 2**26, 1)])
+def test_unknown_variables_are_bounded_together_and_in_chunks(path, count, length, chunk):
+    for number in range(count):
+        add_unknown(path, number, length - 1, chunks=(chunk,))
+    began, before = time.monotonic(), resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    with pytest.raises(OutputError, match=r"claims .* GB of its small variables"):
+        open_film(path)
+    assert time.monotonic() - began < 5
+    assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 2e5  # kB
+
+
+LONG = {"name": "fixed_length_utf32", "configuration": {"length_bytes": 2**29}}
+
+
+@pytest.mark.parametrize(("kind", "length"), [("string", 2**29), (LONG, 8)])
+def test_texts_count_with_their_size_in_memory(tmp_path, kind, length):
+    path = store(tmp_path / "film.zarr")
+    add_unknown(path, 0, length, chunks=(2,))
+    describe(path, "u0", data_type=kind)
+    with pytest.raises(OutputError, match=r"claims .* GB of u0"):
+        open_film(path)
 
 
 @pytest.mark.parametrize("text", ["", "[]", "[" * 100_000, "{"])

@@ -94,6 +94,16 @@ def test_an_earlier_store_may_be_replaced(tmp_path):
     refuse_existing(tmp_path / "film.zarr", overwrite=True, holds="thickness")
 
 
+def test_an_old_directory_that_a_killed_process_has_left_goes_with_the_next(tmp_path):
+    """Killed between the two renames, so that nothing has the name of the output."""
+    output, old = tmp_path / "film.zarr", tmp_path / ".film.zarr.old"
+    (old / "thickness").mkdir(parents=True)
+    with replacing(output) as scratch:
+        scratch.mkdir()
+        (scratch / "zarr.json").touch()
+    assert [path.name for path in tmp_path.iterdir()] == ["film.zarr"]
+
+
 def test_the_old_directory_comes_back_where_the_exchange_fails(tmp_path, monkeypatch):
     path = tmp_path / "film.zarr"
     path.mkdir()

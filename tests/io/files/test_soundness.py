@@ -1,13 +1,17 @@
 """Films that no run gives are refused when they are opened."""
 
+import h5py
 import numpy as np
 import pytest
 from scenes.film import make_film
 
+from erlif.core.errors import OutputError
 from erlif.core.variables import FRAMES, REGISTRATION
 from erlif.io.files import open_film
 from erlif.io.files.soundness import check_film, check_frames, check_registration
+from erlif.io.settings import OpticsSettings, RunSettings, count_keys
 from erlif.show.plots import example_film
+from erlif.show.plots.example import write_example
 
 
 @pytest.fixture(scope="module")
@@ -70,6 +74,27 @@ def test_a_film_that_no_run_gives_is_refused():
     for damage, words in DAMAGES:
         with pytest.raises(ValueError, match=words):
             check_film(damage(example_film()))
+
+
+@pytest.mark.parametrize("later", [True, False])
+def test_a_key_of_a_later_erlif_names_its_version_and_one_of_this_is_damage(tmp_path, later):
+    known = count_keys(RunSettings)
+    path = write_example(tmp_path / "film.nc")
+    with h5py.File(path, "r+") as file:
+        text = file.attrs["settings"]
+        file.attrs["settings"] = "new_key = 3\n" + getattr(text, "decode", lambda: text)()
+        file.attrs["settings_version"] = known + later
+        file.attrs["erlif_version"] = "0.3.0"
+    words = f"later .* 0\\.3\\.0: its settings have version {known + 1}.*up to {known}"
+    with pytest.raises(OutputError, match=words if later else "is damaged.*cannot be read"):
+        open_film(path)
+
+
+def test_the_version_of_settings_rises_with_a_key_in_any_table(monkeypatch):
+    known = count_keys(RunSettings)
+    fields = OpticsSettings.model_fields | {"new_key": OpticsSettings.model_fields["x_axis"]}
+    monkeypatch.setattr(OpticsSettings, "__pydantic_fields__", fields)
+    assert count_keys(RunSettings) == known + 1
 
 
 def test_what_could_not_be_measured_is_nan_and_accepted():

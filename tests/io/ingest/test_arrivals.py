@@ -1,7 +1,9 @@
 """Pairs of a recording that grows: files are written here one by one, whole or in part."""
 
+import errno
 import importlib
 import os
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -85,6 +87,27 @@ def test_a_file_that_stays_damaged_is_reported_after_a_while(rig):
     (text,) = rig.arrivals.doubtful()
     assert text.startswith("camera2/frame_0000.tif: ")
     rig.write(2, 0)
+    assert rig.look() == [0]
+    assert rig.arrivals.doubtful() == []
+
+
+def test_a_file_whose_opening_failed_is_read_without_a_change(rig, monkeypatch):
+    rig.write(1, 0)
+    rig.write(2, 0)
+    opening = Path.open
+
+    def fail(path, *args, **options):
+        if str(path).endswith("camera2/frame_0000.tif"):
+            raise OSError(errno.EMFILE, os.strerror(errno.EMFILE), str(path))
+        return opening(path, *args, **options)
+
+    monkeypatch.setattr(Path, "open", fail)
+    assert rig.look() == []
+    rig.clock.now += PATIENCE + 0.1
+    assert rig.look() == []
+    (text,) = rig.arrivals.doubtful()
+    assert "Too many open files" in text
+    monkeypatch.setattr(Path, "open", opening)
     assert rig.look() == [0]
     assert rig.arrivals.doubtful() == []
 

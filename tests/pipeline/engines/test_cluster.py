@@ -9,6 +9,8 @@ import shutil
 import signal
 import threading
 import time
+import urllib.error
+import urllib.request
 from dataclasses import replace
 
 import numpy as np
@@ -51,12 +53,6 @@ def two_workers():
         yield engine
 
 
-@pytest.fixture
-def address(two_workers):
-    """Address of a scheduler with two workers."""
-    return two_workers._client.scheduler.address
-
-
 @pytest.fixture(scope="module")
 def spare_workers(tmp_path_factory):
     """A cluster that tests may damage."""
@@ -85,6 +81,12 @@ def own_workers(spare_workers):
         else:
             pytest.fail("the cluster has not two workers")
         yield spare_workers
+
+
+@pytest.fixture
+def address(own_workers):
+    """Address of a scheduler with two workers."""
+    return own_workers.scheduler_address
 
 
 @contextlib.contextmanager
@@ -204,6 +206,29 @@ def test_a_lost_scheduler_is_reported(tmp_path):
         scheduler.join()
 
 
+# other users of this machine
+
+
+def test_workers_of_this_machine_take_no_work_of_others_and_show_no_pages(two_workers):
+    """A client on the loopback without a certificate, and with one of its own."""
+    scheduler = two_workers._client.scheduler_info()
+    addresses = [scheduler["address"], *scheduler["workers"]]
+    foreign = distributed.Security.temporary()
+    for address in addresses:
+        assert address.startswith("tls://127.0.0.1:")
+        with pytest.raises(OSError, match=r"Timed out|certificate"):
+            distributed.Client(address, security=foreign, timeout=1)
+    with pytest.raises(OSError, match=r"Timed out|reset by peer"):
+        distributed.Client(addresses[0].replace("tls", "tcp"), timeout=1)
+
+    services = [scheduler["services"], *(one["services"] for one in scheduler["workers"].values())]
+    ports = [service["dashboard"] for service in services if "dashboard" in service]
+    for port, path in itertools.product(ports, ("info/main/workers.html", "json/identity.json")):
+        with pytest.raises(urllib.error.HTTPError, match="404"):
+            urllib.request.urlopen(f"http://127.0.0.1:{port}/{path}", timeout=5)
+    assert ports
+
+
 # what is refused
 
 FORMS = r"local:N .* tcp://HOST:8786.*scheduler.json; got"
@@ -246,7 +271,7 @@ def test_a_scheduler_without_workers_is_refused(own_workers, monkeypatch):
 def test_another_version_is_refused(two_workers, monkeypatch):
     """The scheduler is in this process, the workers are not."""
     monkeypatch.setattr(module, "__version__", "0.0.0")
-    with pytest.raises(ClusterError, match=r"erlif 0\.0\.0, .* worker tcp://.* has \d.*install"):
+    with pytest.raises(ClusterError, match=r"erlif 0\.0\.0, .* worker tls://.* has \d.*install"):
         collect(two_workers, Squares(), [1])
 
 

@@ -1,9 +1,12 @@
 """A run that is watched while another thread writes it."""
 
+import errno
 import importlib
+import os
 import shutil
 import threading
 import time
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -197,6 +200,39 @@ def test_a_pair_whose_files_came_back_in_between_is_measured(empty_run, monkeypa
         wait_until(lambda: len(watch.state().measured) == 3, watch)
     assert failed
     assert not watch.state().faults
+
+
+@pytest.mark.parametrize("stage", ["header", "pair"])
+def test_a_pair_whose_files_could_not_be_opened_is_measured_later(empty_run, monkeypatch, stage):
+    """The first attempts fail as where a program has all its files open."""
+    run_dir, write = empty_run
+    monkeypatch.setattr(module, "_AGAIN", 0.05)
+    watch, opening, measure, failed = Watch(run_dir, workers=1), Path.open, LiveFilm.measure, []
+
+    def refuse(name, path):
+        if name == stage and path.name == "frame_0002.tif" and len(failed) < 3:
+            failed.append(path)
+            raise OSError(errno.EMFILE, os.strerror(errno.EMFILE), str(path))
+
+    def open_or_fail(path, *args, **options):
+        refuse("header", path)
+        return opening(path, *args, **options)
+
+    def measure_or_fail(film, pairs, frame, arrival):
+        try:
+            refuse("pair", arrival.pages[0].path)
+        except OSError as error:
+            raise FrameError("the file cannot be read") from error
+        return measure(film, pairs, frame, arrival)
+
+    monkeypatch.setattr(Path, "open", open_or_fail)
+    monkeypatch.setattr(LiveFilm, "measure", measure_or_fail)
+    with watch.running():
+        for frame in range(3):
+            write(frame)
+        wait_until(lambda: len(watch.state().measured) == 3, watch)
+        wait_until(lambda: not watch.state().faults, watch)
+    assert len(failed) == 3
 
 
 def test_pairs_whose_files_got_other_names_are_measured(empty_run, monkeypatch):

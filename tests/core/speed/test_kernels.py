@@ -1,0 +1,70 @@
+"""Kernels whose kept files are cut, empty, foreign or in the way of a full disk."""
+
+import builtins
+import errno
+import os
+import subprocess
+import sys
+
+import pytest
+
+MODULE = """
+from erlif.core.speed.kernels import njit
+
+@njit(cache=True)
+def twice(x):
+    return 2 * x
+"""
+
+PROGRAM = """
+import sys
+sys.path.insert(0, sys.argv[1])
+from module import twice
+print(twice(1.5), twice.stats.cache_hits[twice.signatures[0]] if twice.stats.cache_hits else 0)
+"""
+
+
+@pytest.fixture
+def start(tmp_path):
+    """A program that starts anew and calls a kernel: its result, and whether that was kept."""
+    (tmp_path / "module.py").write_text(MODULE)
+
+    def run():
+        environment = {key: value for key, value in os.environ.items() if key != "NUMBA_CACHE_DIR"}
+        command = [sys.executable, "-c", PROGRAM, str(tmp_path)]
+        done = subprocess.run(
+            command, env=environment, capture_output=True, text=True, timeout=60, check=True
+        )
+        return done.stdout.split()
+
+    assert run() == ["3.0", "0"]
+    assert run() == ["3.0", "1"]
+    return run
+
+
+@pytest.mark.parametrize("suffix", [".nbi", ".nbc"])
+@pytest.mark.parametrize("kept", [0, 40, "zeros", "foreign"])
+def test_a_damaged_file_is_replaced_by_a_new_one(start, tmp_path, suffix, kept):
+    (damaged,) = (tmp_path / "__pycache__").glob(f"*{suffix}")
+    content = damaged.read_bytes()
+    ends = {"zeros": bytes(len(content)), "foreign": b"\x80\x04cno.such.module\nname\n."}
+    damaged.write_bytes(ends[kept] if kept in ends else content[:kept])
+    assert start() == ["3.0", "0"]
+    assert start() == ["3.0", "1"]
+
+
+@pytest.mark.parametrize("code", [errno.ENOSPC, errno.EDQUOT, errno.EACCES, errno.EROFS])
+def test_a_kernel_that_cannot_be_kept_is_used_all_the_same(tmp_path, monkeypatch, code):
+    (tmp_path / "module_of_a_full_disk.py").write_text(MODULE)
+    monkeypatch.syspath_prepend(tmp_path)
+    module = __import__("module_of_a_full_disk")
+    whole = builtins.open
+
+    def refuse(file, mode="r", *args, **options):
+        if ".nb" in str(file) and "w" in mode:
+            raise OSError(code, os.strerror(code))
+        return whole(file, mode, *args, **options)
+
+    monkeypatch.setattr(builtins, "open", refuse)
+    assert module.twice(1.5) == 3.0
+    assert not list(tmp_path.rglob("*.nb?"))
