@@ -27,7 +27,7 @@ from typing import IO, Any
 
 # Processor time for one file after which the child is ended. A busy machine gives it little of its
 # time, so that the time on the clock is bounded for a child that waits without end alone. [s]
-LONGEST = 10
+LONGEST = 10.0
 PATIENCE = 300.0
 
 # What the child may take for an HDF5 file, of which it keeps little, and for a MATLAB file, which
@@ -166,7 +166,7 @@ def _end_of(status: int, *, late: bool) -> str:
     if late:
         return f"the library that reads it did not end within {PATIENCE:g} s"
     if -status == getattr(signal, "SIGXCPU", None):
-        return f"the library that reads it took more than {LONGEST} s of processor time"
+        return f"the library that reads it took more than {LONGEST:g} s of processor time"
     name = signal.Signals(-status).name if status < 0 else f"exit status {status}"
     return f"the library that reads it crashed or took too much memory ({name})"
 
@@ -236,12 +236,12 @@ def _limit_memory(most: int) -> None:
         _limit(resource.RLIMIT_AS, taken + most)
 
 
-def _limit_time(most: int) -> None:
+def _limit_time(most: float) -> None:
     """Bound the processor time from now on; Windows has no such bound."""
     with suppress(ImportError):
         import resource
 
-        _limit(resource.RLIMIT_CPU, math.ceil(time.process_time()) + most)
+        _limit(resource.RLIMIT_CPU, math.ceil(time.process_time() + most))
         resource.setrlimit(resource.RLIMIT_CORE, (0, resource.getrlimit(resource.RLIMIT_CORE)[1]))
 
 

@@ -89,7 +89,7 @@ def child(tmp_path, monkeypatch):
         "child['_serve'](sys.stdin.buffer, sys.stdout.buffer)\n"
     )
     monkeypatch.setattr(guarded, "__file__", str(program))
-    monkeypatch.setattr(guarded, "LONGEST", 1)
+    monkeypatch.setattr(guarded, "LONGEST", 1.0)
     child = guarded._Child()
     yield child
     child.end()

@@ -119,7 +119,7 @@ CALIBRATIONS = [
         "fixture/calibration.nc",
         empty_heap,
         "process run",
-        *("calibration.nc", "too much time", "erlif calibrate"),
+        *("calibration.nc", "processor time", "erlif calibrate"),
     ),
     _calibration("complex curve", _complex("curve_ratio"), "curve_ratio", "complex"),
     _calibration("inverse ratio", _attribute("ratio_direction", "camera1/camera2"), "again"),
@@ -157,7 +157,7 @@ FILMS = [
         "film.nc",
     ),
     _bytes(
-        "a heap without end", "films/film.nc", empty_heap, "report films/film.nc", "too much time"
+        "a heap without end", "films/film.nc", empty_heap, "report films/film.nc", "processor time"
     ),
     _film("exponent at rest", _set("rocker_speed", 0.0), "rocker_speed is zero", command="report"),
     _film("infinite film", _first("film_min", np.inf), "film_min has the value inf"),
