@@ -11,7 +11,7 @@ __version__ = "0.1.0"
 
 @cache
 def digest_of_sources() -> str:
-    """Digest of the code and tables of erlif, which tells two checkouts of one version apart.
+    """Digest of the code and tables of erlif, by which two checkouts of one version differ.
 
     Examples
     --------
