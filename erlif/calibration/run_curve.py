@@ -15,6 +15,8 @@ from erlif.calibration.regression import Reabsorption
 from erlif.calibration.systematics import NO_SYSTEMATICS, Systematics
 from erlif.core.arrays import Array
 
+_RANGE = 1001  # films of the range at which the slope is looked at
+
 # Films at which what a run adds to a curve is tabulated: the first [um], the last over the end of
 # the calibrated range, and their number. Between them it is a cubic spline, right to 1e-8.
 _THINNEST, _THICKEST, _ADDED = 0.02, 3.0, 1201
@@ -134,6 +136,19 @@ class RunCurve(RatioCurve):
     def follows_run(self) -> bool:
         """Whether the run has added something to the curve of the fixture."""
         return self.systematics.value is not None
+
+    def where_it_rises(self) -> RunCurve:
+        """Return the curve in the range in which it rises from the first frame to the last.
+
+        Light that is not film changes the ratio most where the film is thin: what a run has shown
+        of it may leave a maximum or minimum within the calibrated range.
+        """
+        films = np.linspace(*self.thickness_range, _RANGE)
+        rises = np.all([self.at(passed).slope(films) > 0 for passed in (0.0, 1.0)], axis=0)
+        ends = np.flatnonzero(np.concatenate([[True], ~rises, [True]]))
+        widest = int(np.argmax(np.diff(ends)))
+        covered = films[ends[widest]], films[ends[widest + 1] - 2]
+        return replace(self, thickness_range=(float(covered[0]), float(covered[1])))
 
     @cached_property
     def _added(self) -> scipy.interpolate.CubicSpline:

@@ -7,6 +7,7 @@ import numpy.testing as npt
 from scenes.fixture import with_systematics
 
 from erlif.calibration import RunCurve
+from erlif.calibration.soundness import check_calibration
 from erlif.show.plots.example import example_calibration
 
 
@@ -38,3 +39,21 @@ def test_errors_that_grow_change_a_run_and_leave_its_curve():
     assert (run.moves, run.varies) == (False, True)
     assert run.at(0.0).log_ratio_std(5.0) < run.at(1.0).log_ratio_std(5.0)
     assert run.at(0.0).predict_log(5.0) == run.at(1.0).predict_log(5.0)
+
+
+def test_a_curve_that_falls_in_thin_film_is_used_where_it_rises():
+    """By a background of a negative size, whose share of the light grows as the film vanishes."""
+    run = with_systematics(example_calibration(), background=0.05)
+    value = np.zeros(len(run.full_covariance))
+    value[len(run.fitted_covariance) :] = [-0.05, 0.0]
+    falling = replace(run, systematics=replace(run.systematics, value=value))
+    low, high = run.thickness_range
+    films = np.linspace(low, high, 4001)
+    assert falling.slope(films)[0] < 0 < falling.slope(films)[-1]
+
+    found = falling.where_it_rises()
+    turn = films[np.flatnonzero(falling.slope(films) <= 0)[-1]]
+    assert turn < found.thickness_range[0] < turn + 2e-3 * (high - low)
+    assert found.thickness_range[1] == high
+    check_calibration(found.calibration, found)
+    assert run.where_it_rises().thickness_range == run.thickness_range

@@ -137,7 +137,8 @@ def with_errors(calibration: RunCurve, errors: ErrorEstimate, *, corrected: bool
     found = calibration.systematics.with_errors(
         covariance, value, before=errors.prior, scatter=errors.scatter
     )
-    return replace(calibration, systematics=found)
+    curve = replace(calibration, systematics=found)
+    return curve.where_it_rises() if corrected else curve
 
 
 def describe_gap(
