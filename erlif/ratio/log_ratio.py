@@ -112,7 +112,7 @@ def compute_ratio(
         one, two = signal[:, n]
         noise = variance[0, n], fixed[0, n], variance[1, n], fixed[1, n]
         flags = *frames.flags.values[:, n], no_flags
-        total, of_two = divide_rows(  # type: ignore[call-arg]
+        total, of_two = divide_rows(
             one, two, *noise, *flags, map_var, *along, *ratio.images, 0, 0, len(one)
         )
 

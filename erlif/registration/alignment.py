@@ -152,7 +152,7 @@ def align_bands(
         for band, of_band in zip(bands, aligned, strict=True):
             outs = tuple(of_band[name][1, n] for name in names)
             rows = band.start, band.start, band.stop
-            total, points = sample_rows(  # type: ignore[call-arg]
+            total, points = sample_rows(
                 spline, dx, dy, x, y, NOTHING_BAD, *noise, moved, *outs[1:], *rows
             )
             outs[0][:] = moved[band]

@@ -7,37 +7,52 @@ at every further start; here such a kernel is compiled again and kept again.
 from __future__ import annotations
 
 import logging
+from collections.abc import Callable
 from contextlib import suppress
 from typing import Any
 
-from numba import njit
+import numba
 from numba.core.caching import FunctionCache
-
-__all__ = ["njit"]
 
 _logger = logging.getLogger(__name__)
 
-_cache: Any = FunctionCache
-_load, _save = _cache._load_overload, _cache._save_overload
+
+_numba_cache: Any = FunctionCache  # numba has no types
 
 
-def _load_or_compile(self: Any, sig: Any, target_context: Any) -> Any:
-    """As the method of numba; None, upon which it compiles, where the file cannot be read."""
-    try:
-        return _load(self, sig, target_context)
-    except Exception as error:  # pickle raises errors of many classes for bytes that are cut
-        _logger.info("%s is compiled again, as its file is damaged (%r)", self._name, error)
-        with suppress(OSError):
-            self.flush()
-        return None
+class _KernelCache(_numba_cache):  # type: ignore[misc]
+    """The kept kernels of one function."""
+
+    def _load_overload(self, sig: Any, target_context: Any) -> Any:
+        """None, upon which numba compiles, where the file cannot be read."""
+        try:
+            return super()._load_overload(sig, target_context)
+        except Exception as error:  # pickle raises errors of many classes for bytes that are cut
+            _logger.info("%s is compiled again, as its file is damaged (%r)", self._name, error)
+            with suppress(OSError):
+                self.flush()
+            return None
+
+    def _save_overload(self, sig: Any, data: Any) -> None:
+        """Where nothing can be written the kernel lasts for the program."""
+        try:
+            super()._save_overload(sig, data)
+        except Exception as error:  # also an index that another process has damaged since
+            _logger.info("%s is not kept for the next start (%r)", self._name, error)
 
 
-def _save_if_possible(self: Any, sig: Any, data: Any) -> None:
-    """As the method of numba; where nothing can be written the kernel lasts for the program."""
-    try:
-        _save(self, sig, data)
-    except Exception as error:  # also an index that another process has damaged since
-        _logger.info("%s is not kept for the next start (%r)", self._name, error)
+def njit(
+    signature: str | None = None, *, cache: bool = False, **options: Any
+) -> Callable[[Callable[..., Any]], Any]:
+    """`numba.njit`, whose kept kernels may be damaged."""
 
+    def compiled(function: Callable[..., Any]) -> Any:
+        kernel = numba.njit(**options)(function)
+        if cache:
+            kernel._cache = _KernelCache(function)
+        if signature is not None:
+            kernel.compile(signature)
+            kernel.disable_compile()
+        return kernel
 
-_cache._load_overload, _cache._save_overload = _load_or_compile, _save_if_possible
+    return compiled

@@ -81,7 +81,7 @@ def measure_ratio(
         variances = var_one, fixed_one, warped.variance, warped.variance_fixed
         flags = light.flags[0], warped.flags, tables.flags
         rows = first, done, ready
-        sums = divide_rows(  # type: ignore[call-arg]
+        sums = divide_rows(
             light.light[0],
             warped.light,
             *variances,
