@@ -66,7 +66,7 @@ FILM_ATTRIBUTES = (
     Attribute("title", "Title with the name of the run."),
     Attribute("history", "Version of erlif and the step that wrote the file."),
     Attribute("erlif_version", "Version of erlif."),
-    Attribute("erlif_sources", "Digest of its code and tables, which tells checkouts apart."),
+    Attribute("erlif_sources", "Digest of its code and tables, by which checkouts differ."),
     Attribute(
         "format_version", "Version of the file format, 1. An earlier erlif refuses a later one."
     ),
@@ -293,8 +293,7 @@ CALIBRATION_ATTRIBUTES = (
     Attribute("title", "ERLIF calibration."),
     Attribute("history", "Version of erlif and the step that wrote the file."),
     Attribute("erlif_version", "Version of erlif."),
-    Attribute("erlif_sources", "Digest of its code and tables, which tells checkouts apart."),
-    Attribute("erlif_sources", "Digest of its code and tables, which tells checkouts apart."),
+    Attribute("erlif_sources", "Digest of its code and tables, by which checkouts differ."),
     Attribute(
         "format_version", "Version of the file format, 1. An earlier erlif refuses a later one."
     ),

@@ -53,10 +53,7 @@ def test_films_follow_the_curve_between_both_fixtures(lab, film):
 
 
 def test_film_records_both_fixtures(lab, film):
-    opened = [
-        erlif.open_calibration(lab.directory / name / "calibration.nc")
-        for name in ("fixture", "fixture_after")
-    ]
+    opened = [erlif.calibrate(lab.directory / name) for name in ("fixture", "fixture_after")]
     kept = json.loads(film.attrs["calibration"])
     hashes = [json.loads(one.attributes["input_hashes"]) for one in opened]
     assert [kept["input_hashes"], kept["later"]["input_hashes"]] == hashes

@@ -28,7 +28,7 @@ from threadpoolctl import threadpool_limits
 from erlif.core.bounded import read_bounded
 from erlif.core.errors import ClusterError
 from erlif.core.speed.memory import keep_memory
-from erlif.core.version import __version__
+from erlif.core.version import version_and_sources
 
 _Result = TypeVar("_Result")
 
@@ -154,7 +154,9 @@ class Cluster:
                     looked = time.monotonic()
                 for item in islice(waiting, max(ahead - len(jobs), 0)):
                     key = (f"trigger-{name}", item)
-                    job = self._client.submit(_call, sent, name, __version__, item, key=key)
+                    job = self._client.submit(
+                        _call, sent, name, version_and_sources(), item, key=key
+                    )
                     jobs.append((item, job))
                 if not jobs:
                     return
@@ -177,7 +179,9 @@ class Cluster:
 
         # dask warns of large arguments, as most of them would be sent with every item
         with dask.config.set({"distributed.admin.large-graph-warning-threshold": "1TB"}):
-            return self._client.submit(_unpack_work, packed, __version__, key=f"work-{name}")
+            return self._client.submit(
+                _unpack_work, packed, version_and_sources(), key=f"work-{name}"
+            )
 
     def _obtain(self, job: Any) -> Any:
         """The result of a job; a warning where there is no worker to compute it."""
@@ -253,11 +257,11 @@ class Cluster:
             version = self._client.run_on_scheduler(_version)
         except Exception as error:  # whatever the loading of an unknown module raises there
             raise ClusterError(
-                f"Expected erlif {__version__} at the scheduler {self.scheduler}; it cannot be "
-                f"loaded there ({error}). Scheduler and workers need the environment of this "
-                "machine: install the same versions."
+                f"Expected erlif {version_and_sources()} at the scheduler {self.scheduler}; it "
+                f"cannot be loaded there ({error}). Scheduler and workers need the environment of "
+                "this machine: install the same versions."
             ) from error
-        _check_version("the scheduler", version, __version__)
+        _check_version("the scheduler", version, version_and_sources())
 
     def _start_a_worker(self) -> str:
         return f"dask worker {self._client.scheduler.address} --nthreads 1"
@@ -314,14 +318,14 @@ _checked: set[str] = set()
 
 def _unpack_work(packed: bytes, version: str) -> Any:
     """The work that was sent, on a worker."""
-    _check_version(_this_worker(), __version__, version)
+    _check_version(_this_worker(), version_and_sources(), version)
     return pickle.loads(packed)
 
 
 def _call(work: Callable[[int], _Result], name: str, version: str, item: int) -> _Result:
     """One item, on a worker."""
     if name not in _checked:
-        _check_version(_this_worker(), __version__, version)
+        _check_version(_this_worker(), version_and_sources(), version)
         cv2.setNumThreads(1)  # the threads of a worker compute different items
         threadpool_limits(1, user_api="blas")
         keep_memory()
@@ -347,4 +351,4 @@ def _this_worker() -> str:
 
 
 def _version() -> str:
-    return __version__
+    return version_and_sources()

@@ -270,7 +270,7 @@ def test_a_scheduler_without_workers_is_refused(own_workers, monkeypatch):
 
 def test_another_version_is_refused(two_workers, monkeypatch):
     """The scheduler is in this process, the workers are not."""
-    monkeypatch.setattr(module, "__version__", "0.0.0")
+    monkeypatch.setattr(module, "version_and_sources", lambda: "0.0.0")
     with pytest.raises(ClusterError, match=r"erlif 0\.0\.0, .* worker tls://.* has \d.*install"):
         collect(two_workers, Squares(), [1])
 
