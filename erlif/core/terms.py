@@ -253,7 +253,11 @@ class _Texture(Term, key="texture"):
     what = "what stands still in the image"
     cure = "Clean windows and flats; take a wall of even finish"
     file = ""
-    parameters = (Parameter("texture", lambda at: 1.0),)
+    # all three make the error of a pixel; each number of a region has its own share of them
+    parameters = tuple(
+        Parameter(name, lambda at: 3**-0.5)
+        for name in ("texture", "texture_second", "texture_third")
+    )
 
 
 class _Lag(Term, key="lag"):

@@ -66,11 +66,12 @@ class Texture:
         contact: GapShape,
         *,
         along_x: bool,
-    ) -> tuple[float, float]:
-        """Its errors of the mean over a region, and of the minimum of a fitted gap.
+    ) -> Array:
+        """Changes of the mean over a region, and of the minimum of a fitted gap, by the pattern.
 
         Both over those by a change of the ratio that is even over the region. In thick films the
-        same change of the ratio is more film.
+        same change of the ratio is more film. The norm of a row is the share of the size that is
+        the error of the number; products of rows are covariances, also those of several gaps.
 
         Parameters
         ----------
@@ -83,15 +84,17 @@ class Texture:
 
         Returns
         -------
-        mean, minimum : float
-            Those of an even film, and that of its mean for both, where the gap is not known.
+        array, (2, part)
+            By independent parts of the pattern of variance 1; those of the mean of an even film for
+            both where the gap is not known.
         """
         pixels = (region.columns, region.rows) if along_x else (region.rows, region.columns)
         start = np.array([one.start for one in pixels])
         half = 0.5 * (np.array([one.stop for one in pixels]) - 1 - start)
         places = np.linspace(-1, 1, _GRID)
         apart = np.subtract.outer(places, places)
-        along, across = (np.exp(-((side * apart / self.length) ** 2)) for side in half)
+        powers = [np.linalg.eigh(np.exp(-((side * apart / self.length) ** 2))) for side in half]
+        along, across = (axes * np.sqrt(np.maximum(power, 0.0)) for power, axes in powers)
 
         # weights of even places of the region in the mean, and in the least squares of the gap
         of_mean = of_gap = np.ones(_GRID**2)
@@ -108,11 +111,7 @@ class Texture:
             of_gap = of_mean * (at_place @ np.linalg.solve(used @ shapes.T, used))
 
         tables = (weights.reshape(_GRID, _GRID) for weights in (of_mean, of_gap))
-        mean, lowest = (
-            float(np.sqrt((table * (along @ table @ across)).sum()) / abs(table.sum()))
-            for table in tables
-        )
-        return mean, lowest
+        return np.stack([(along.T @ table @ across).ravel() / table.sum() for table in tables])
 
 
 def find_texture(

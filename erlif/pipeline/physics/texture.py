@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from erlif.calibration import RunCurve
+from erlif.core.arrays import Array
 from erlif.core.notes import Note, warn
 from erlif.core.terms import CONSTANT, TERMS
 from erlif.io.files import MapStore
@@ -26,9 +27,11 @@ def with_texture(
     plane: ObjectPlane,
     contact: GapShape,
 ) -> tuple[list[TriggerResult], RunCurve]:
-    """Results and calibration with one more parameter, the last: what stands still in the image.
+    """Results and calibration with further parameters, the last: what stands still in the image.
 
-    Its error is that of a pixel; numbers of a region depend on it less. Where the film of a patch
+    Their error is that of a pixel; numbers of a region depend on them less. The films of two
+    triggers weigh its places differently, so that their errors are not the same share of the film:
+    the parameters are the largest principal components of all numbers. Where the film of a patch
     has set the ratio, what stands still on the patch moves all films alike.
     """
     texture = findings.texture
@@ -36,23 +39,53 @@ def with_texture(
         return list(results), calibration
     curve, along_x, size = calibration.at(0.5), plane.sliding_along_x, texture.size
     gaps = [one.statistics.gap for one in results]
-    shares = np.array(
-        [texture.in_numbers(plane.region, gap, curve, contact, along_x=along_x) for gap in gaps]
+
+    # a tilt below its error puts minima at either edge by chance: all at that of most triggers
+    places, across = np.array([gap.place for gap in gaps]), int(along_x)
+    known = np.isfinite(places[:, across]).sum()
+    places[:, across] = np.sort(places[:, across])[known // 2]
+    numbers = np.array(
+        [
+            texture.in_numbers(
+                plane.region, gap._replace(place=place), curve, contact, along_x=along_x
+            )
+            for gap, place in zip(gaps, places, strict=True)
+        ]
     )
-    if contact is GapShape.PLATEAU:
-        shares[:, 1] = 1.0  # numbers of few blocks
+    if contact is GapShape.PLATEAU:  # numbers of few blocks
+        numbers[:, 1] /= np.linalg.norm(numbers[:, 1], axis=-1, keepdims=True)
     if findings.scale is not None and plane.patch is not None:
         even = GapMinimum.unknown(0)
-        of_patch, _ = texture.in_numbers(plane.patch, even, curve, contact, along_x=along_x)
-        shares = np.hypot(shares, of_patch) / np.hypot(1.0, of_patch)
+        patch = texture.in_numbers(plane.patch, even, curve, contact, along_x=along_x)
+        of_patch = float(np.linalg.norm(patch[0]))
+        numbers = np.pad(numbers, ((0, 0), (0, 0), (0, 1)), constant_values=of_patch)
+        numbers /= np.hypot(1.0, of_patch)
         size *= float(np.hypot(1.0, of_patch))
-    systematics, (added,) = calibration.systematics, TERMS["texture"].parameters
+
+    systematics, found = calibration.systematics, list(results)
     like = len(systematics.cross) + systematics.place("ratio", CONSTANT)
-    found = systematics.with_parameter("texture", added, size**2)
-    return [
-        result.with_parameter(like, float(mean), minimum=float(minimum))
-        for result, (mean, minimum) in zip(results, shares, strict=True)
-    ], replace(calibration, systematics=found)
+    parameters = TERMS["texture"].parameters
+    for parameter, shares in zip(parameters, _components(numbers, len(parameters)), strict=True):
+        systematics = systematics.with_parameter("texture", parameter, size**2)
+        found = [
+            result.with_parameter(like, float(mean), minimum=float(minimum))
+            for result, (mean, minimum) in zip(found, shares, strict=True)
+        ]
+    return found, replace(calibration, systematics=systematics)
+
+
+def _components(numbers: Array, count: int) -> Array:
+    """Shares of the largest principal components in numbers, (component, trigger, number).
+
+    `numbers` are their changes by the parts of the pattern, (trigger, number, part). The error of
+    each number remains what it is by all components.
+    """
+    parts = numbers.reshape(-1, numbers.shape[-1])
+    axes = np.linalg.eigh(parts.T @ parts)[1][:, : -count - 1 : -1]
+    shares = parts @ axes
+    shares *= np.copysign(1.0, shares.sum(axis=0))
+    whole, kept = (np.linalg.norm(one, axis=1, keepdims=True) for one in (parts, shares))
+    return np.asarray((shares * whole / kept).T.reshape(count, *numbers.shape[:2]))
 
 
 def widen_maps(maps: MapStore, triggers: int, curve: RunCurve) -> None:
