@@ -3,8 +3,9 @@
 ``python benchmarks/mistakes.py`` makes each mistake of tests/damages/mistakes.py on a copy of a
 small rig and prints whether it was refused or warned of, the largest error of the minimum film and
 of the speed exponent in stated standard deviations, the largest error of the speed, and the first
-warning. ``--only late`` chooses mistakes by a pattern in their names; ``--sound 200`` processes
-that many sound rigs of all kinds and prints every warning of an audit.
+warning; then tables by kinds of mistakes and of rigs. ``--only late`` chooses mistakes by a pattern
+in their names; ``--sound 200`` processes that many sound rigs of all kinds and prints every warning
+of an audit.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ import re
 import shutil
 import sys
 import tempfile
+from collections import Counter
 from pathlib import Path
 from typing import NamedTuple
 
@@ -126,8 +128,9 @@ COLUMNS = ("tried", "wrong", "refused", "warned", "named first", "wrong in silen
 
 
 def print_mistakes(rigs: Path, only: str) -> None:
-    """A row for each mistake, and a table of the sums of each kind."""
+    """A row for each mistake, the sums of each kind, and those wrong in silence on each rig."""
     counts = {kind: dict.fromkeys(COLUMNS, 0) for kind in (*KINDS, "all")}
+    tried, unseen = Counter[tuple[str, str]](), Counter[tuple[str, str]]()
     with tempfile.TemporaryDirectory() as scratch:
         for mistake in MISTAKES:
             if not re.search(only, mistake.name):
@@ -141,6 +144,9 @@ def print_mistakes(rigs: Path, only: str) -> None:
             for kind in (mistake.kind, "all"):
                 for column, one_more in zip(COLUMNS, found, strict=True):
                     counts[kind][column] += one_more
+                for name in (mistake.rig, "all"):
+                    tried[kind, name] += 1
+                    unseen[kind, name] += silent
             first = one.warnings[0][:150] if one.warnings else ""
             numbers = f"{one.film:9.1f} {one.exponent:7.1f} {100 * one.speed:7.1f}"
             mark = "SILENT" if silent else "other " if known and not named else "      "
@@ -149,6 +155,15 @@ def print_mistakes(rigs: Path, only: str) -> None:
     for kind, row in counts.items():
         if row["tried"]:
             print(f"| {kind} | {' | '.join(str(row[column]) for column in COLUMNS)} |")
+    names = [name for name in (*RIGS, "all") if tried["all", name]]
+    print(f"\n| wrong in silence / tried | {' | '.join(names)} |\n|---|{'---:|' * len(names)}")
+    for kind, row in counts.items():
+        if row["tried"]:
+            cells = (
+                f"{unseen[kind, name]}/{tried[kind, name]}" if tried[kind, name] else ""
+                for name in names
+            )
+            print(f"| {kind} | {' | '.join(cells)} |")
 
 
 def print_alarms(count: int) -> None:

@@ -32,6 +32,9 @@ MOST_SPEEDS = 1000
 # Standard deviations by which the second harmonic must differ from zero.
 SIGNIFICANT = 5.0
 
+# Second harmonic over the first, below which a link dwells alike at both dead points.
+_ALIKE = 1e-9
+
 _TURN = 2 * math.pi
 
 Mechanism = CrankRocker | SliderCrank
@@ -231,7 +234,8 @@ def find_direction(
     Returns
     -------
     sign : int
-        1 rising, -1 falling, 0 where the log does not show it.
+        1 rising, -1 falling, 0 where the log does not show it, as with the rod of a slider-crank,
+        which dwells alike at both dead points.
     noise : float
         Standard deviation of the readings about their harmonics; 0 for a short log. [rad]
 
@@ -259,6 +263,8 @@ def find_direction(
     crank = np.arange(256) * _TURN / 256
     wave = np.asarray(link(crank))
     first, second = (2 * np.mean(wave * np.exp(-1j * m * crank)) for m in (1, 2))
+    if abs(second) < _ALIKE * abs(first):
+        return 0, noise
 
     phase = read_first / abs(read_first) * np.conj(first) / abs(first)
     along = float((read_second * np.conj(phase**2) / second).real)

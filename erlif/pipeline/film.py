@@ -266,9 +266,9 @@ def with_record(
     ]
     notes = [
         *draft.notes,
+        *from_calibration,
         *_censoring_notes(results),
         *note_form(positions, draft.curve, ready.plane, load),
-        *from_calibration,
         *skipped_notes(run.pairs),
     ]
     stated = settings.camera1.serial, settings.camera2.serial

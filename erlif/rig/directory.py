@@ -179,6 +179,7 @@ _COMPRESSION = 3  # of zlib: higher levels are slower and compress noise no bett
 # Name of the run by the mechanism.
 _NAMES = {
     "crank-rocker": "straight bushing",
+    "slider-crank": "crank pin",
     "rotation": "pin on disc",
     "sinusoidal": "slider",
     "static": "static film",
@@ -433,7 +434,6 @@ def write_encoder_log(
 
 def run_toml(rig: RigSettings, triggers: Triggers) -> str:
     """Return run.toml of the virtual run."""
-    linked = rig.mechanism == "crank-rocker"
     (first, last), (upper, lower) = rig.patch
     edge = _PATCH_EDGE * rig.pitch
     return fill_template(
@@ -443,10 +443,9 @@ def run_toml(rig: RigSettings, triggers: Triggers) -> str:
         name=_NAMES[rig.mechanism],
         bands=BANDS if rig.dyes is None else rig.dyes.bands,
         background=rig.background_pages > 0,
-        linked=linked,
         zero=read_encoder(np.radians(triggers.crank_angle), triggers, rig).zero,
         # frames at even crank angles need not repeat; without a linkage only cycles do
-        folded=not rig.pulses_per_cycle if linked else rig.cycles > 1,
+        folded=not rig.pulses_per_cycle if rig.linked else rig.cycles > 1,
         triggers=triggers.reading.size,
         ticks=TICKS,
         load_line=rig.centre[0] * rig.pitch + rig.thin_line,

@@ -1,7 +1,7 @@
 """The true film: motion of the linkage, gap of the joint, wedge of the fixture and bubbles.
 
-The linkage follows from the law of cosines, the gap from rigid circles. Discs, sliders and static
-films may take the place of the linkage.
+The linkage follows from the law of cosines, the gap from rigid circles. Slider-cranks, discs,
+sliders and static films may take the place of the linkage.
 """
 
 from collections.abc import Callable
@@ -49,8 +49,11 @@ def rocker_angle(crank_angle: Array, rig: RigSettings) -> Array:
     """Rocker angle at its pivot from the ground link [rad].
 
     The rocker is on the side of positive crank angles [rad]. The diagonal from the crank pin to the
-    rocker pivot splits the four-bar into two triangles (law of cosines).
+    rocker pivot splits the four-bar into two triangles (law of cosines). Of a slider-crank it is
+    the direction of the rod from crank pin to slider, whose pin stays on the line of the crank.
     """
+    if rig.mechanism == "slider-crank":
+        return np.asarray(-np.arcsin(rig.crank / rig.coupler * np.sin(crank_angle)))
     r1, r2, r3, r4 = rig.crank, rig.coupler, rig.rocker, rig.ground
     diagonal = np.sqrt(r1**2 + r4**2 - 2 * r1 * r4 * np.cos(crank_angle))
     to_crank_pin = np.arctan2(r1 * np.sin(crank_angle), r4 - r1 * np.cos(crank_angle))
@@ -69,6 +72,13 @@ def rocker_speed(crank_angle: Array, rig: RigSettings) -> Array:
     return np.asarray(per_crank_angle * rig.crank_speed * 2 * np.pi / 60)
 
 
+def crank_pin_speed(crank_angle: Array, rig: RigSettings) -> Array:
+    """Angular speed [rad/s] at which the crank of a slider-crank turns against its rod."""
+    ratio = rig.crank / rig.coupler
+    rod = ratio * np.cos(crank_angle) / np.sqrt(1 - (ratio * np.sin(crank_angle)) ** 2)
+    return np.asarray((1 + rod) * rig.crank_speed * 2 * np.pi / 60)
+
+
 def crank_angle(angle: Array, rising: Array, rig: RigSettings) -> Array:
     """Crank angle [rad, 0 to 2 pi] at which the rocker passes `angle` [rad] on either stroke."""
     r1, r2, r3, r4 = rig.crank, rig.coupler, rig.rocker, rig.ground
@@ -81,6 +91,8 @@ def crank_angle(angle: Array, rising: Array, rig: RigSettings) -> Array:
 def coupler_angle(crank_angle: Array, rig: RigSettings) -> Array:
     """Direction of the coupler from crank pin to rocker pin against the ground link [rad]."""
     psi = rocker_angle(crank_angle, rig)
+    if rig.mechanism == "slider-crank":
+        return psi  # its rod is the coupler
     return np.arctan2(
         rig.rocker * np.sin(psi) - rig.crank * np.sin(crank_angle),
         rig.ground - rig.rocker * np.cos(psi) - rig.crank * np.cos(crank_angle),
@@ -88,8 +100,10 @@ def coupler_angle(crank_angle: Array, rig: RigSettings) -> Array:
 
 
 def crank_at(time: Array, rig: RigSettings) -> Array:
-    """Crank angle [rad, rising without end] at a time [s] after the smallest rocker angle."""
-    start = crank_angle(np.asarray(rocker_range(rig)[0] + 1e-12), np.asarray(True), rig)
+    """Crank angle [rad, rising without end] at a time [s] of `Triggers`."""
+    start: Array = np.zeros(())
+    if rig.mechanism == "crank-rocker":
+        start = crank_angle(np.asarray(rocker_range(rig)[0] + 1e-12), np.asarray(True), rig)
     return np.asarray(start + time * rig.crank_speed * 2 * np.pi / 60)
 
 
@@ -114,9 +128,10 @@ class Triggers(NamedTuple):
     crank_angle : Array
         Crank angle, 0 to 360. [degree]
     speed : Array
-        Rocker speed, positive on the rising stroke. [rad/s]
+        Rocker speed, positive on the rising stroke; of a slider-crank the speed of its crank pin.
+        [rad/s]
     time : Array
-        Time since the rocker stood at its smallest angle. [s]
+        Time since the rocker stood at its smallest angle, or the crank at 0. [s]
     load : Array
         Load on the joint. [N]
     film_min : Array
@@ -469,7 +484,8 @@ def list_pictures(rig: RigSettings) -> Triggers:
     """List the pictures of one cycle, with motion and film of each.
 
     The speed of a disc and of a slider is that of the surface [m/s]: 2 pi n R of the disc, and
-    2 pi f s/2 cos of the slider, whose position is s/2 sin.
+    2 pi f s/2 cos of the slider, whose position is s/2 sin. The encoder of a slider-crank reads 0
+    at the smallest angle of its rod.
     """
     if rig.mechanism == "crank-rocker":
         return list_triggers(rig)
@@ -477,7 +493,13 @@ def list_pictures(rig: RigSettings) -> Triggers:
     number = np.arange(rig.pictures)
     share = (number + _FIRST) / rig.pictures  # of a cycle
     angle = 2 * np.pi * share
-    if rig.mechanism == "rotation":
+    reading, zero = np.degrees(angle), 0.0
+    if rig.mechanism == "slider-crank":
+        speed = crank_pin_speed(angle, rig)
+        time = share * cycle_time(rig)
+        zero = -float(np.degrees(np.arcsin(rig.crank / rig.coupler)))
+        reading = np.degrees(rocker_angle(angle, rig)) - zero
+    elif rig.mechanism == "rotation":
         turns = rig.disc_speed / 60
         speed = np.full(number.size, 2 * np.pi * turns * rig.track_radius / 1e3)
         time = share / turns
@@ -485,16 +507,17 @@ def list_pictures(rig: RigSettings) -> Triggers:
         speed = np.pi * rig.frequency * rig.stroke / 1e3 * np.cos(angle)
         time = share / rig.frequency
     else:
-        angle, speed = np.zeros(number.size), np.zeros(number.size)
+        angle, reading, speed = np.zeros((3, number.size))
         time = number / _LASER
 
-    return _with_film(rig, angle, speed, time, np.degrees(angle), 0.0, top=np.abs(speed).max())
+    return _with_film(rig, angle, speed, time, reading, zero, top=np.abs(speed).max())
 
 
 def cycle_time(rig: RigSettings) -> float:
     """Time of one cycle of the motion. [s]"""
     return {
         "crank-rocker": 60 / rig.crank_speed,
+        "slider-crank": 60 / rig.crank_speed,
         "rotation": 60 / rig.disc_speed,
         "sinusoidal": 1 / rig.frequency,
         "static": rig.pictures / _LASER,

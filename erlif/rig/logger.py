@@ -40,7 +40,7 @@ class Reading(NamedTuple):
 
 def read_encoder(crank: Array, triggers: Triggers, rig: RigSettings) -> Reading:
     """Return the readings at crank angles [rad]."""
-    if rig.mechanism != "crank-rocker":
+    if not rig.linked:
         return Reading(np.degrees(crank), 0.0)
     angle = _link_angle(crank, rig)
     fine = _link_angle(np.linspace(0, 2 * np.pi, _FINE), rig)

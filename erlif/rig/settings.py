@@ -78,9 +78,10 @@ class RigSettings:
         Width of the field of camera 1 in the object plane; the pixel pitch follows from it.
         [mm]
     mechanism : str
-        "crank-rocker", "rotation" (a disc), "sinusoidal" (a slider) or "static".
+        "crank-rocker", "slider-crank" (the film of its crank pin), "rotation" (a disc),
+        "sinusoidal" (a slider) or "static".
     pictures : int
-        Frame pairs of one cycle; of a linkage `spacing` determines them.
+        Frame pairs of one cycle; of a crank-rocker `spacing` determines them.
     track_radius : float
         Radius of the track on the disc. [mm]
     disc_speed : float
@@ -92,7 +93,7 @@ class RigSettings:
     crank : float
         Length of the crank. [cm]
     coupler : float
-        Length of the coupler. [cm]
+        Length of the coupler, or of the rod of a slider-crank. [cm]
     rocker : float
         Length of the rocker. [cm]
     ground : float
@@ -106,7 +107,8 @@ class RigSettings:
     write_zero : bool
         Write the link angle at encoder reading 0 into run.toml.
     encoder : str
-        Link that carries the encoder: rocker, coupler or crank.
+        Link that carries the encoder: rocker, coupler or crank. The rod of a slider-crank is both
+        rocker and coupler.
     reading : str
         What it shows: degrees; wrapped, degrees that start again at 0 within the stroke; or
         ticks, which do so too.
@@ -313,7 +315,7 @@ class RigSettings:
     field_width: float = _limited(19.2, 0.01, 1000)
 
     # motion without a linkage
-    mechanism: str = _one_of("crank-rocker", "rotation", "sinusoidal", "static")
+    mechanism: str = _one_of("crank-rocker", "slider-crank", "rotation", "sinusoidal", "static")
     pictures: int = _limited(24, 1, 1_000_000)  # a week of simulation at 320 x 256
     track_radius: float = _limited(20.0, 1e-3, 1e6)
     disc_speed: float = _limited(60.0, 1e-6, 1e6)
@@ -487,15 +489,20 @@ class RigSettings:
 
     def _check_run(self) -> None:
         """Refuse a run that is too long, references without a level, and a log without linkage."""
-        linked = self.mechanism == "crank-rocker"
-        logger = (self.log, self.reading, self.encoder, self.pulses_per_cycle)
-        if not linked and logger != ("frames", "degrees", "rocker", 0.0):
+        logger = (self.log, self.reading, self.encoder)
+        if not self.linked and logger != ("frames", "degrees", "rocker"):
             raise ModelError(
-                "Expected log, reading, encoder and pulses_per_cycle of the virtual rig with a "
-                f"linkage alone; the mechanism is {self.mechanism!r}. Leave them out."
+                "Expected log, reading and encoder of the virtual rig with a linkage alone; the "
+                f"mechanism is {self.mechanism!r}. Leave them out."
+            )
+        spaced = self.mechanism == "crank-rocker"
+        if self.pulses_per_cycle and not spaced:
+            raise ModelError(
+                "Expected pulses_per_cycle of the virtual rig with a crank-rocker alone; the "
+                f"mechanism is {self.mechanism!r}. Write pictures in its place."
             )
         in_turn = self.pulses_per_cycle or 2 * SWING / self.spacing
-        in_turn = in_turn if linked else self.pictures
+        in_turn = in_turn if spaced else self.pictures
         most = LIMITS["pictures"][1]
         if in_turn * self.cycles > most:
             raise ModelError(
@@ -509,12 +516,14 @@ class RigSettings:
     def _check_joint(self) -> None:
         """Refuse a linkage that cannot turn, bodies that do not fit, and a film without theory."""
         # Grashof: the crank turns if it is the shortest link and the frame is long enough
-        if self.crank + self.ground >= self.coupler + self.rocker or self.crank >= min(
-            self.coupler, self.rocker
-        ):
+        turns = self.crank < self.coupler
+        if self.mechanism != "slider-crank":
+            turns = turns and self.crank < self.rocker
+            turns = turns and self.crank + self.ground < self.coupler + self.rocker
+        if not turns:
             raise ModelError(
                 "The crank of the virtual rig cannot turn (Grashof): make it the shortest of four "
-                "links."
+                "links, or shorter than the rod of a slider-crank."
             )
         if not 0 < self.pin_radius < self.bushing_radius:
             raise ModelError(
@@ -561,6 +570,11 @@ class RigSettings:
                 "Expected a profile of the virtual rig with two or more depths, without lobes and "
                 "edges, which it has already. Leave one of them out."
             )
+
+    @property
+    def linked(self) -> bool:
+        """Whether a linkage with a crank moves the joint."""
+        return self.mechanism in ("crank-rocker", "slider-crank")
 
     @property
     def pitch(self) -> float:

@@ -122,7 +122,7 @@ def _describe_triggers(file: h5netcdf.File, triggers: Triggers, rig: RigSettings
     put("camera", "camera", [1, 2], "1", "camera number")
     put("encoder_angle", "trigger", triggers.reading, "degree", "encoder reading")
     put("joint_load", "trigger", triggers.load, "N", "load on the joint")
-    if rig.mechanism != "crank-rocker":
+    if not rig.linked:
         put("sliding_speed", "trigger", triggers.speed, "m s-1", "signed, of the surface")
         put("time", "trigger", triggers.time, "s", "time in the first cycle")
         return

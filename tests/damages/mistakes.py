@@ -6,6 +6,7 @@ import shutil
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from datetime import datetime, timedelta
 from functools import partial
 from pathlib import Path
 
@@ -30,6 +31,10 @@ RIGS = {
     "one turn": RigSettings(**SMALL, mechanism="rotation", pictures=40),
     "slider": RigSettings(**SMALL, mechanism="sinusoidal", pictures=40),
     "static": RigSettings(**SMALL, mechanism="static", pictures=20),
+    "rod": RigSettings(**SMALL, mechanism="slider-crank", crank=16.0, pictures=40),
+    "slider-crank": RigSettings(
+        **SMALL, mechanism="slider-crank", crank=16.0, pictures=40, encoder="crank"
+    ),
 }
 """Sound rigs; each is simulated once."""
 
@@ -248,6 +253,47 @@ def reference_image(rig: Path, kind: str, camera: int, change: Callable) -> None
         tifffile.imwrite(path, np.rint(pages).astype(np.uint16), photometric="minisblack")
 
 
+@change
+def fitted_anew(rig: Path, then: Callable[[Path], object]) -> None:
+    """Do something to the fixture too, whose calibration is then made with it."""
+    then(rig)
+    (rig / "fixture" / "calibration.nc").unlink()
+
+
+@change
+def profile(rig: Path, by: float) -> None:
+    """All points of the profile are too thick, or too thin."""
+    table = Table(rig / "fixture" / "profile.csv")
+    table.put("thickness_um", np.maximum(table.numbers("thickness_um") + by, 0.0))
+    table.write()
+
+
+@change
+def one_file(rig: Path, kind: str) -> None:
+    """The dark, or the flat, is the file of both."""
+    for camera in (1, 2):
+        dark, flat = (rig / "run" / f"camera{camera}_{name}.tif" for name in ("dark", "flat"))
+        source, target = (dark, flat) if kind == "dark" else (flat, dark)
+        target.unlink()
+        shutil.copy(source, target)
+
+
+@change
+def local_clock(rig: Path, hours: int) -> None:
+    """Local times in place of seconds; the clock is put forward or back in the middle."""
+    with log_of(rig) as table:
+        time = table.numbers("time_s")
+        start = datetime(2026, 3, 29, 2) if hours > 0 else datetime(2026, 10, 25, 3)
+        middle = float(np.median(time))
+        clocks = [
+            start + timedelta(seconds=each - middle, hours=hours if each >= middle else 0)
+            for each in time
+        ]
+        del table.columns["time_s"]
+        table.columns["Clock"] = [f"{clock:%Y-%m-%d %H:%M:%S.%f}" for clock in clocks]
+    setting(('"encoder.csv"', '"encoder.csv"\ntime = "Clock"'))(rig)
+
+
 rocker_as_crank = setting(('mounted_on = "rocker"', 'mounted_on = "crank"'))
 
 
@@ -340,7 +386,8 @@ def vignette(pages: np.ndarray) -> np.ndarray:
 
 
 LAW, CRANK, ZERO = ("law",), ("law", "crank"), ("law", "zero fitted")
-MOVED, OTHERS = ("one turn", "slider"), ("one turn", "slider", "static")
+MOVED, PINS = ("one turn", "slider", "slider-crank"), ("slider-crank", "rod")
+OTHERS = (*MOVED, "static")
 
 MISTAKES = [
     # files and counts
@@ -632,7 +679,7 @@ MISTAKES += [
     *family(
         "time in {0}, {2}",
         lambda unit, factor: scaled("time_s", factor),
-        "time",
+        "time|crank turns",
         on(("disc", *MOVED), ("ms", 1e3), ("minutes", 1 / 60)),
     ),
     *family(
@@ -681,7 +728,7 @@ MISTAKES += [
         "log late by {}, no energies, {}",
         unlogged("laser_mJ", late),
         PAIRS,
-        on(("slider",), (1,), (-1,), (4,), (-3,)),
+        on(("slider", *PINS), (1,), (-1,), (4,), (-3,)),
     ),
     *family("{1} pairs lost from pair {0}, {2}", lost, PAIRS, on(MOVED, (20, 3), (10, 5))),
     *family(
@@ -694,7 +741,7 @@ MISTAKES += [
         "both cameras in reverse order, no energies, {}",
         lambda: without("laser_mJ", order(reverse)),
         "in reverse order",
-        on(("slider", "crank"), ()),
+        on(("slider", "crank", *PINS), ()),
     ),
     *family(
         "pairs {} and {} exchanged in both cameras, {}",
@@ -741,6 +788,110 @@ MISTAKES += [
         on(("law", "static"), (1,), (2,)),
     ),
 ]
+
+MISTAKES += [
+    # slider-cranks: their encoder is on the crank, or on the rod
+    *family(
+        "crank speed of {1} rpm for {0}, {2}",
+        replaced('"{} rpm"'),
+        "crank turns|crank_speed",
+        on(PINS, (114, 11.4), (114, 141), (114, 57)),
+    ),
+    *family(
+        "crank of {1} cm for {0} cm, {2}",
+        replaced('"{} cm"'),
+        "swing|reach",
+        on(PINS, (16, 15), (16, 17), (16, 1.6)),
+    ),
+    *family(
+        "rod of {1} cm for {0} cm, {2}",
+        replaced('"{} cm"'),
+        "swing|reach",
+        on(PINS, (44, 46), (44, 40)),
+    ),
+    *family(
+        "links in mm for cm, {}",
+        lambda: setting(('"16 cm"', '"16 mm"'), ('"44 cm"', '"44 mm"')),
+        "",
+        on(PINS, ()),
+    ),
+    *family(
+        "linkage stated as a crank-rocker, {}",
+        lambda: setting(
+            ('kind = "slider-crank"', 'kind = "crank-rocker"\nrocker = "60 cm"\nground = "65 cm"')
+        ),
+        "kind|reach|swing",
+        on(PINS, ()),
+    ),
+    Mistake(
+        "stated on the crank, logged on the rod",
+        rocker_as_crank,
+        MOUNTING,
+        "rod",
+    ),
+    Mistake(
+        "stated on the rod, logged on the crank",
+        setting(('mounted_on = "crank"', 'mounted_on = "rocker"')),
+        "crank|rocker|reach",
+        "slider-crank",
+    ),
+    *family(
+        "crank zero off by {} degrees, {}",
+        lambda by: setting(('zero = "30.', f'zero = "{30 + by}.')),
+        "zero",
+        on(("slider-crank",), (20,), (90,), (180,)),
+    ),
+    *family(
+        "rod zero off by {} degrees, {}",
+        lambda by: setting(('zero = "-21.', f'zero = "{-21 + by}.')),
+        "reach|zero",
+        on(("rod",), (2,), (20,)),
+    ),
+    *family(
+        "encoder counts the other way, {}",
+        lambda: column("angle_deg", lambda v: v.max() - v),
+        "direction",
+        on(PINS, ()),
+    ),
+    *family("log late by {}, {}", late, PAIRS, on(("rod",), (1,), (-1,), (4,))),
+    *family("reading of row {} off by {} degrees, {}", reading, ANGLE, on(("rod",), (12, -8))),
+    *family("encoder slips by {1} degrees at row {0}, {2}", slip, ANGLE, on(("rod",), (20, -3))),
+    # damages of frames, references, profile and clock on each kind of rig
+    *family(
+        "all frames {} counts above the darks, {}",
+        lambda by: each(lambda i: np.minimum(i + float(by), 4095)),
+        "offset|dark",
+        on(("law", *OTHERS), (1000,), (200,)),
+    ),
+    *family(
+        "dark of both cameras hot, 300 DN up, in run and fixture, {}",
+        lambda: fitted_anew(
+            lambda rig: [
+                reference_image("dark", camera, lambda p: p + 300)(rig) for camera in (1, 2)
+            ]
+        ),
+        "dark",
+        on(("law", *OTHERS), ()),
+    ),
+    *family(
+        "profile {:+g} um, {}",
+        lambda by: fitted_anew(profile(by)),
+        "profile",
+        on(("law", *OTHERS), (5,), (-2,)),
+    ),
+    *family(
+        "clock put by {:+d} h in mid-run, {}",
+        local_clock,
+        "",
+        on(("law", *MOVED), (1,), (-1,)),
+    ),
+    *family(
+        "one file as dark and flat, the {}, {}",
+        one_file,
+        "flat",
+        on(("law", *OTHERS), ("dark",), ("flat",)),
+    ),
+]
 MISTAKES += in_stacks(
     one
     for one in MISTAKES
@@ -756,7 +907,7 @@ KINDS = {
     "the same files under both cameras": "copies of camera",
     "a bit that is stuck": "^bit ",
     "8 bits scaled to 12, also by way of JPEG": "JPEG|^8 bits",
-    "counts halved or scaled, dark subtracted twice": "^counts|^dark",
+    "counts halved or scaled, dark subtracted twice": "^counts|^dark sub",
     "load, temperature or time in another unit": "^load in|^temperature in|^time in",
     "another speed of the crank or disc in run.toml": "^crank speed|^speed of",
     "single loads 5 to 1000 times too large or small": "^load of row",
@@ -770,14 +921,18 @@ KINDS = {
     "two pairs exchanged in both cameras": "exchanged in both",
     "3 to 10 pairs of another run": "^[0-9]+ pairs of '",
     "1 to 3 pairs of the fixture": "of the fixture",
-    "a link 1 to 4 % too long or short, a zero off": "^(crank of|rocker|coupler|ground)|zero off",
-    "encoder stated on another link": "^stated|^the same",
+    "a link too long or short, a zero off": "^(crank|rod|links|rocker|coupler|ground) |zero off",
+    "encoder or linkage of another kind": "^stated|^the same|^linkage",
     "another load in [joint]": "in .joint. for",
     "calibration of a later erlif": "^calibration of",
     "angle in turns or radian": "^angle in",
     "another frequency of the slider": "^frequency of",
     "load ramp in reverse": "^load ramp",
     "drive angle off": "^drive angle",
-    "another dark or flat": "^dark of camera|^flat of|of the flat",
+    "another dark or flat": "^dark of|^flat of|of the flat|^one file",
+    "an encoder that counts the other way": "the other way",
+    "an offset of all frames": "^all frames",
+    "a profile of the fixture that is off as a whole": "^profile ",
+    "a clock at the change to summer time": "^clock",
 }
 """Kinds of mistakes, by words of their names; the first that fits holds."""

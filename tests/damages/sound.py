@@ -26,6 +26,8 @@ MOTIONS: list[dict[str, Any]] = [
     {"mechanism": "rotation", "pictures": 40},
     {"mechanism": "sinusoidal", "pictures": 40},
     {"mechanism": "static", "pictures": 20},
+    {"mechanism": "slider-crank", "crank": 16.0, "pictures": 40},
+    {"mechanism": "slider-crank", "crank": 16.0, "pictures": 40, "encoder": "crank"},
 ]
 """Mechanisms, encoders and logs."""
 

@@ -132,6 +132,16 @@ def test_a_short_log_leaves_the_sign_open(frames, duration):
     assert find_direction(time, wave(8 * time), wave, crank_speed=8.0)[0] == 0
 
 
+def test_the_rod_of_a_slider_crank_leaves_the_sign_open():
+    """It swings alike at both dead points: its second harmonic is zero."""
+
+    def rod(crank):
+        return np.arcsin(np.sin(crank) / 4)
+
+    time = np.linspace(0, 3, 200)
+    assert find_direction(time, -rod(8 * time), rod, crank_speed=8.0)[0] == 0
+
+
 # zero
 
 

@@ -55,6 +55,12 @@ def test_share_beyond_the_range_has_a_note_from_one_per_cent_on(make_film, calib
     assert "film_mean lacks up to 12% of the region (trigger 0)" in notes
 
 
+def test_a_warning_of_the_calibration_stands_before_what_follows_from_it(make_film, calibration):
+    off = replace(calibration, notes=(Note(Level.WARNING, "profile.csv", "all films are off"),))
+    notes = make_film(off, beyond_range=0.12).attrs["notes"]
+    assert notes.index("all films are off") < notes.index("film_mean lacks")
+
+
 def test_frames_have_their_drift_about_the_mean_and_relative_pulse_energy(cycles):
     """Drifts 0.1 k and -0.2 k px less the mean; energies 100 + k over their mean 105.5."""
     run, cycle = cycles

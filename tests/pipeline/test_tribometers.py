@@ -170,6 +170,26 @@ def test_budget_of_a_film_without_a_speed_is_that_of_its_first_trigger(case):
         assert float(table["std"].sel(term="total", quantity="mean film")) > 0
 
 
+@pytest.mark.parametrize("encoder", ["rocker", "crank"])
+@pytest.mark.parametrize("log", ["frames", "continuous"])
+def test_crank_pin_of_a_slider_crank(encoder, log, tmp_path):
+    """With a crank of 16 cm and a rod of 44 cm its speed is 0.64 to 1.36 of that of the crank."""
+    rig = replace(
+        SMALL, mechanism="slider-crank", crank=16.0, pictures=12, encoder=encoder, log=log
+    )
+    lab = Laboratory.simulated(tmp_path, seed=33, rig=rig)
+    film = erlif.process(lab.run)
+    turn, ratio = np.radians(lab.truth.crank_angle.values), 16 / 44
+    speed = 1 + ratio * np.cos(turn) / np.sqrt(1 - (ratio * np.sin(turn)) ** 2)
+    npt.assert_allclose(film.rocker_speed, 114 * 2 * np.pi / 60 * speed, rtol=5e-4)
+    npt.assert_allclose(film.sliding_speed, film.rocker_speed * 0.03336, rtol=1e-6)
+
+    pull = (film.film_min.values - lab.truth.film_min.values) / film.film_min_std.values
+    assert np.abs(pull).max() < 4
+    assert abs(float(film.speed_exponent) - 0.62) < 3 * float(film.speed_exponent_std)
+    assert float(film.speed_exponent_std) < 0.05
+
+
 @pytest.fixture(scope="module")
 def ball_on_disc(tmp_path_factory):
     """A ball on a disc: film 1.6 + 0.5 cos + r^2/2R um, up to 17 um in the picture."""

@@ -7,7 +7,7 @@ import numpy.testing as npt
 import pytest
 
 from erlif.core.errors import ModelError
-from erlif.io.settings.tables import RotationSettings, SinusoidalSettings
+from erlif.io.settings.tables import RotationSettings, SinusoidalSettings, SliderCrankSettings
 from erlif.rig import RigSettings
 from erlif.rig.directory import run_toml
 from erlif.rig.film import (
@@ -255,6 +255,19 @@ def test_a_slider_follows_a_cosine():
     assert cycle_time(rig) == 0.2
 
 
+def test_a_slider_crank_closes_and_its_pin_turns_against_the_rod():
+    """The slider is at x = r cos t + sqrt(l^2 - r^2 sin^2 t); the rod ends there."""
+    rig = RigSettings(mechanism="slider-crank", crank=16.0, pictures=4000)
+    found = list_pictures(rig)
+    crank = np.radians(found.crank_angle)
+    npt.assert_allclose(np.gradient(crank, found.time), 114 * 2 * np.pi / 60)
+    slider = 16 * np.cos(crank) + np.sqrt(44**2 - (16 * np.sin(crank)) ** 2)
+    rod = np.angle(slider - 16 * np.exp(1j * crank))
+    npt.assert_allclose(np.radians(found.zero + found.reading), rod, atol=1e-12)
+    assert 0 <= found.reading.min() < 1e-4
+    npt.assert_allclose(found.speed, np.gradient(crank - rod, found.time), atol=1e-4)
+
+
 def test_a_thicker_film_follows_a_lower_load_on_a_disc():
     """At constant speed the film is the load to the power of -0.62."""
     found = list_pictures(RigSettings(mechanism="rotation", load_swing=0.5))
@@ -269,8 +282,11 @@ def test_a_static_film_is_the_same_in_all_pictures():
 
 
 def test_settings_of_the_motion_are_those_of_the_rig():
-    rigs = [RigSettings(mechanism=name) for name in ("rotation", "sinusoidal", "static")]
-    disc, slider, static = (tomllib.loads(run_toml(rig, list_pictures(rig))) for rig in rigs)
+    names = ("slider-crank", "rotation", "sinusoidal", "static")
+    rigs = [RigSettings(mechanism=name) for name in names]
+    pin, disc, slider, static = (tomllib.loads(run_toml(rig, list_pictures(rig))) for rig in rigs)
+    links = SliderCrankSettings.model_validate(pin["mechanism"])
+    assert (links.crank, links.coupler) == pytest.approx((0.055, 0.44))
     motion = RotationSettings.model_validate(disc["mechanism"])
     assert (motion.radius, motion.speed) == (0.02, pytest.approx(2 * np.pi))
     motion = SinusoidalSettings.model_validate(slider["mechanism"])

@@ -9,7 +9,7 @@ import xarray as xr
 from scenes.rig import QUICK
 
 from erlif.rig import RigSettings, simulate
-from erlif.rig.film import list_triggers, rocker_angle
+from erlif.rig.film import list_pictures, list_triggers, rocker_angle
 from erlif.rig.logger import TICKS, frame_times, read_encoder, write_log_in_time
 
 
@@ -30,6 +30,17 @@ def test_reading_and_zero_give_the_angle_of_the_link(encoder):
     expected = {"rocker": rocker_angle(crank, rig), "coupler": np.angle(two - one), "crank": crank}
     found = np.radians(reading.values + reading.zero)
     npt.assert_allclose(np.exp(1j * found), np.exp(1j * expected[encoder]), atol=1e-9)
+
+
+@pytest.mark.parametrize("encoder", ["rocker", "coupler", "crank"])
+def test_the_rod_of_a_slider_crank_is_rocker_and_coupler(encoder):
+    rig = RigSettings(mechanism="slider-crank", encoder=encoder)
+    crank = np.linspace(0.1, 6.2, 50)
+    reading = read_encoder(crank, list_pictures(rig), rig)
+    rod = -np.arcsin(5.5 / 44 * np.sin(crank))
+    found = np.radians(reading.values + reading.zero)
+    expected = crank if encoder == "crank" else rod
+    npt.assert_allclose(np.exp(1j * found), np.exp(1j * expected), atol=1e-9)
 
 
 def test_readings_that_start_again_do_so_within_the_stroke():

@@ -32,6 +32,8 @@ IMPOSSIBLE = (
     {"sideways": -1.0},
     {"film": "reynolds"},
     {"mechanism": "rotation", "log": "continuous"},
+    {"mechanism": "slider-crank", "crank": 44.0},
+    {"mechanism": "slider-crank", "pulses_per_cycle": 7.3},
     {"film": "reynolds", "tilt": 0.0, "mechanism": "rotation"},
     {"liner": (1.0, 1.4, 0.4)},
     {"rough": True},

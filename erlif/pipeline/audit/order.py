@@ -6,7 +6,8 @@ They do by the energy of the pulses or, where the log has none, by a film that f
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -15,8 +16,10 @@ from erlif.core.arrays import AnyArray, Array
 from erlif.core.notes import Note, list_some, warn
 from erlif.core.statistics import robust_rms, robust_std
 from erlif.core.units import count_of
-from erlif.io.settings import SinusoidalSettings
+from erlif.io.settings import SinusoidalSettings, SliderCrankSettings
+from erlif.kinematics.locate import joint_speed
 from erlif.pipeline.audit.evidence import Evidence
+from erlif.pipeline.physics.joint import build_linkage
 
 FEWEST = 16  # frames from which on an order is judged
 
@@ -132,17 +135,31 @@ def _note_by_film(evidence: Evidence, numbers: AnyArray, *, known: bool) -> Iter
 
 
 def _note_zero(evidence: Evidence) -> Iterator[Note]:
-    """Warn of a drive angle at which the film does not follow the speed of a slider."""
+    """Warn of an angle at which the film does not follow the speed of slider or crank pin."""
     angle, load = evidence.logged("crank_angle"), evidence.logged("joint_load")
-    if angle is None or not isinstance(evidence.run.settings.mechanism, SinusoidalSettings):
+    if angle is None:
         return
+    match evidence.run.settings.mechanism:
+        case SinusoidalSettings():
+            period, what = 180.0, "drive"
+            cure = "zero in [encoder]: the reading at mid-stroke on the way out"
+
+            def speed(angle: Array) -> Array:
+                return np.abs(np.cos(angle))
+        case SliderCrankSettings() as links:
+            period, what = 360.0, "crank"
+            cure = "zero or direction in [encoder]; the crank is at 0 at the outer dead centre"
+            speed = partial(joint_speed, build_linkage(links), crank_speed=1.0)
+        case _:
+            return
     weight = np.ones_like(angle) if load is None else np.median(load) / load
-    off = find_zero(np.radians(angle[:_MOST]), weight[:_MOST], evidence.levels[:_MOST])
+    radians, levels = np.radians(angle[:_MOST]), evidence.levels[:_MOST]
+    off = find_zero(radians, weight[:_MOST], levels, speed=speed, period=period)
     if off is not None:
         yield warn(
             "encoder",
-            f"the film follows the speed of a drive angle {off:+.0f} deg off: speed and position "
-            "are wrong. Correct zero in [encoder]: the reading at mid-stroke on the way out",
+            f"the film follows the speed of a {what} angle {off:+.0f} deg off: speed and position "
+            f"are wrong. Correct {cure}",
         )
 
 
@@ -388,41 +405,60 @@ def compare_film(drive: Array, levels: Array) -> Order | None:
     return None
 
 
-def find_zero(angle: Array, weight: Array, levels: Array) -> float | None:
-    """Find the error of the drive angle of a slider by a film that follows its speed.
+def find_zero(
+    angle: Array,
+    weight: Array,
+    levels: Array,
+    *,
+    speed: Callable[[Array], Array],
+    period: float,
+) -> float | None:
+    """Find the error of the angle of slider or crank by a film that follows the speed.
 
     Parameters
     ----------
     angle : array, (frame,)
-        By the log, 0 at mid-stroke. [rad]
+        By the log. [rad]
     weight : array, (frame,)
         Of the speed: one over the load. [1]
     levels : array, (frame,)
         Logarithm of the ratio, which rises with the film; NaN where it is not known.
+    speed : callable
+        Angle to the size of the speed.
+    period : float
+        Angle after which it repeats: half a turn of a slider, whose strokes are alike. [degree]
 
     Returns
     -------
     float or None
-        From -90 to 90, since both strokes have the same speed; None where the film follows the
-        speed of the angle as it is, or no speed. [degree]
+        Within half a period; None where the film follows the speed of the angle as it is, a film
+        that squeeze delays included, or no speed. [degree]
 
     Examples
     --------
+    >>> def speed(angle): return np.abs(np.cos(angle))
     >>> angle = np.linspace(0, 4 * np.pi, 60)
     >>> film = np.sqrt(np.abs(np.cos(angle))) + 0.01 * np.random.default_rng(1).normal(size=60)
-    >>> find_zero(angle + 0.35, np.ones(60), film)
+    >>> find_zero(angle + 0.35, np.ones(60), film, speed=speed, period=180.0)
     -20.0
     """
-    if np.isfinite(levels).sum() < FEWEST or np.nanstd(levels) < _FLAT:
+    known = np.isfinite(levels)
+    if known.sum() < FEWEST or np.nanstd(levels) < _FLAT:
         return None
-    turns = np.arange(-90.0, 90.0)
-    drives = np.abs(np.cos(angle + np.radians(turns)[:, None])) * weight
+    turns = np.arange(-90, 90) * (period / 180)
+    drives = speed(angle + np.radians(turns)[:, None]) * weight
     drives /= drives.max(axis=1, keepdims=True)
-    shares = [_rest_share(_speed_terms(one), levels) for one in drives]
-    best = int(np.argmin(shares))
-    left = shares[best]
 
-    plain = _share_as_it_is(drives[turns == 0][0], levels, left)
+    # no film falls as the speed rises
+    slopes = np.cov(levels[known], drives[:, known])[0, 1:]
+    shares = np.array([_rest_share(_speed_terms(one), levels) for one in drives])
+    shares[slopes < 0] = 1.0
+    best = int(np.argmin(shares))
+    left = float(shares[best])
+
+    plain = float(shares[turns == 0][0])
+    if plain < 1:
+        plain = _share_as_it_is(drives[turns == 0][0], levels, left)
     clear = _gain(levels, plain, left) > _GAIN_BY_FILM and plain > _BETTER * left
     return float(turns[best]) if clear and left < _LEFT_BY_FILM else None
 

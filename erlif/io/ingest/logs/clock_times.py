@@ -23,6 +23,10 @@ _SUNDAY, _EARLY = 1, 4 * _HOUR
 # Longest usual step of a log in which a change of the clock differs from a pause. [s]
 _LONGEST_STEP = 900.0
 
+# Step of a fast log that may come with the change: between the pulses at both sides of a dead
+# point, a rocker takes ten times as long as elsewhere. [s]
+_DWELL = 1.0
+
 _FORM = re.compile(
     r"(?:(?:(?P<y>\d{4})[-/.](?P<m>\d{1,2})[-/.](?P<d>\d{1,2})"
     r"|(?P<one>\d{1,2})(?P<mark>[-/.])(?P<two>\d{1,2})(?P=mark)(?P<year>\d{4}|\d{2}))[ T,]+)?"
@@ -154,7 +158,7 @@ def _summer_time(local: Array, *, dated: bool) -> Array:
         """Where the clock jumps by an hour in one step over a full hour."""
         step = after - before - hour
         over = (after - hour) // _HOUR > before // _HOUR
-        return np.asarray((step > 0) & (step <= 2 * usual) & over)
+        return np.asarray((step > 0) & (step <= max(2 * usual, _DWELL)) & over)
 
     # a pause of an hour looks alike but on the day of the change
     summer = (before // _DAY % 7 == _SUNDAY) & (before % _DAY < _EARLY) & dated

@@ -71,6 +71,15 @@ def test_a_remark_names_the_row_in_which_a_clock_changes(start):
     npt.assert_allclose(table.columns[0].values, 10 * np.arange(1200))
 
 
+@pytest.mark.parametrize(("day", "hour", "after"), [("2026-03-29", 1, 3), ("2026-10-25", 2, 2)])
+def test_a_clock_may_change_in_the_longest_step_of_a_fast_log(day, hour, after):
+    """Pulses of a rocker are 5 ms apart, and 50 ms at the dead point."""
+    before = [f"{day} 0{hour}:59:59.{980 + 5 * k:03d}" for k in range(4)]
+    later = [f"{day} 0{after}:00:00.{45 + 5 * k:03d}" for k in range(4)]
+    seconds = [0, 0.005, 0.01, 0.015, 0.065, 0.07, 0.075, 0.08]
+    npt.assert_allclose(read_clock(before + later), seconds, atol=1e-6)
+
+
 def test_a_clock_without_a_date_is_counted_on_where_it_is_put_back():
     texts = local_clock("Europe/Berlin", "2026-10-25T00:48", form="%H:%M:%S")
     npt.assert_allclose(read_clock(texts), 10 * np.arange(1200))
