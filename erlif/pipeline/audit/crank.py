@@ -41,6 +41,9 @@ _SWING, _SIGNIFICANT = 0.007, 5.0
 
 _WHOLE = 0.8  # of a turn, from which on both ends of the swing are near
 
+# Largest distance of ticks that an encoder has [degree], and what a log rounds off of one. [1]
+_COARSE, _OFF_TICK = 2.0, 0.1
+
 _SMALL = 0.2  # of the swing of the linkage, below which the unit of the readings is wrong
 
 _ROOM = 0.3  # by which the neighbours of an odd reading may depart from half of it
@@ -72,8 +75,7 @@ def note_crank(evidence: Evidence) -> Iterator[Note]:
 
     time = np.asarray(run.log["time"].values, float)[:_MOST]
     block = max(_BLOCK, 2 * int(located.trigger.max() + 1))
-    # an encoder of few ticks leaves the even turn by one of them
-    visible = 1.5 * float(np.diff(np.unique(reading.round(6))).min(initial=360.0))
+    visible = 1.5 * _tick(reading)  # an encoder of few ticks leaves the even turn by one of them
     odd, slips, most = [], [], 0.0
     first: _Turn | None = None
     for start in range(0, max(reading.size - _FEWEST, 1), block):
@@ -104,6 +106,16 @@ def note_crank(evidence: Evidence) -> Iterator[Note]:
         )
     if first is not None and not odd and not slips:
         yield from _note_swing(run, first)
+
+
+def _tick(reading: Array) -> float:
+    """Distance of the ticks of an encoder of which all readings are multiples; 0 if none is seen.
+    [degree]
+    """
+    tick = float(np.diff(np.unique(reading.round(6))).min(initial=360.0))
+    ticks = (reading - reading[0]) / tick
+    whole = bool((np.abs(ticks - ticks.round()) < _OFF_TICK).all())
+    return tick if whole and tick < _COARSE else 0.0
 
 
 def _note_small_swing(run: Run, reading: Array) -> Iterator[Note]:

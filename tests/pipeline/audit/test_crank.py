@@ -110,6 +110,16 @@ def test_a_slip_is_named_with_its_row_and_size(row, off):
     assert int(found[2]) == row
 
 
+@pytest.mark.parametrize(("row", "off"), [(20, 5.0), (15, -6.0)])
+def test_a_slip_of_the_crank_is_named_among_few_readings(row, off):
+    angle = CRANK[:36].copy()
+    angle[row:] += off
+    (note,) = notes(angle, mounted="crank", time=TIME[:36])
+    found = re.match(r"it slipped by (\S+) deg at row (\d+), ", note.text)
+    assert float(found[1]) == pytest.approx(off, abs=0.5)
+    assert int(found[2]) == row
+
+
 @pytest.mark.parametrize(("stated", "words"), [(0.056, True), (0.057, True), (0.0551, False)])
 def test_a_crank_of_another_length_is_named_by_the_swing(stated, words):
     found = notes(inside(ROCKER), crank=stated)
