@@ -37,7 +37,10 @@ def make_sample(home: Path) -> None:
     for folder in ("calibration", "data_samples/straight_bushing"):
         shutil.copytree(ROOT / folder, scratch / folder, ignore=inputs)
     run = scratch / "data_samples" / "straight_bushing"
-    erlif.process(run, output=run / "film.nc").close()  # with its calibrations, before and after
+    for name in ("wedge", "wedge_after"):
+        fixture = scratch / "calibration" / name
+        erlif.save_calibration(erlif.calibrate(fixture), fixture / "calibration.nc")
+    erlif.process(run, output=run / "film.nc").close()
     try:
         scratch.rename(home)
     except OSError:  # another process was quicker

@@ -251,5 +251,12 @@ def _arrow(remark: str | None) -> str:
 def _comment(text: str) -> list[str]:
     """Lines of comment; a quoted value stays on one line."""
     whole = re.sub(r'"[^"]*"', lambda quoted: quoted[0].replace(" ", _NO_BREAK), text)
-    lines = textwrap.wrap(whole, WIDTH, initial_indent="# ", subsequent_indent="# ")
+    lines = textwrap.wrap(  # a name of a file stays whole
+        whole,
+        WIDTH,
+        initial_indent="# ",
+        subsequent_indent="# ",
+        break_long_words=False,
+        break_on_hyphens=False,
+    )
     return [line.replace(_NO_BREAK, " ") for line in lines]
