@@ -191,8 +191,8 @@ def with_light(draft: FilmDraft) -> FilmDraft:
         settings_version=count_keys(RunSettings),
         calibration=record_calibration(curve),
     )
-    # another dark bends the ratio in many ways, which other notes describe; a bit that is always set
-    # looks like one
+    # another dark bends the ratio in many ways, which other notes describe; a bit that is always
+    # set looks like one
     bits = [one for one in draft.notes if one.subject == "bits"]
     rest = [one for one in draft.notes if one.subject != "bits"]
     draft = replace(draft, notes=(*bits, *darks, *rest))
