@@ -192,10 +192,10 @@ def with_light(draft: FilmDraft) -> FilmDraft:
         calibration=record_calibration(curve),
     )
     # another dark bends the ratio in many ways, which other notes describe; a bit that is always
-    # set looks like one
-    bits = [one for one in draft.notes if one.subject == "bits"]
-    rest = [one for one in draft.notes if one.subject != "bits"]
-    draft = replace(draft, notes=(*bits, *darks, *rest))
+    # set and pairs of another recording look like one
+    causes = [one for one in draft.notes if one.subject in ("bits", "pairs", "log")]
+    rest = [one for one in draft.notes if one not in causes]
+    draft = replace(draft, notes=(*causes, *darks, *rest))
     return draft.adding(film, *notes, results=results, curve=curve)
 
 
