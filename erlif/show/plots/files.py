@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +17,7 @@ from erlif.core.errors import ConfigError, ErlifError, OutputError
 from erlif.core.progress import ShowProgress, choose_progress
 from erlif.io import files as stored
 from erlif.io.settings import CrankRockerSettings, read_fixture_settings, read_run_settings
-from erlif.pipeline import restore_images
+from erlif.pipeline import calibrate, restore_images
 from erlif.show.plots import style as looks
 from erlif.show.plots.bore import film_along_axis
 from erlif.show.plots.calibration import calibration_figure, fixture_profile, profile_figure
@@ -145,33 +145,35 @@ class FigureSource:
 
     @cached_property
     def calibration(self) -> Calibration:
-        """The calibration, with its points if its file is at hand and is that of the film."""
+        """The calibration, with its points if file or fixture are at hand and are of the film."""
         kept = calibration_of(self.film).calibration
-        for path in self._calibration_files():
-            # a calibration that was made again since is not the one of the film
-            if not path.is_file():
-                continue
-            try:
-                opened = open_calibration(path)
-            except ErlifError as error:
-                logger.warning("%s", error)
-                continue
-            one, other = opened.parameters, kept.parameters
-            if one.size == other.size and np.allclose(one, other, rtol=_SAME):
-                return opened
-            logger.warning(
-                "%s is not the calibration that the film was made with; its points are not drawn",
-                path,
-            )
-        return kept
-
-    def _calibration_files(self) -> list[Path]:
-        """Possible paths of the calibration: as in run.toml, and beside the fixture."""
         named = stored.settings_of(self.film).calibrations
         files = [] if self.run_dir is None else [self.run_dir / name for name in named[:1]]
         if self.fixture_dir is not None:
             files.append(self.fixture_dir / "calibration.nc")
-        return files
+        made: list[tuple[Path, Callable[[], Calibration]]] = [
+            (path, partial(open_calibration, path)) for path in files if path.is_file()
+        ]
+        # that of a fixture outside the run directory is not kept in a file
+        if not made and self.fixture_dir is not None:
+            fit = partial(calibrate, self.fixture_dir, allow_outside=self.allow_outside)
+            made.append((self.fixture_dir, fit))
+
+        for place, make in made:
+            try:
+                found = make()
+            except ErlifError as error:
+                logger.warning("%s", error)
+                continue
+            one, other = found.parameters, kept.parameters
+            if one.size == other.size and np.allclose(one, other, rtol=_SAME):
+                return found
+            # a calibration that was made again since is not the one of the film
+            logger.warning(
+                "%s is not the calibration that the film was made with; its points are not drawn",
+                place,
+            )
+        return kept
 
     @cached_property
     def fixture(self) -> tuple[str, Profile]:

@@ -16,6 +16,7 @@ from scenes.fixture import walled
 from scenes.motion import film_of
 from scenes.pictures import picture, without_texts
 
+import erlif
 from erlif.calibration import save_calibration
 from erlif.core.errors import ErlifError, OutputError
 from erlif.io.settings import RunSettings, to_toml
@@ -241,6 +242,17 @@ def test_points_of_the_calibration_are_drawn_if_it_is_that_of_the_film(
     (fixture_dir / "profile.csv").write_text("nothing of use\n")
     source = source_of(film_path, film, fixture_dir=fixture_dir)
     assert "profile.csv" in reason_missing("fixture_profile", source)
+
+
+def test_points_are_drawn_of_a_fixture_whose_calibration_was_not_kept(lab):
+    """It lies outside the run directory, where processing writes nothing."""
+    path = lab.fixture / "calibration.nc"
+    known = erlif.open_calibration(path)
+    path.unlink()
+    with erlif.process(lab.run, output=lab.film) as film:
+        source = source_of(lab.film, film, fixture_dir=lab.fixture, run_dir=lab.run)
+        npt.assert_array_equal(source.calibration.curve.curve_ratio, known.curve.curve_ratio)
+    assert not path.exists()
 
 
 def test_existing_figures_are_kept_without_overwrite(film_path, tmp_path):
