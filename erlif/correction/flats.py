@@ -85,7 +85,8 @@ def reduce_flats(
     """
     full_scale = histogram.size - 1
     levels: list[PageStack] = []
-    first_brightness, brightest, lights = 0.0, 0.0, list[float]()
+    lights: list[float] = []
+    first_brightness = brightest = 0.0
     total = histogram.copy()
     recorded = False
     for image in pages:
@@ -121,10 +122,6 @@ def reduce_flats(
 
 def _no_flats(camera: str, lights: Sequence[float], saturation: int) -> FrameError:
     """The refusal of flats without light, by the mean light of each page. [DN]"""
-    found, cure = (
-        "none is",
-        "Record flats with the light at a quarter to three quarters of full scale",
-    )
     mean = float(np.mean(lights)) if lights else np.inf
     if mean <= -_SAME_COUNTS:
         found = f"they are {-mean:.0f} counts darker than the darks"
@@ -132,6 +129,9 @@ def _no_flats(camera: str, lights: Sequence[float], saturation: int) -> FrameErr
     elif mean < _SAME_COUNTS:
         found = "they are as dark as the darks"
         cure = "Name the file of the flats in the settings, or record flats with light"
+    else:
+        found = "none is"
+        cure = "Record flats with the light at a quarter to three quarters of full scale"
     return FrameError(
         f"Expected flats of {camera} well above dark and below saturation ({saturation}); {found}. "
         f"{cure}."

@@ -189,13 +189,12 @@ def _table_lines(
             yield ""
         yield from _key_lines(key, values.get(place), remarks.get(place))
 
-    for name, field in table.kind.model_fields.items():
-        if tables_in(field.annotation) and not field.is_required() and table.path:
-            yield ""
-            yield from _comment(meaning_of(table.kind, name))
-            known = values.get(f"{table.title}.{name}")
-            mark = "# " if known is None else ""
-            yield f"{mark}{name} = {toml_value(example_of(field) if known is None else known)}"
+    for name, example in _inner_tables(table):
+        yield ""
+        yield from _comment(meaning_of(table.kind, name))
+        known = values.get(f"{table.title}.{name}")
+        mark = "# " if known is None else ""
+        yield f"{mark}{name} = {toml_value(example if known is None else known)}"
 
 
 def _short_lines(
@@ -215,11 +214,18 @@ def _short_lines(
         *comment, line = _key_lines(key, value, remark)
         yield from comment if f'"{gap_text(key)}"' in line else _comment(_arrow(remark))
         yield line
-    for name in table.kind.model_fields.keys() - {key.name for key in keys_of(table.kind)}:
-        if table.path and (known := values.get(f"{table.title}.{name}")) is not None:
+    for name, _ in _inner_tables(table):
+        if (known := values.get(f"{table.title}.{name}")) is not None:
             yield f"{name} = {toml_value(known)}"
     if optional:
         yield from _comment(f"optional: {', '.join(optional)}")
+
+
+def _inner_tables(table: Table) -> Iterator[tuple[str, Any]]:
+    """Names and examples of the optional tables inside a table, which are written as values."""
+    for name, field in table.kind.model_fields.items():
+        if table.path and tables_in(field.annotation) and not field.is_required():
+            yield name, example_of(field)
 
 
 def _key_lines(key: Key, value: Any, remark: str | None) -> Iterator[str]:

@@ -94,3 +94,12 @@ def test_a_form_is_chosen_and_tables_are_left_out():
     assert "joint" not in raw
     assert "oil" not in raw
     assert "[joint" not in text
+
+
+@pytest.mark.parametrize("full", [False, True])
+def test_known_inner_tables_are_values_in_the_order_of_the_manual(full):
+    liner = {"thickness": "1 mm", "youngs_modulus": "1.4 GPa", "poissons_ratio": 0.4}
+    known = {"joint.liner": liner, "joint.bore": {"ovality": "2 um"}}
+    joint = tomllib.loads(write_template(RunSettings, known, {}, full=full))["joint"]
+    inner = [(name, joint[name]) for name in joint if f"joint.{name}" in known]
+    assert inner == [("bore", {"ovality": "2 um"}), ("liner", liner)]
