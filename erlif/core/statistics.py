@@ -144,6 +144,27 @@ def film_limits(values: Array) -> tuple[float, float]:
     return (0.0 if 0 <= low < span else middle - room), middle + room
 
 
+def quadratic_surface(x: Array, y: Array) -> Array:
+    """Terms of a surface that is smooth over an image, for least squares, (place, 6).
+
+    Parameters
+    ----------
+    x, y : array, (place,)
+        In any unit.
+
+    Returns
+    -------
+    array, (place, 6)
+        1, x, y, x^2, x y and y^2.
+
+    Examples
+    --------
+    >>> quadratic_surface(np.array([2.0]), np.array([3.0]))
+    array([[1., 2., 3., 4., 6., 9.]])
+    """
+    return np.stack([np.ones_like(x), x, y, x * x, x * y, y * y], axis=1)
+
+
 def covariance_root(covariance: Array) -> Array:
     """Compute a matrix whose square is a covariance that may be singular, (number, cause).
 

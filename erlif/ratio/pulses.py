@@ -19,6 +19,7 @@ from typing import NamedTuple
 import numpy as np
 
 from erlif.core.arrays import AnyArray, Array, FlagImage, Image
+from erlif.core.statistics import quadratic_surface
 
 # Squares along each axis of the image; smaller frames than 64 px are not measured.
 PLACES = 8
@@ -225,7 +226,7 @@ def _detrend(values: Array) -> Array:
     rest = np.where(valid & (count > 1), values - mean, np.nan)
 
     y, x = np.indices((PLACES, PLACES)).reshape(2, -1) / (PLACES - 1) - 0.5
-    surface = np.column_stack([np.ones_like(x), x, y, x * x, x * y, y * y])
+    surface = quadratic_surface(x, y)
     for row in rest:
         known = np.isfinite(row)
         if known.sum() < _FEWEST:

@@ -20,7 +20,7 @@ import scipy
 
 from erlif.calibration import RatioCurve, Systematics
 from erlif.core.arrays import Array, Mask
-from erlif.core.statistics import covariance_root
+from erlif.core.statistics import covariance_root, quadratic_surface
 from erlif.core.terms import TERMS
 from erlif.ratio.cells import LightCells
 from erlif.trend.cells import FEWEST_FRAMES, choose_cells, separate_light
@@ -244,7 +244,7 @@ class _BackgroundFit:
         self.record, self.known, self.calibration = record, known, calibration
         self.energies, self.passed = energies, passed
         x, y = places
-        self.surface = np.stack([np.ones_like(x), x, y, x * x, x * y, y * y], axis=1)
+        self.surface = quadratic_surface(*places)
         rows, columns = calibration.systematics.frame
         self.place = 0.5 * (x + 1) * (columns - 1), 0.5 * (y + 1) * (rows - 1)
         light = np.where(known, record.light, 0.0)

@@ -9,6 +9,7 @@ import numpy as np
 from erlif.calibration import Calibration, RunCurve
 from erlif.core.arrays import Array
 from erlif.core.notes import Note, warn
+from erlif.core.statistics import quadratic_surface
 from erlif.pipeline.engines.results import FrameResult
 from erlif.ratio.cells import LightCells, cell_places
 
@@ -53,8 +54,7 @@ def note_profile_offset(
     if known.sum() < _FEWEST:
         return []
 
-    x, y = (place[known] for place in cell_places())
-    surface = np.stack([np.ones_like(x), x, y, x * x, x * y, y * y], axis=1)
+    surface = quadratic_surface(*(place[known] for place in cell_places()))
     light, film = cells.light.mean(axis=0)[known], film[known]
 
     def deviance(offset: float) -> float:

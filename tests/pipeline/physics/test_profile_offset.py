@@ -48,11 +48,13 @@ def test_a_sound_profile_has_no_note(beam, seed):
 
 
 @pytest.mark.parametrize("beam", ["even", "beam", "beam beside the image"])
-@pytest.mark.parametrize(("offset", "word"), [(5.0, "thinner"), (2.0, "thinner")])
+@pytest.mark.parametrize(
+    ("offset", "word"), [(5.0, "thinner"), (2.0, "thinner"), (-2.0, "thicker")]
+)
 def test_the_offset_of_a_profile_is_that_of_its_light(beam, offset, word):
     (found,) = note(np.random.default_rng(1), offset, BEAMS[beam])
     size = float(found.text.split("films ")[2].split(" um")[0])
-    assert size == pytest.approx(offset, abs=0.6)
+    assert size == pytest.approx(abs(offset), abs=0.6)
     assert f"um {word} than in the profile" in found.text
 
 
