@@ -1,6 +1,7 @@
 """What pages show as printed is what their commands print."""
 
 import re
+import shlex
 import shutil
 import subprocess
 import sys
@@ -19,15 +20,23 @@ def read(name: str) -> str:
 
 def printed(commands: str, folder: Path) -> str:
     """Output of all commands, each break of a line as one space."""
-    lines = commands.replace("\\\n", " ").replace("erlif ", f'"{sys.executable}" -m erlif ')
-    found = subprocess.run(
-        lines, shell=True, cwd=folder, capture_output=True, encoding="utf-8", check=True
-    )
-    return " ".join(found.stdout.split())
+    texts = []
+    for line in filter(None, commands.replace("\\\n", " ").splitlines()):
+        name, *words = shlex.split(line, comments=True)
+        assert name == "erlif"
+        words, into = (words[:-2], words[-1]) if ">" in words else (words, None)
+        command = [sys.executable, "-m", "erlif", *words]
+        found = subprocess.run(
+            command, cwd=folder, capture_output=True, encoding="utf-8", check=True
+        )
+        if into is None:
+            texts.append(found.stdout)
+        else:
+            (folder / into).write_text(found.stdout, encoding="utf-8")
+    return " ".join("".join(texts).split())
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(sys.platform == "win32", reason="the commands are those of a shell of Unix")
 @pytest.mark.parametrize("name", ["friction.md", "planning.md", "compare.md"])
 def test_the_first_commands_of_a_page_print_what_it_shows(name, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)

@@ -536,8 +536,8 @@ class RunSettings(Settings):
 
     calibration: CalibrationNames | None = Field(None, examples=["../fixture/calibration.nc"])
     """calibration.nc of a fixture photographed with the same cameras and filters; fitted on the way
-    if only its fixture.toml exists. Two names: the fixture before and after the run. The option
-    --calibration takes precedence."""
+    if only its fixture.toml exists, and kept in this file if that lies in the run directory. Two
+    names: the fixture before and after the run. The option --calibration takes precedence."""
     run: RunName
     camera1: CameraSettings
     camera2: CameraSettings

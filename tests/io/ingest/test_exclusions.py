@@ -129,7 +129,6 @@ def test_a_mask_image_that_cannot_be_used_is_refused(lab, write, message):
         open_run(lab.run)
 
 
-@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="pipes in a directory are those of Unix")
 def test_a_pipe_is_no_mask(lab):
     os.mkfifo(lab.run / "mask.png")
     with_entries(lab, "mask.png")
