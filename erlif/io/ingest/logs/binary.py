@@ -2,13 +2,8 @@
 
 from __future__ import annotations
 
-import io
-import logging
-import math
 import stat
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import replace
-from functools import partial
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +13,8 @@ from erlif.core.arrays import AnyArray
 from erlif.core.errors import EncoderError, reason_of
 from erlif.core.guarded import read_matlab
 from erlif.core.hdf5 import SIGNATURE, chunk_size, find_chunks, open_hdf5, refuse_elsewhere
-from erlif.io.ingest.logs.table import LARGEST_FILE, MOST_CELLS, LogColumn, LogTable, split_unit
+from erlif.io.ingest.logs.table import LARGEST_FILE, LogColumn, LogTable, check_cells, split_unit
+from erlif.io.ingest.logs.tdms import read_tdms
 
 _TDMS = b"TDSm"
 _MATLAB_5 = b"MATLAB 5.0 MAT-file"
@@ -32,12 +28,9 @@ _UNIT_NAMES = ("units", "unit", "Unit", "unit_string", "NI_UnitDescription")
 # Length of a unit that is kept; a message shows it. [character]
 _LONGEST_UNIT = 80
 
-_SECOND = np.timedelta64(1, "s")
-
-_ROUNDING = 1e-6  # of starts in steps
-
 # Name, unit and numbers of each column.
-_Found = Iterator[tuple[str, str, AnyArray]]
+_Column = tuple[str, str, AnyArray]
+_Found = Iterator[_Column]
 
 
 def read_binary_table(path: Path) -> LogTable | None:
@@ -77,13 +70,11 @@ def read_binary_table(path: Path) -> LogTable | None:
         )
 
     remarks: list[str] = []
-    readers: dict[str, Callable[[Path], _Found]] = {
-        "TDMS": partial(_read_tdms, remarks),
-        "MATLAB": _read_matlab,
-        "HDF5": _read_hdf5,
-    }
     try:
-        channels = list(readers[kind](path))
+        if kind == "TDMS":
+            channels, remarks = _read_tdms(path)
+        else:
+            channels = list(_read_matlab(path) if kind == "MATLAB" else _read_hdf5(path))
     except EncoderError:
         raise
     except Exception as error:  # the packages raise errors of many classes for a damaged file
@@ -91,8 +82,7 @@ def read_binary_table(path: Path) -> LogTable | None:
             f"Expected {path.name} to be a {kind} file; it cannot be read: {reason_of(error)}. "
             "Export the log again."
         ) from error
-    table = _make_table(path, kind, channels)
-    return replace(table, remarks=(*table.remarks, *remarks))
+    return _make_table(path, kind, channels, remarks)
 
 
 def _kind(path: Path) -> str | None:
@@ -111,7 +101,8 @@ def _kind(path: Path) -> str | None:
     return "MATLAB" if head.startswith(_MATLAB_5) else None
 
 
-def _make_table(path: Path, kind: str, channels: list[tuple[str, str, AnyArray]]) -> LogTable:
+def _make_table(path: Path, kind: str, channels: list[_Column], own: list[str]) -> LogTable:
+    """The table of the longest channels; `own` are remarks of the reader."""
     if not channels:
         raise EncoderError(
             f"Expected columns of numbers in {path.name}; it holds none. Export time and angle as "
@@ -126,7 +117,7 @@ def _make_table(path: Path, kind: str, channels: list[tuple[str, str, AnyArray]]
     columns = tuple(
         LogColumn(name, unit or split_unit(name)[1], *_texts(values)) for name, unit, values in kept
     )
-    return LogTable(path.name, columns, range(1, length + 1), tuple(remarks))
+    return LogTable(path.name, columns, range(1, length + 1), (*remarks, *own))
 
 
 def _texts(values: AnyArray) -> tuple[Any, Mapping[int, str]]:
@@ -136,15 +127,6 @@ def _texts(values: AnyArray) -> tuple[Any, Mapping[int, str]]:
     texts = {int(place): str(numbers[place]) for place in off}
     numbers[off] = np.nan
     return numbers, texts
-
-
-def _check_size(count: int, path: Path) -> None:
-    """Refuse a file whose headers claim more numbers than are read."""
-    if count > MOST_CELLS:
-        raise EncoderError(
-            f"Expected at most {MOST_CELLS} numbers in {path.name}; its header states {count}. "
-            "Export the part of the log that belongs to the run."
-        )
 
 
 def _vectors(name: str, values: AnyArray, unit: str = "") -> _Found:
@@ -167,87 +149,15 @@ def _vectors(name: str, values: AnyArray, unit: str = "") -> _Found:
 # formats
 
 
-def _read_tdms(remarks: list[str], path: Path) -> _Found:
-    """Channels; a waveform without a channel of times gets one from its properties."""
-    try:
-        from nptdms import TdmsFile
-        from nptdms.log import log_manager
-    except ImportError as error:
-        raise EncoderError(
-            f"Expected the package npTDMS, which reads {path.name}; it is not installed. Install "
-            'it with: pip install "erlif[logs]"'
-        ) from error
-
-    # the package logs a truncated or damaged file as a warning and reads what is left
-    text, handler, level = io.StringIO(), log_manager.console_handler, log_manager.log_level
-    usual = handler.setStream(text)
-    handler.setFormatter(None)
-    log_manager.set_level(logging.WARNING)
-    try:
-        # it leaves a file open that it refuses, but not one that it is given
-        with path.open("rb") as raw, TdmsFile.open(raw) as file:
-            channels = list(_list_channels(file, path, remarks))
-    finally:
-        log_manager.set_level(level)
-        handler.setFormatter(log_manager.formatter)
-        handler.setStream(usual)
-    if text.getvalue():
-        raise ValueError(text.getvalue().strip())
-    yield from channels
-
-
-def _list_channels(file: Any, path: Path, remarks: list[str]) -> _Found:
-    """Channels; waveforms of tasks that start one after the other at the times of the last one."""
-    channels = [channel for group in file.groups() for channel in group.channels()]
-    _check_size(sum(len(channel) for channel in channels), path)
-    short = [channel.name for channel in channels]
-    longest = max((len(channel) for channel in channels), default=0)
-    compared = [one for one in channels if len(one) == longest and "time" not in short]
-    step, starts = _find_starts(compared)
-    first, last = min(starts.values(), default=0.0), max(starts.values(), default=0.0)
-    rows, begin = longest, first
-
-    # rows of one time, from the start of the last task on
-    apart = last - first
-    is_shifted = apart > step / 2 and len(starts) == len(compared)
-    if is_shifted:
-        rows, begin = longest - math.ceil(apart / step - _ROUNDING), last
-        if rows < 1:
-            raise ValueError(f"its tasks start {apart:g} s apart and have no time in common")
-        remarks.append(f"its tasks start {apart:.6g} s apart; the rows that all have are taken")
-
-    for channel in channels:
-        values = np.asarray(channel[:])
-        if is_shifted and channel.path in starts:
-            values = _take(values, np.arange(rows) + (last - starts[channel.path]) / step)
-        if values.dtype.kind == "M" and values.size:  # time stamps, from the first one
-            values = (values - values[0]) / np.timedelta64(1, "s")
-        unique = short.count(channel.name) == 1
-        name = channel.name if unique else f"{channel.group_name}/{channel.name}"
-        yield from _vectors(name, values, _unit(channel.properties))
-    if step:
-        yield "time", "s", begin + step * np.arange(rows)
-
-
-def _take(values: AnyArray, places: AnyArray) -> AnyArray:
-    """Numbers between rows; of counts and states the nearest, because their mean is none."""
-    if values.dtype.kind != "f":
-        return np.asarray(values[np.rint(places).astype(int)])
-    return np.asarray(np.interp(places, np.arange(values.size), values))
-
-
-def _find_starts(channels: Sequence[Any]) -> tuple[float, dict[str, float]]:
-    """Step of waveforms, 0 where they differ, and the start of each after the first task. [s]"""
-    waves = {one.path: one.properties for one in channels if "wf_increment" in one.properties}
-    steps = {float(one["wf_increment"]) for one in waves.values()}
-    if len(steps) != 1 or min(steps) <= 0:
-        return 0.0, {}
-    starts = {path: float(one.get("wf_start_offset", 0.0)) for path, one in waves.items()}
-    clocks = {path: one.get("wf_start_time") for path, one in waves.items()}
-    if None not in clocks.values():
-        first = min(clocks.values())
-        starts = {path: starts[path] + (clocks[path] - first) / _SECOND for path in starts}
-    return steps.pop(), starts
+def _read_tdms(path: Path) -> tuple[list[_Column], list[str]]:
+    """Channels of numbers, with their units, and remarks on their times."""
+    found, remarks = read_tdms(path)
+    channels = [
+        column
+        for name, values, properties in found
+        for column in _vectors(name, values, _unit(properties))
+    ]
+    return channels, remarks
 
 
 def _read_matlab(path: Path) -> _Found:
@@ -269,7 +179,7 @@ def _read_hdf5(path: Path) -> _Found:
                 datasets.append((name, item))
 
         file.visititems(collect)
-        _check_size(sum(int(item.size) for _, item in datasets), path)
+        check_cells(sum(int(item.size) for _, item in datasets), path.name)
         for name, item in datasets:
             if item.dtype.kind in "fiubV":
                 refuse_elsewhere(name, item)

@@ -12,20 +12,11 @@ from itertools import pairwise
 import numpy as np
 
 from erlif.core.arrays import AnyArray, Array
+from erlif.io.ingest.logs.summer_time import put_forward
 from erlif.io.ingest.logs.table import CLOCK, LogColumn, LogTable
 
 _DAY, _HOUR, _MINUTE = 86400.0, 3600.0, 60.0
 _TRIED = 5  # cells of a column by which clock times are recognised
-
-# Summer time begins on a Sunday before this hour; days are counted from 2000, a Saturday.
-_SUNDAY, _EARLY = 1, 4 * _HOUR
-
-# Longest usual step of a log in which a change of the clock differs from a pause. [s]
-_LONGEST_STEP = 900.0
-
-# Step of a fast log that may come with the change: between the pulses at both sides of a dead
-# point, a rocker takes ten times as long as elsewhere. [s]
-_DWELL = 1.0
 
 _FORM = re.compile(
     r"(?:(?:(?P<y>\d{4})[-/.](?P<m>\d{1,2})[-/.](?P<d>\d{1,2})"
@@ -72,13 +63,16 @@ def _read(texts: Iterable[str]) -> tuple[Array, AnyArray]:
     known = np.flatnonzero(np.isfinite(seconds))
     if not known.size:
         return seconds, known
+
+    # without a date the clock begins again at midnight
     dated = any(_has_date(match) for match in matches)
     if not dated and seconds[known].max() < _DAY:
         falls = np.array([b - a < -_DAY / 2 for a, b in pairwise(seconds[known])], int)
         seconds[known[1:]] += _DAY * np.cumsum(falls)
+
     ahead = np.zeros(known.size)
     if not any(match and match["zone"] for match in matches):
-        ahead = _summer_time(seconds[known], dated=dated)
+        ahead = put_forward(seconds[known], dated=dated)
         seconds[known] -= ahead
     return seconds - seconds[known[0]], known[1:][np.diff(ahead) != 0]
 
@@ -145,24 +139,6 @@ def _seconds(match: re.Match[str] | None, *, day_first: bool) -> float:
         day = 0.0
     second = float(f"{match['second'] or 0}.{match['part'] or 0}")
     return day * _DAY + hour * _HOUR + int(match["minute"]) * _MINUTE + second - _ahead(match)
-
-
-def _summer_time(local: Array, *, dated: bool) -> Array:
-    """Seconds by which a local clock was put forward since the first row."""
-    before, after = local[:-1], local[1:]
-    usual = float(np.median(after - before)) if before.size else 0.0
-    if not 0 < usual <= _LONGEST_STEP:
-        return np.zeros(local.size)
-
-    def put(hour: float) -> AnyArray:
-        """Where the clock jumps by an hour in one step over a full hour."""
-        step = after - before - hour
-        over = (after - hour) // _HOUR > before // _HOUR
-        return np.asarray((step > 0) & (step <= max(2 * usual, _DWELL)) & over)
-
-    # a pause of an hour looks alike but on the day of the change
-    summer = (before // _DAY % 7 == _SUNDAY) & (before % _DAY < _EARLY) & dated
-    return np.append(0.0, np.cumsum(_HOUR * (1.0 * (put(_HOUR) & summer) - put(-_HOUR))))
 
 
 @lru_cache(maxsize=64)

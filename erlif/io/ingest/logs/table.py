@@ -40,6 +40,20 @@ MOST_TEXTS = 2_000_000
 NAMES: dict[str, dict[str, Any]] = read_table("erlif.io.ingest.logs", "names.toml")
 
 
+def check_cells(count: int, name: str) -> None:
+    """Refuse a file whose header states more numbers than are read.
+
+    Raises
+    ------
+    EncoderError
+    """
+    if count > MOST_CELLS:
+        raise EncoderError(
+            f"Expected at most {MOST_CELLS} numbers in {name}; its header states {count}. "
+            "Export the part of the log that belongs to the run."
+        )
+
+
 @dataclass(frozen=True)
 class LogUse:
     """For what a log is read: the error that refuses it, and what its messages propose.
