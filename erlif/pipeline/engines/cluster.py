@@ -254,7 +254,7 @@ class Cluster:
             ) from error
 
         try:
-            version = self._client.run_on_scheduler(_version)
+            version = self._client.run_on_scheduler(version_and_sources)
         except Exception as error:  # whatever the loading of an unknown module raises there
             raise ClusterError(
                 f"Expected erlif {version_and_sources()} at the scheduler {self.scheduler}; it "
@@ -348,7 +348,3 @@ def _this_worker() -> str:
     from distributed import get_worker
 
     return f"the worker {get_worker().address}"
-
-
-def _version() -> str:
-    return version_and_sources()

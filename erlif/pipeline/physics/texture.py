@@ -37,27 +37,14 @@ def with_texture(
     texture = findings.texture
     if texture is None:
         return list(results), calibration
-    curve, along_x, size = calibration.at(0.5), plane.sliding_along_x, texture.size
-    gaps = [one.statistics.gap for one in results]
-
-    # a tilt below its error puts minima at either edge by chance: all at that of most triggers
-    places, across = np.array([gap.place for gap in gaps]), int(along_x)
-    known = np.isfinite(places[:, across]).sum()
-    places[:, across] = np.sort(places[:, across])[known // 2]
-    numbers = np.array(
-        [
-            texture.in_numbers(
-                plane.region, gap._replace(place=place), curve, contact, along_x=along_x
-            )
-            for gap, place in zip(gaps, places, strict=True)
-        ]
-    )
-    if contact is GapShape.PLATEAU:  # numbers of few blocks
-        numbers[:, 1] /= np.linalg.norm(numbers[:, 1], axis=-1, keepdims=True)
+    curve, size = calibration.at(0.5), texture.size
+    numbers = _changes_of_numbers(results, texture, curve, plane, contact)
     if findings.scale is not None and plane.patch is not None:
-        even = GapMinimum.unknown(0)
+        even, along_x = GapMinimum.unknown(0), plane.sliding_along_x
         patch = texture.in_numbers(plane.patch, even, curve, contact, along_x=along_x)
         of_patch = float(np.linalg.norm(patch[0]))
+
+        # one more part, which all numbers share
         numbers = np.pad(numbers, ((0, 0), (0, 0), (0, 1)), constant_values=of_patch)
         numbers /= np.hypot(1.0, of_patch)
         size *= float(np.hypot(1.0, of_patch))
@@ -72,6 +59,30 @@ def with_texture(
             for result, (mean, minimum) in zip(found, shares, strict=True)
         ]
     return found, replace(calibration, systematics=systematics)
+
+
+def _changes_of_numbers(
+    results: Sequence[TriggerResult],
+    texture: Texture,
+    curve: RunCurve,
+    plane: ObjectPlane,
+    contact: GapShape,
+) -> Array:
+    """Changes of mean and minimum of each trigger by the pattern, (trigger, number, part)."""
+    gaps, along_x = [one.statistics.gap for one in results], plane.sliding_along_x
+
+    # a tilt below its error puts minima at either edge by chance: all at that of most triggers
+    places, across = np.array([gap.place for gap in gaps]), int(along_x)
+    known = np.isfinite(places[:, across]).sum()
+    places[:, across] = np.sort(places[:, across])[known // 2]
+
+    moved = [gap._replace(place=place) for gap, place in zip(gaps, places, strict=True)]
+    numbers = np.array(
+        [texture.in_numbers(plane.region, gap, curve, contact, along_x=along_x) for gap in moved]
+    )
+    if contact is GapShape.PLATEAU:  # the minimum is that of few blocks, with the error of a pixel
+        numbers[:, 1] /= np.linalg.norm(numbers[:, 1], axis=-1, keepdims=True)
+    return numbers
 
 
 def _components(numbers: Array, count: int) -> Array:
