@@ -95,11 +95,10 @@ def init(
 
 def _list_gaps(path: Path) -> Iterator[str]:
     """The keys that have no value yet, a line for each table."""
-    from erlif.io.settings.reading import find_gaps
+    from erlif.io.settings.reading import count_gaps, find_gaps
 
     found = list(find_gaps(tomllib.loads(path.read_text(encoding="utf-8"))))
-    left = "1 gap is" if len(found) == 1 else f"{len(found)} gaps are"
-    yield f"{left} left, with their meaning in the file. Replace each ??:"
+    yield f"{count_gaps(found)}, with their meaning in the file. Replace each ??:"
     for table, gaps in groupby(found, key=lambda gap: ".".join(gap[:-1])):
         keys = ", ".join(gap[-1] for gap in gaps)
         yield f"  [{table}] {keys}" if table else f"  {keys}"

@@ -5,8 +5,7 @@ from __future__ import annotations
 import json
 import math
 import os
-import tomllib
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -40,16 +39,14 @@ from erlif.io.settings import (
     RunSettings,
     Settings,
     json_schema,
-    keys_of,
     read_fixture_settings,
-    read_run_settings,
-    tables_of,
     write_template,
 )
 from erlif.io.settings.toml import toml_value
 from erlif.pipeline.audit.log import signed_steps
 from erlif.pipeline.recording.log_cycle import WHOLE_TURN, Cycle, find_cycle
 from erlif.pipeline.recording.pulses import ENERGY_COLUMNS
+from erlif.review.earlier import EarlierSettings, read_earlier
 
 # Calibrations beside a run that are listed.
 MOST_CALIBRATIONS = 5
@@ -155,13 +152,9 @@ def init(
     if output.exists() and not overwrite:
         raise OutputError(f"{output} exists already; use --overwrite to replace it.")
 
-    kept: dict[str, Any] = {}
-    if like is not None:
-        (read_fixture_settings if fixture else read_run_settings)(
-            Path(like)
-        )  # refuses what is at fault
-        kept = tomllib.loads(Path(like, name).read_text(encoding="utf-8-sig"))
-        kind = kept.get("mechanism", {"kind": "static"})["kind"]
+    earlier = None if like is None else read_earlier(Path(like), fixture=fixture)
+    if earlier is not None:
+        kind = earlier.kind
 
     survey = survey_directory(directory, fixture=fixture)
     if not survey.cameras:
@@ -169,9 +162,43 @@ def init(
 
     draft = _Draft()
     _draft_cameras(draft, survey)
+    draft.set("optics.x_axis", "sliding", "Check the direction: the files do not show it.")
+    if fixture:
+        _draft_profile(draft, survey)
+    else:
+        _note_fixtures(draft, survey)
+        _draft_motion(draft, survey, kind)
+        _draft_calibration(draft, survey)
+
+    # erlif simulate and many laboratories name the folder of a recording run or fixture
+    place = directory.resolve()
+    called = place.parent if place.name in ("run", "fixture") else place
+    title = " ".join(called.name.replace("_", " ").split())
+    draft.values["fixture.name" if fixture else "run.name"] = title
+    if earlier is not None:
+        _take_over(draft, earlier, str(like))
+
+    # gaps are written for what this tribometer needs alone
+    text = write_template(
+        settings,
+        draft.values,
+        draft.remarks,
+        forms={"mechanism": kind},
+        leave_out=draft.leave_out,
+        full=full,
+    )
+    write_file(output, text)
+    schema = output.with_suffix(".schema.json")
+    write_file(schema, json.dumps(json_schema(settings), indent=2, ensure_ascii=False) + "\n")
+    return draft.notes
+
+
+def _note_fixtures(draft: _Draft, survey: Survey) -> None:
+    """Name recordings and folders of fixtures, which are no frames of the run."""
+    directory = survey.directory
     recordings = [one for camera in survey.cameras[:2] for one in camera.recordings]
     of_fixture = [one.pattern for one in recordings if one.of_fixture]
-    found = [(", ".join(map(str, of_fixture)), directory)] if of_fixture and not fixture else []
+    found = [(", ".join(map(str, of_fixture)), directory)] if of_fixture else []
     found += [(folder.relative_to(directory).as_posix(), folder) for folder in survey.left_out]
     for names, folder in found:
         draft.note(
@@ -181,30 +208,6 @@ def init(
             else f"{names} is of a fixture: erlif init --fixture {folder} writes fixture.toml, "
             "erlif calibrate its calibration",
         )
-    draft.set("optics.x_axis", "sliding", "Check the direction: the files do not show it.")
-    if fixture:
-        _draft_profile(draft, survey)
-    else:
-        _draft_motion(draft, survey, kind)
-        _draft_calibration(draft, survey)
-    # erlif simulate and many laboratories name the folder of a recording run or fixture
-    place = directory.resolve()
-    called = place.parent if place.name in ("run", "fixture") else place
-    title = " ".join(called.name.replace("_", " ").split())
-    draft.values["fixture.name" if fixture else "run.name"] = title
-    if like is not None:
-        _take_over(draft, settings, kept, str(like))
-
-    # gaps are written for what this tribometer needs alone
-    forms = {"mechanism": kind}
-    left_out = draft.leave_out
-    text = write_template(
-        settings, draft.values, draft.remarks, forms=forms, leave_out=left_out, full=full
-    )
-    write_file(output, text)
-    schema = output.with_suffix(".schema.json")
-    write_file(schema, json.dumps(json_schema(settings), indent=2, ensure_ascii=False) + "\n")
-    return draft.notes
 
 
 def _refuse_empty(survey: Survey) -> None:
@@ -224,49 +227,22 @@ def _refuse_empty(survey: Survey) -> None:
 
 # an earlier run of the rig
 
-# Keys that each run states anew; beside the gap stands the value of the earlier run.
-_OF_RUN = {
-    *("mechanism.crank_speed", "mechanism.speed", "mechanism.frequency", "mechanism.load"),
-    *("oil.viscosity", "contact.load", "temperature.camera1", "temperature.camera2"),
-    *("fixture.origin", "fixture.temperature"),
-}
 
-# Keys that follow from the files of a run, where they are needed.
-_OF_FILES = {
-    *("run.name", "fixture.name", "camera1.offset", "camera2.offset", "joint.load"),
-    *("encoder.triggers_per_cycle", "encoder.bins", "encoder.start", "prediction.start_film"),
-}
+def _take_over(draft: _Draft, earlier: EarlierSettings, source: str) -> None:
+    """Take what the rig keeps; `source` is the directory of the earlier run."""
+    for place, value in earlier.of_run.items():
+        draft.set(place, GAP, f"{toml_value(value)} in {source}.")
+    for place, value in earlier.kept.items():
+        draft.set(place, value)
+        draft.remarks.pop(place, None)
 
-
-def _take_over(
-    draft: _Draft, settings: type[Settings], kept: Mapping[str, Any], earlier: str
-) -> None:
-    """Take the values of earlier settings, save names of files and what belongs to a run."""
-    # an optional table inside of another one is a value of it
-    tables = [one for one in tables_of(settings) if one.required or len(one.path) == 1]
-    own = {table.title for table in tables}
-    taken = set()
-    for table in tables:
-        part: Any = kept
-        for name in table.path:
-            part = part.get(name, {})
-        files = {key.name for key in keys_of(table.kind) if "file name" in key.form}
-        for name in part.keys() - files:
-            place = f"{table.title}.{name}".lstrip(".")
-            if place in _OF_RUN:
-                draft.set(place, GAP, f"{toml_value(part[name])} in {earlier}.")
-            elif place not in own | _OF_FILES:
-                draft.set(place, part[name])
-                draft.remarks.pop(place, None)
-                taken.add(place)
-
-    if "oil.vogel" in taken:
+    if "oil.vogel" in earlier.kept:
         draft.values.pop("oil.viscosity", None)  # one of the two is given
-    if "oil" in kept:
-        draft.remarks["oil"] = f"That of {earlier}; of another oil all values differ."
-    draft.leave_out = [name for name in draft.leave_out if name not in kept]
-    text = f"{count_of(len(taken), 'value')} taken; correct what has changed on the rig since"
-    draft.note(earlier, text)
+    if "oil" in earlier.tables:
+        draft.remarks["oil"] = f"That of {source}; of another oil all values differ."
+    draft.leave_out = [name for name in draft.leave_out if name not in earlier.tables]
+    taken = count_of(len(earlier.kept), "value")
+    draft.note(source, f"{taken} taken; correct what has changed on the rig since")
 
 
 # cameras

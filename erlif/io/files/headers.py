@@ -6,7 +6,6 @@ return the fill value for what is missing, and the fill value of `flags` marks a
 
 from __future__ import annotations
 
-import json
 import math
 import os
 import stat
@@ -16,10 +15,9 @@ from typing import Any
 
 import numpy as np
 
-from erlif.core.bounded import read_bounded
 from erlif.core.hdf5 import chunk_count, find_chunks, open_hdf5, refuse_elsewhere
 from erlif.core.variables import FILM
-from erlif.io.files.replacement import LARGEST_DESCRIPTION
+from erlif.io.files.descriptions import read_description
 
 # Largest size of what is read at once: a map, or a variable of the triggers. [byte]
 LARGEST_READ = 2**30
@@ -89,19 +87,12 @@ def check_zarr(path: Path) -> None:
     """
     files, at_once = _regular_files(path), 0
     for place in [path, *sorted(path.glob("*/")), *sorted(path.glob("*/*/"))]:
-        description = place / "zarr.json"
-        if str(description) not in files:
+        if str(place / "zarr.json") not in files:
             if place == path:
                 raise ValueError("it has no zarr.json")
             continue
         name = place.relative_to(path).as_posix()
-        text = read_bounded(description, largest=LARGEST_DESCRIPTION)
-        try:
-            header = json.loads(text)
-        except (ValueError, RecursionError) as error:
-            raise ValueError(f"{name}/zarr.json is no JSON") from error
-        if not isinstance(header, dict):
-            raise ValueError(f"{name}/zarr.json describes no array")
+        header = read_description(path, name)
         if header.get("node_type") == "array":
             at_once += _check_array(place, name, header, files)
             _check_size("its small variables", at_once)

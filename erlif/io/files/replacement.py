@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import errno
-import json
 import os
 import shutil
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from erlif.core.bounded import read_bounded
 from erlif.core.errors import OutputError
 from erlif.core.hdf5 import open_hdf5
 from erlif.core.tables import read_table
+from erlif.io.files.descriptions import read_description
 
 # Name of the program, which figures and pages hold among their first or last bytes.
 MARK = b"erlif"
@@ -26,9 +25,6 @@ _NOT_ALLOWED = (errno.EACCES, errno.EPERM, errno.EROFS)
 
 # Errors of a folder in the place of a file, or the other way round.
 _IN_THE_WAY = (errno.EISDIR, errno.ENOTDIR, errno.EEXIST, errno.ENOTEMPTY, errno.ELOOP)
-
-# Size of a description in a zarr store that is read. [byte]
-LARGEST_DESCRIPTION = 2**24
 
 # Bytes at both ends of a file in which the mark is looked for.
 _MARKED = 2**16
@@ -110,11 +106,11 @@ def _is_own_store(output: Path, holds: str) -> bool:
     if not any(output.iterdir()):
         return True
     try:
-        text = read_bounded(output / "zarr.json", largest=LARGEST_DESCRIPTION)
-        attributes = json.loads(text).get("attributes", {})
-    except (OSError, ValueError, AttributeError):
+        attributes = read_description(output, ".").get("attributes")
+    except (OSError, ValueError):
         return False
-    return "erlif_version" in attributes and (not holds or (output / holds).is_dir())
+    named = isinstance(attributes, dict) and "erlif_version" in attributes
+    return named and (not holds or (output / holds).is_dir())
 
 
 def _is_own_series(output: Path) -> bool:

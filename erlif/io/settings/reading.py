@@ -6,7 +6,7 @@ import difflib
 import os
 import re
 import tomllib
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from pathlib import Path
 from typing import Any, TypeVar, get_args
 
@@ -15,6 +15,7 @@ from pydantic_core import ErrorDetails
 
 from erlif.core.bounded import read_bounded
 from erlif.core.errors import ConfigError
+from erlif.core.units import count_of
 from erlif.io.settings.bore import read_bore
 from erlif.io.settings.keys import Key, keys_of, tables_in
 from erlif.io.settings.planning import PlanSettings
@@ -205,9 +206,8 @@ def _load(path: Path, kind: type[_Settings]) -> _Settings:
 
     head = ["and correct these:"] if faults else []
     listed = "\n".join([*(f"  {_explain_gap(gap, kind)}" for gap in gaps), *head, *lines])
-    gap_count = "1 gap is" if len(gaps) == 1 else f"{len(gaps)} gaps are"
     raise ConfigError(
-        f"Expected a value for every key of {path}; {gap_count} left. Replace each ??:\n{listed}"
+        f"Expected a value for every key of {path}; {count_gaps(gaps)}. Replace each ??:\n{listed}"
     )
 
 
@@ -274,6 +274,11 @@ def find_gaps(table: dict[str, Any], path: _Location = ()) -> Iterator[_Location
             yield from find_gaps(value, (*path, name))
         elif isinstance(value, str) and _GAP.fullmatch(value.strip()):
             yield (*path, name)
+
+
+def count_gaps(gaps: Collection[_Location]) -> str:
+    """The number of gaps in words, such as "1 gap is left"."""
+    return f"{count_of(len(gaps), 'gap')} {'is' if len(gaps) == 1 else 'are'} left"
 
 
 def _location(fault: ErrorDetails) -> _Location:

@@ -25,6 +25,9 @@ from erlif.io.files import settings_of
 # Entries of the cameras that change the ratio.
 _OF_CAMERAS = "band", "gain", "bit_depth"
 
+# Tables of the settings that make a rig.
+_OF_RIG = "optics", "joint", "contact"
+
 
 @dataclass(frozen=True)
 class RunErrors:
@@ -57,20 +60,21 @@ class RunErrors:
     drift: float = 0.0
 
     @classmethod
-    def of(cls, film: xr.Dataset, curve: RunCurve) -> RunErrors:
-        """Errors of the run of a film."""
+    def of(cls, film: xr.Dataset, curve: RunCurve, *, drift: float = 0.0) -> RunErrors:
+        """Errors of the run of a film, by its settings and attributes."""
         settings, fixture = settings_of(film), key_of(curve)
-        serials = json.loads(str(film.attrs.get("camera_serials", '["", ""]')))
         date = str(film.attrs.get("recorded", ""))
-        cameras = {"camera1": settings.camera1, "camera2": settings.camera2}
+        serials = json.loads(str(film.attrs.get("camera_serials", '["", ""]')))
+
         rig = {"calibration": fixture}
-        for (table, one), serial in zip(cameras.items(), serials, strict=True):
-            rig |= {f"{name} of [{table}]": repr(getattr(one, name)) for name in _OF_CAMERAS}
+        for table, serial in zip(("camera1", "camera2"), serials, strict=True):
+            camera = getattr(settings, table)
+            rig |= {f"{name} of [{table}]": repr(getattr(camera, name)) for name in _OF_CAMERAS}
             rig[f"serial of [{table}]"] = serial
-        tables = "optics", "joint", "contact"
-        rig |= {f"[{name}]": repr(getattr(settings, name)) for name in tables}
+        rig |= {f"[{name}]": repr(getattr(settings, name)) for name in _OF_RIG}
+
         known = ", ".join(filter(None, serials))
-        return cls(curve, fixture, rig, settings.systematics.shares, known, date)
+        return cls(curve, fixture, rig, settings.systematics.shares, known, date, drift)
 
     @cached_property
     def before(self) -> RunErrors:

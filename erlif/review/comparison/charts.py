@@ -85,10 +85,10 @@ def drift_between(calibrations: Sequence[Calibration]) -> float:
     >>> round(drift_between([one, later]), 2)
     0.02
     """
-    in_order = sorted(calibrations, key=lambda each: each.date)
-    chart = _chart_calibrations(in_order) if len(in_order) > 1 else xr.Dataset()
+    chart = control_chart([], calibrations)
     if "calibration_ratio" not in chart:
         return 0.0
+
     value = chart.calibration_ratio.values
     relative = (chart.calibration_ratio_std.values / value) ** 2
     beyond = np.diff(np.log(value)) ** 2 - relative[1:] - relative[:-1]

@@ -256,7 +256,9 @@ def correct_for_many(probability: Array) -> Array:
 FALSE_DISCOVERIES = 0.05
 
 
-def difference_map(one: xr.Dataset, other: xr.Dataset, *, triggers: tuple[int, int]) -> xr.Dataset:
+def difference_map(
+    one: xr.Dataset, other: xr.Dataset, *, triggers: tuple[int, int], drift: float = 0.0
+) -> xr.Dataset:
     """Subtract the map of a trigger of one film from that of another one, cell by cell.
 
     Cells have 8 x 8 pixels of the coarser camera and are placed by the positions from the first
@@ -269,6 +271,8 @@ def difference_map(one: xr.Dataset, other: xr.Dataset, *, triggers: tuple[int, i
         Films; the difference is `other` less `one`.
     triggers : (int, int)
         Number of the trigger of each film.
+    drift : float
+        Change of the ratio between calibrations of the rig from day to day. [1]
 
     Returns
     -------
@@ -301,8 +305,8 @@ def difference_map(one: xr.Dataset, other: xr.Dataset, *, triggers: tuple[int, i
         for film, trigger, calibration in zip((one, other), triggers, calibrations, strict=True)
     )
     errors = (
-        RunErrors.of(one, calibrations[0]),
-        RunErrors.of(other, calibrations[1]),
+        RunErrors.of(one, calibrations[0], drift=drift),
+        RunErrors.of(other, calibrations[1], drift=drift),
     )
     shared = difference_var(a.gradient, b.gradient, errors)
 

@@ -110,15 +110,17 @@ def compare(
             replace(record, name=label) for record, label in zip(records, labels, strict=True)
         ]
         refuse_unlike(records)
+
         # calibrations beside the films extend the chart, and show how the rig changes
         known = _distinct(records, [open_calibration(path) for path in calibrations])
-        drift = drift_between([replace(one, systematics=NO_SYSTEMATICS) for one in known])
-        records = [replace(one, errors=replace(one.errors, drift=drift)) for one in records]
+        drift = drift_between([replace(each, systematics=NO_SYSTEMATICS) for each in known])
+        records = [replace(each, errors=replace(each.errors, drift=drift)) for each in records]
         first, second = _check_pair(pair, len(records))
 
         comparison = _compare_pairs(records).merge(_compare_powers(records))
-        triggers = _choose_triggers(opened[first], opened[second], crank_angle)
-        mapped = difference_map(opened[first], opened[second], triggers=triggers)
+        one, other = opened[first], opened[second]
+        triggers = _choose_triggers(one, other, crank_angle)
+        mapped = difference_map(one, other, triggers=triggers, drift=drift)
 
     chart = control_chart(records, known)
     names = {"x": "map_x", "y": "map_y"} | {str(name): f"map_{name}" for name in mapped.data_vars}

@@ -169,11 +169,3 @@ def test_texts_count_with_their_size_in_memory(tmp_path, kind, length):
     describe(path, "u0", data_type=kind)
     with pytest.raises(OutputError, match=r"claims .* GB of u0"):
         open_film(path)
-
-
-@pytest.mark.parametrize("text", ["", "[]", "[" * 100_000, "{"])
-def test_a_description_that_is_no_record_is_refused(tmp_path, text):
-    path = store(tmp_path / "film.zarr")
-    (path / "zarr.json").write_text(text)
-    with pytest.raises(ValueError, match=r"zarr\.json (is no JSON|describes no array)"):
-        check_zarr(path)

@@ -61,7 +61,12 @@ def test_an_empty_file_may_be_replaced(tmp_path):
 
 def store(path, **attributes):
     (path / "thickness").mkdir(parents=True)
-    (path / "zarr.json").write_text(json.dumps({"attributes": attributes}))
+    describe(path, json.dumps({"attributes": attributes}))
+
+
+def describe(path, text):
+    path.mkdir(parents=True, exist_ok=True)
+    (path / "zarr.json").write_text(text)
 
 
 @pytest.mark.parametrize(
@@ -73,6 +78,8 @@ def store(path, **attributes):
         ("film.nc", lambda path: path.write_bytes(b"\x89HDF\r\n\x1a\nrest")),
         ("film.zarr", lambda path: store(path, title="sea surface temperature")),
         ("film.zarr", lambda path: (path / "letters").mkdir(parents=True)),
+        ("film.zarr", lambda path: describe(path, "[" * 100_000)),
+        ("film.zarr", lambda path: describe(path, '{"attributes": 5}')),
         ("report.html", lambda path: path.write_text("<!DOCTYPE html><title>my page</title>")),
         ("report.html", lambda path: netcdf(path, erlif_version="0.1.0")),
         ("map.png", lambda path: path.write_text("erlif")),

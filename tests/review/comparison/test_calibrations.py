@@ -206,3 +206,9 @@ def test_the_scale_of_the_ratio_does_not_cancel_between_two_runs(film):
 
     mapped = difference_map(*pair, triggers=(0, 0))
     assert float(mapped.difference_std.min()) > 0.003 / run.slope(1.0)
+
+    # between two days what the calibrations of the rig show, in every cell
+    dated = [one.assign_attrs(recorded=f"2026-05-0{day}") for day, one in enumerate(pair, 1)]
+    drifted = difference_map(*dated, triggers=(0, 0), drift=0.009)
+    assert float(mapped.difference_std.min()) < 0.009 / run.slope(1.0)
+    assert float(drifted.difference_std.min()) > 0.009 / run.slope(1.0)

@@ -6,13 +6,15 @@ from pathlib import Path
 import numpy as np
 import numpy.testing as npt
 import pytest
+from scenes.fixture import with_systematics
 
 import erlif
+from erlif.calibration import record_calibration, save_calibration
 from erlif.core.errors import ErlifError
 from erlif.io.files import open_netcdf, write_dataset
 from erlif.review.comparison import compare
 from erlif.review.comparison.runs import duty_parameters, fit_runs
-from erlif.show.plots import example_film, write_example
+from erlif.show.plots import example_calibration, example_film, write_example
 
 
 def test_a_known_difference_is_found_with_its_sign(film, other):
@@ -33,6 +35,23 @@ def test_equal_runs_do_not_differ_and_all_units_are_stated(film, tmp_path):
         for name in read.data_vars:
             if read[name].dtype.kind == "f":
                 assert "units" in read[name].attrs, name
+
+
+def test_a_drift_between_calibrations_widens_the_errors_of_statistics_and_map(film, tmp_path):
+    """The ratio changes by 1 % between two days; without calibrations of both by 0.3 %."""
+    run = with_systematics(example_calibration(), ratio=0.02)
+    days = ("2026-05-02", "2026-11-30")
+    record = {"calibration": record_calibration(run)}
+    films = [film.assign_attrs(record, recorded=day) for day in days]
+    first = example_calibration()
+    later = replace(first, ratio_at_zero=1.012 * first.ratio_at_zero, date="2026-12-01")
+    save_calibration(later, tmp_path / "later.nc")
+
+    before, after = (compare(films, calibrations=each) for each in ([], [tmp_path / "later.nc"]))
+    wider = after.calibration_drift / 0.003
+    assert wider > 2
+    for name in ("difference_std", "map_difference_std"):
+        assert (after[name] > 0.8 * wider * before[name]).all()
 
 
 def test_the_page_lists_every_variable(film, other):
