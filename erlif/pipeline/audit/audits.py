@@ -12,6 +12,7 @@ from erlif.pipeline.audit.evidence import Evidence
 from erlif.pipeline.audit.log import note_angles, note_conditions, note_speed
 from erlif.pipeline.audit.order import note_order
 from erlif.pipeline.audit.strangers import note_strangers
+from erlif.pipeline.audit.zero import note_zero
 from erlif.pipeline.engines.results import FrameResult
 
 
@@ -72,6 +73,7 @@ AUDITS = (
         lambda one: note_conditions(without_single(one.run.log), one.run.settings),
     ),
     Audit("order of pairs and rows", note_order),
+    Audit("zero of the angle", note_zero),
     Audit("steps of the angle", lambda one: note_angles(one.run.log)),
 )
 
