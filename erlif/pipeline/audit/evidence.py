@@ -33,12 +33,15 @@ class Evidence:
         Frame pairs that were measured, in their order.
     faults : Sequence[Note]
         Of the counts of both cameras, known before.
+    darks : Sequence[Note]
+        About dark levels that are off, by pixels that no light reaches.
     """
 
     run: Run
     located: xr.Dataset
     frames: Sequence[FrameResult]
     faults: Sequence[Note] = ()
+    darks: Sequence[Note] = ()
 
     @property
     def numbers(self) -> Array:
