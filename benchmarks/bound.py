@@ -40,6 +40,8 @@ NEAR = 0.07  # share by which a film of the table may differ
 ROWS, COLUMNS = 16, 20  # blocks
 STEP = 1e-4  # of a finite difference
 EXCESS = 3e-4 * np.sqrt(ROWS * COLUMNS / 120)  # noise of the ratio of a block beyond photons [1]
+PATCH_EXCESS = 1e-4  # the same of the patch [1]
+PATCH_STD = 0.02  # um: its film
 FULL = 4095 * 4.4  # electron at full scale
 
 CLEARANCE = 4.1  # um: both radii are known to half of their last digit, 0.01 mm
@@ -198,6 +200,27 @@ def information_of(
     return found + light * weight @ light.T - mixed @ np.linalg.solve(known, mixed.T)
 
 
+def patch_information(
+    row: Row, rig: RigSettings, frames: int, typical: np.ndarray, root: np.ndarray
+) -> np.ndarray:
+    """Fisher information of the log ratio of the patch, whose film is the last unknown.
+
+    `root` is that of the covariance of all errors, (error, error).
+    """
+    (left, right), (top, bottom) = rig.patch
+    u = np.array([(left + right) / rig.field_width - 1])
+    v = np.array([(top + bottom) / (rig.height * rig.pitch) - 1])
+    film = np.full((frames, 1), rig.reference)
+    patch = Blocks.of(rig, film, u, v)
+
+    acts = np.einsum("ebfc,en->nbfc", list_errors(row.widths, rig, patch, typical)[0], root)
+    acts = np.concatenate([acts, PATCH_STD * by_film(film)[None]])
+    ratio = np.diff(acts, axis=1)[:, 0, :, 0]
+    pixels = (right - left) * (bottom - top) / rig.pitch**2
+    noise = (1 / patch.light).sum(axis=0)[:, 0] / pixels + PATCH_EXCESS**2
+    return ratio / noise @ ratio.T
+
+
 def bounds(row: Row, rig: RigSettings, maps: np.ndarray, inside: np.ndarray) -> np.ndarray:
     """Standard deviations by widths, bound in the region and in the picture, (3, film). [um]"""
     shape = (ROWS, rig.height // ROWS, COLUMNS, rig.width // COLUMNS)
@@ -210,19 +233,12 @@ def bounds(row: Row, rig: RigSettings, maps: np.ndarray, inside: np.ndarray) -> 
     at = Blocks.of(rig, film, u, v)
     typical = np.median(at.light[:, :, region], axis=(1, 2))
     acts, covariance = list_errors(row.widths, rig, at, typical)
-    root = np.linalg.cholesky(covariance + 1e-18 * np.eye(len(covariance)))
+    root = np.linalg.cholesky(covariance + 1e-18 * np.eye(len(covariance)))  # widths may be zero
     acts = np.einsum("ebfc,en->nbfc", acts, root)
 
-    # the patch: its film is the last unknown
     errors = np.eye(len(root) + 1)
     if rig.reference:
-        known = np.full((len(maps), 1), rig.reference)
-        patch = Blocks.of(rig, known, np.full(1, -0.76), np.zeros(1))
-        of_patch = np.einsum("ebfc,en->nbfc", list_errors(row.widths, rig, patch, typical)[0], root)
-        of_patch = np.concatenate([of_patch, 0.02 * by_film(known)[None]])
-        seen = np.diff(of_patch, axis=1)[:, 0, :, 0]
-        pixels = 0.12 * 0.3 * rig.width * rig.height
-        errors += seen / ((1 / patch.light).sum(axis=0)[:, 0] / pixels + 1e-8) @ seen.T
+        errors += patch_information(row, rig, len(maps), typical, root)
 
     slope = by_film(film)
     of_error = np.concatenate([acts, 0 * acts[:1]])

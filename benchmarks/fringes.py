@@ -17,7 +17,8 @@ from erlif.rig.dyes import BANDS, LASER, absorption, emission, transmission
 INDEX = 1.48
 WALLS = {"acrylic, 1.49": (1.49, 1.49), "glass, 1.52": (1.52, 1.52), "metal, 50 %": (None, 1.52)}
 FILMS = 1.0, 2.0, 3.0, 5.0, 8.0
-METAL = 0.5**0.5
+METAL = 0.5**0.5  # amplitude
+AROUND = np.arange(-0.4, 0.4, 0.012)  # um: two fringes to either side, 0.2 um apart
 
 
 def returned(index: float | None) -> float:
@@ -50,9 +51,10 @@ def main() -> None:
     for name, (wall, window) in WALLS.items():
         sides, row = (returned(wall), returned(window)), []
         for film in FILMS:
-            films = film + np.arange(-0.4, 0.4, 0.012)
+            films = film + AROUND
             ratio = [np.log(light(h, BANDS[1], *sides) / light(h, BANDS[0], *sides)) for h in films]
-            rest = ratio - np.polyval(np.polyfit(films, ratio, 4), films)
+            rest = ratio - np.polyval(np.polyfit(AROUND, ratio, 4), AROUND)
+            # without the ends, which the polynomial follows
             row.append(100 * rest[5:-5].std())
         print(f"{name:16s}" + "".join(f"{one:11.3f}" for one in row))
 

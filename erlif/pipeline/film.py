@@ -106,7 +106,7 @@ class FilmDraft:
 def summarise_triggers(
     ready: PreparedRun, triggers: xr.Dataset, results: Sequence[TriggerResult]
 ) -> FilmDraft:
-    """Settle the contact of the run, audit its frames, and count frames and pixels.
+    """Settle the contact of the run, and count frames and pixels.
 
     Parameters
     ----------
@@ -128,12 +128,8 @@ def summarise_triggers(
     run, curve, plane = ready.run, ready.curve, ready.plane
     results, contact = settle_contact(results)
     frames = frames_in(results)
-    with stage("audits", _logger):
-        ordered = sorted(frames, key=lambda one: one.frame)
-        audited = audit_run(Evidence(run, ready.cycle, ordered, ready.faults))
     both = filter(None, (curve.calibration, curve.later))
     notes = (
-        *audited,
         *(note for one in both for note in note_pitch(one.pixel_pitch, plane.pitch)),
         *format_notes(run.pairs),
         *run.log_notes,
@@ -156,7 +152,7 @@ def summarise_triggers(
 
 
 def with_light(draft: FilmDraft) -> FilmDraft:
-    """Add light that is not film, and mean, minimum and pin with the errors that it leaves.
+    """Add light that is not film, numbers with the errors that it leaves, and the audits.
 
     Parameters
     ----------
@@ -191,11 +187,10 @@ def with_light(draft: FilmDraft) -> FilmDraft:
         settings_version=count_keys(RunSettings),
         calibration=record_calibration(curve),
     )
-    # another dark bends the ratio in many ways, which other notes describe; a bit that is always
-    # set and pairs of another recording look like one
-    causes = [one for one in draft.notes if one.subject in ("bits", "pairs", "log")]
-    rest = [one for one in draft.notes if one not in causes]
-    draft = replace(draft, notes=(*causes, *darks, *rest))
+    with stage("audits", _logger):
+        ordered = sorted(draft.frame_results, key=lambda one: one.frame)
+        audited = audit_run(Evidence(run, ready.cycle, ordered, ready.faults, darks))
+    draft = replace(draft, notes=(*audited, *draft.notes))
     return draft.adding(film, *notes, results=results, curve=curve)
 
 

@@ -59,14 +59,22 @@ def test_a_film_that_stands_still_shows_nothing():
     assert find_texture(photograph(factor, swing=0.0), CENTRES, CURVE) is None
 
 
+REGION = Region(slice(0, 200), slice(0, 300))
+TEXTURE = Texture(size=0.01, std=0.001, length=60.0, film=4.0)
+
+
+def draw_fields(seed):
+    """Fields of the log ratio over the region, (field, place)."""
+    rng = np.random.default_rng(seed)
+    return np.array([draw_field(TEXTURE.length, rng, (150 * U, 100 * V)) for _ in range(300)])
+
+
 @pytest.mark.parametrize("along_x", [True, False])
 @pytest.mark.parametrize("bend", [0.0, 4.0])
 def test_error_of_mean_and_minimum_is_that_of_fits_to_drawn_fields(along_x, bend):
-    rng = np.random.default_rng(3)
     s, z = (U, V) if along_x else (V, U)
     shapes = np.stack([np.ones_like(s), s, z, s**2])
-    region = Region(slice(0, 200), slice(0, 300))
-    fields = np.array([draw_field(60, rng, (150 * U, 100 * V)) for _ in range(300)])
+    fields = draw_fields(3)
 
     # films at fields of the log ratio, over those by a change that is even over the region
     amplitudes = np.array([5.0, 0.0, -0.1, bend, 0.0])
@@ -79,17 +87,14 @@ def test_error_of_mean_and_minimum_is_that_of_fits_to_drawn_fields(along_x, bend
     at_edge = (fitted[0] + fitted[2]).std() / (even[0] + even[2])
     of_mean = (fields * per_ratio).mean(axis=1).std() / per_ratio.mean()
     place = np.array([149.5, 199.0] if along_x else [299.0, 99.5])
-    texture = Texture(size=0.01, std=0.001, length=60.0, film=4.0)
     gap = GapMinimum.unknown(3)._replace(place=place, amplitudes=amplitudes)
-    found = texture.in_numbers(region, gap, CURVE, GapShape.LINE, along_x=along_x)
+    found = TEXTURE.in_numbers(REGION, gap, CURVE, GapShape.LINE, along_x=along_x)
     np.testing.assert_allclose(np.linalg.norm(found, axis=1), [of_mean, at_edge], rtol=0.15)
 
 
 def test_minima_of_thin_and_thick_films_differ_as_fits_to_drawn_fields():
     """Errors over those by an even change; what is common to the films leaves an exponent alone."""
-    rng, shapes = np.random.default_rng(4), np.stack([np.ones_like(U), U, V, U**2])
-    fields = np.array([draw_field(60, rng, (150 * U, 100 * V)) for _ in range(300)])
-    region, texture = Region(slice(0, 200), slice(0, 300)), Texture(0.01, 0.001, 60.0, 4.0)
+    shapes, fields = np.stack([np.ones_like(U), U, V, U**2]), draw_fields(4)
     at_edge, rows = [], []
     for film in (2.5, 5.0):
         amplitudes = np.array([film, 0.0, -0.1, 4.0, 0.0])
@@ -98,17 +103,15 @@ def test_minima_of_thin_and_thick_films_differ_as_fits_to_drawn_fields():
         fitted = np.linalg.lstsq(shapes.T, changes.T, rcond=None)[0]
         at_edge.append((fitted[0] + fitted[2])[:-1] / (fitted[0] + fitted[2])[-1])
         gap = GapMinimum.unknown(3)._replace(place=np.array([149.5, 199]), amplitudes=amplitudes)
-        rows.append(texture.in_numbers(region, gap, CURVE, GapShape.LINE, along_x=True)[1])
+        rows.append(TEXTURE.in_numbers(REGION, gap, CURVE, GapShape.LINE, along_x=True)[1])
     apart = np.linalg.norm(rows[1] - rows[0])
     np.testing.assert_allclose(apart, (at_edge[1] - at_edge[0]).std(), rtol=0.15)
     assert apart > 0.02
 
 
 def test_error_of_a_gap_that_is_not_known_is_that_of_an_even_film():
-    region, texture = Region(slice(0, 200), slice(0, 300)), Texture(0.01, 0.001, 60.0, 4.0)
-    fields = [draw_field(60, np.random.default_rng(n), (150 * U, 100 * V)) for n in range(300)]
-    found = texture.in_numbers(region, GapMinimum.unknown(3), CURVE, GapShape.LINE, along_x=True)
-    share = np.mean(fields, axis=1).std()
+    found = TEXTURE.in_numbers(REGION, GapMinimum.unknown(3), CURVE, GapShape.LINE, along_x=True)
+    share = draw_fields(5).mean(axis=1).std()
     np.testing.assert_allclose(np.linalg.norm(found, axis=1), share, rtol=0.15)
 
 

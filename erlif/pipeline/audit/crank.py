@@ -109,9 +109,7 @@ def note_crank(evidence: Evidence) -> Iterator[Note]:
 
 
 def _tick(reading: Array) -> float:
-    """Distance of the ticks of an encoder of which all readings are multiples; 0 if none is seen.
-    [degree]
-    """
+    """Distance of the ticks of which all readings are multiples; 0 if none is seen. [degree]"""
     tick = float(np.diff(np.unique(reading.round(6))).min(initial=360.0))
     ticks = (reading - reading[0]) / tick
     whole = bool((np.abs(ticks - ticks.round()) < _OFF_TICK).all())

@@ -9,12 +9,15 @@ from functools import cached_property
 import numpy as np
 import xarray as xr
 
-from erlif.core.arrays import Array
+from erlif.core.arrays import AnyArray, Array
 from erlif.core.notes import Note
 from erlif.io.ingest import Run
+from erlif.pipeline.audit.energies import Order, compare_energies
 from erlif.pipeline.audit.log import note_mounting
 from erlif.pipeline.engines.results import FrameResult
 from erlif.pipeline.recording.pulses import read_energies
+
+MOST = 3000  # frames whose order is judged; more would only take time
 
 
 @dataclass(frozen=True)
@@ -30,12 +33,15 @@ class Evidence:
         Frame pairs that were measured, in their order.
     faults : Sequence[Note]
         Of the counts of both cameras, known before.
+    darks : Sequence[Note]
+        About dark levels that are off, by pixels that no light reaches.
     """
 
     run: Run
     located: xr.Dataset
     frames: Sequence[FrameResult]
     faults: Sequence[Note] = ()
+    darks: Sequence[Note] = ()
 
     @property
     def numbers(self) -> Array:
@@ -68,6 +74,13 @@ class Evidence:
         """Pulse energy of each of the frames in the log, (frame,); None where it has none."""
         energies = read_energies(self.run.log)
         return None if energies is None else energies[self.numbers]
+
+    @cached_property
+    def order(self) -> tuple[Order | None, AnyArray] | None:
+        """Order of the rows and odd pairs, as `compare_energies`; None also without energies."""
+        if self.energies is None:
+            return None
+        return compare_energies(self.energies[:MOST], self.light[:MOST], self.levels[:MOST])
 
     def logged(self, name: str) -> Array | None:
         """A column of the log or of the motion, of these frames, (frame,); None without it."""

@@ -42,7 +42,7 @@ from erlif.trend import VogelLaw, fast_triggers, viscosity_at
 
 # Films of steady formulas in film.nc, and the powers of the viscosity in those of a rigid line
 # contact.
-STEADY = {"film_hamrock_dowson": 0.7, "film_theory": 1.0}
+_STEADY = {"film_hamrock_dowson": 0.7, "film_theory": 1.0}
 
 _FAR = 3.0  # standard deviations of a fitted load line from that of the film, from which it counts
 _MILLI = 1e3
@@ -177,7 +177,7 @@ def state_physics(
         start and load line fitted with it, beside that of [oil]; empty where it does not describe
         the film. [Pa s]
     """
-    contact = settings.joint is None and shared is not None and {*STEADY} <= set(film)
+    contact = settings.joint is None and shared is not None and {*_STEADY} <= set(film)
     if not contact and not {"film_predicted_min", "pin_displacement"} <= set(film):
         return "", {}
     if settings.joint is not None and settings.joint.liner is not None:
@@ -232,10 +232,9 @@ def _compare_models(
     )
     if departs:
         reason = f"of a straight, rigid and smooth joint; run.toml has {departs}"
-        found = replace(
-            found,
-            not_fitted={**found.not_fitted, **dict.fromkeys([one.name for one in steady], reason)},
-        )
+        others = dict.fromkeys([one.name for one in steady], reason)
+        found = replace(found, not_fitted={**found.not_fitted, **others})
+
     rocking = _rocking(film)
     if not rocking:
         return found
@@ -246,8 +245,8 @@ def _compare_models(
 
 def _steady_films(film: xr.Dataset, settings: RunSettings) -> list[SteadyFilm]:
     """The films of steady formulas in a film, as `compare_models` takes them."""
-    names, contact = [name for name in STEADY if name in film], describe_contact(settings)
-    powers = STEADY if contact is None else viscosity_powers(film, contact, names)
+    names, contact = [name for name in _STEADY if name in film], describe_contact(settings)
+    powers = _STEADY if contact is None else viscosity_powers(film, contact, names)
     return [
         SteadyFilm(
             REGIME_MAP if name == "film_theory" else formula_label(film),

@@ -12,7 +12,7 @@ from damages.sound import draw_sound, use_instruments
 import erlif
 from conftest import FULL, Laboratory
 from erlif.core.errors import ErlifError
-from erlif.core.notes import Level, Note, split_notes
+from erlif.core.notes import Level, Note, split_notes, warn
 from erlif.pipeline.audit.audits import AUDITS, audit_run, note_copied_cameras
 from erlif.pipeline.audit.evidence import Evidence
 from erlif.pipeline.engines.results import FrameResult, frames_in
@@ -78,6 +78,15 @@ def test_a_warning_stands_once_whatever_finds_it(evidence):
         evidence, faults=(*evidence.faults, *2 * [Note(Level.WARNING, "bits", "bit 5")])
     )
     assert [note.text for note in audit_run(doubled)] == ["bit 5"]
+
+
+def test_a_dark_stands_between_what_looks_like_one_and_what_follows_from_it(evidence):
+    dark, bit = warn("camera1", "off by the dark"), warn("bits", "bit 5")
+    log = evidence.run.log.assign(joint_load=evidence.run.log.joint_load / 1e3)
+    run = replace(evidence.run, log=log)
+    found = audit_run(replace(evidence, run=run, faults=[bit], darks=[dark]))
+    assert found[:2] == [bit, dark]
+    assert "kN" in found[2].text
 
 
 def test_a_failure_of_an_audit_is_a_warning(evidence):
