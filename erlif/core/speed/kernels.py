@@ -16,7 +16,6 @@ from numba.core.caching import FunctionCache
 
 _logger = logging.getLogger(__name__)
 
-
 _numba_cache: Any = FunctionCache  # numba has no types
 
 
@@ -44,7 +43,23 @@ class _KernelCache(_numba_cache):  # type: ignore[misc]
 def njit(
     signature: str | None = None, *, cache: bool = False, **options: Any
 ) -> Callable[[Callable[..., Any]], Any]:
-    """`numba.njit`, whose kept kernels may be damaged."""
+    """As `numba.njit`, whose kept kernels may be damaged.
+
+    Parameters
+    ----------
+    signature : str, optional
+        Types of arguments for which it is compiled at once, and for no others; default: for those
+        of each call.
+    cache : bool
+        Keep the kernels for the next start.
+    **options
+        Of `numba.njit`.
+
+    Returns
+    -------
+    callable
+        Decorator, which returns the compiled function.
+    """
 
     def compiled(function: Callable[..., Any]) -> Any:
         kernel = numba.njit(**options)(function)

@@ -38,6 +38,9 @@ from erlif.io.settings import (
 
 _PAUSE = 1.5  # step of the time over the median one at which a row is missing
 
+# Quantities of a log that are shown while it is written.
+_SHOWN = ("angle", "joint_load", "temperature")
+
 
 @dataclass(frozen=True)
 class Recording:
@@ -241,10 +244,6 @@ def _open_log(
             'run.toml, or start = "fit" to find it from the motion.'
         )
     return sample_log(log, since + encoder.start), notes
-
-
-# Quantities of a log that are shown while it is written.
-_SHOWN = ("angle", "joint_load", "temperature")
 
 
 def read_so_far(run_dir: Path, encoder: EncoderSettings, pulses: int) -> dict[str, Array]:

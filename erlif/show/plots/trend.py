@@ -300,8 +300,11 @@ def film_over_theory(film: xr.Dataset, *, ax: Axes = style.NEW) -> list[Artist]:
         std = film[f"{ratio}_std"].values
         artists += draw_strokes(ax, film, x, values, std, which=np.isfinite(values), colour=colour)
         style.draw_line(ax, ends, [float(attrs["factor"])] * 2, colour, form="--", label=label)
-    counts = sorted({np.count_nonzero(np.isfinite(film[one].values)) for one in known})
-    of = " to ".join(map(str, counts[:1] + counts[1:][-1:]))
+
+    # a theory may lack some of the triggers
+    counts = [np.count_nonzero(np.isfinite(film[one].values)) for one in known]
+    fewest_and_most = sorted({min(counts, default=0), max(counts, default=0)})
+    of = " to ".join(str(count) for count in fewest_and_most)
     units = {"rocker_speed": "|ω| [rad s⁻¹]", "sliding_speed": "sliding speed [m s⁻¹]"}
     ax.set(xlabel=units[name], ylabel="minimum film over theory")
     style.plain_log_ticks(ax)

@@ -12,6 +12,7 @@ from importlib.resources import files
 from typing import Any
 
 import tornado.web
+from tornado.httpserver import HTTPServer
 from tornado.httputil import HTTPServerRequest
 
 from erlif.core.errors import ErlifError
@@ -67,6 +68,25 @@ class Shared:
         default_factory=lambda: READING
     )
     defects: set[tuple[type, str]] = field(default_factory=set)
+
+
+class PageServer(HTTPServer):
+    """A server with few connections: others on this machine could take all handles.
+
+    Attributes
+    ----------
+    most : int
+        Connections at a time, of which a browser has six for a page.
+    """
+
+    most = 64
+
+    def handle_stream(self, stream: Any, address: Any) -> None:
+        """Serve a new connection, or close it where there are too many."""
+        if len(self._connections) < self.most:
+            super().handle_stream(stream, address)
+        else:
+            stream.close()
 
 
 class _Guarded(tornado.web.RequestHandler):

@@ -20,9 +20,7 @@ from erlif.show.view.films import open_films
 
 _THREADS = 2  # that read: a map is on its way while a profile is computed
 
-# Connections at a time, of which a browser has six for a page, and time after which one without a
-# request is closed [s]. Others on this machine could take all handles of the program.
-_CONNECTIONS, _IDLE = 64, 15
+_IDLE = 15  # s, after which a connection without a request is closed
 
 
 def require_library() -> None:
@@ -115,9 +113,7 @@ def serving(*, port: int, **shared: Any) -> Iterator[str]:
     ErlifError
         If the port is taken.
     """
-    from tornado.httpserver import HTTPServer
-
-    from erlif.show.view.handlers import Shared, make_application
+    from erlif.show.view.handlers import PageServer, Shared, make_application
 
     # the port is known once the socket is open, and the address names it
     try:
@@ -130,14 +126,7 @@ def serving(*, port: int, **shared: Any) -> Iterator[str]:
     listening.setblocking(False)
     access = AccessRule(int(listening.getsockname()[1]))
 
-    class Server(HTTPServer):  # type: ignore[misc, unused-ignore] # tornado is loaded here alone
-        def handle_stream(self, stream: Any, address: Any) -> None:
-            if len(self._connections) < _CONNECTIONS:
-                super().handle_stream(stream, address)
-            else:
-                stream.close()
-
-    server = Server(
+    server = PageServer(
         make_application(Shared(access, **shared)),
         max_body_size=2**16,
         idle_connection_timeout=_IDLE,
@@ -145,17 +134,9 @@ def serving(*, port: int, **shared: Any) -> Iterator[str]:
     )
     started: Future[Callable[[], object]] = Future()
 
-    reported: set[str] = set()
-
-    def report_once(loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:
-        text = f"{context['message']} {context.get('exception')}"
-        if text not in reported:
-            reported.add(text)
-            loop.default_exception_handler(context)
-
     async def run() -> None:
         ended = asyncio.Event()
-        asyncio.get_running_loop().set_exception_handler(report_once)
+        asyncio.get_running_loop().set_exception_handler(_report_once())
         server.add_socket(listening)
         started.set_result(partial(asyncio.get_running_loop().call_soon_threadsafe, ended.set))
         await ended.wait()
@@ -169,3 +150,16 @@ def serving(*, port: int, **shared: Any) -> Iterator[str]:
     finally:
         end()
         thread.join()
+
+
+def _report_once() -> Callable[[asyncio.AbstractEventLoop, dict[str, Any]], None]:
+    """Logs each fault of the loop once, which tries again without a pause."""
+    reported: set[str] = set()
+
+    def report(loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:
+        text = f"{context['message']} {context.get('exception')}"
+        if text not in reported:
+            reported.add(text)
+            loop.default_exception_handler(context)
+
+    return report

@@ -13,7 +13,7 @@ from concurrent.futures import ThreadPoolExecutor
 import pytest
 
 from erlif.core.errors import ErlifError
-from erlif.show.view import serving
+from erlif.show.view import handlers, serving
 
 
 def test_a_missing_package_is_named_with_the_line_that_installs_it(monkeypatch):
@@ -82,7 +82,7 @@ def test_idle_connections_of_others_take_few_handles_and_end(monkeypatch, caplog
         before, count = len(os.listdir("/proc/self/fd")), 1125
         idle = connect(address, count)
         time.sleep(0.3)
-        assert len(os.listdir("/proc/self/fd")) - before - count <= serving._CONNECTIONS
+        assert len(os.listdir("/proc/self/fd")) - before - count <= handlers.PageServer.most
         began = time.monotonic()
         while not is_served(address):
             time.sleep(0.1)
