@@ -17,20 +17,29 @@ export function showKey(flags, texts) {
   }));
 }
 
-// one call at a time; of those that come meanwhile, the last one is made after it
+// One call at a time; of those that come meanwhile, the last one is made after it, also after a
+// failure, which is then that of an older call.
 export function latest(action) {
   let busy = null;
   let next = null;
   const run = async () => {
-    while (next) {
-      const values = next;
-      next = null;
-      await action(...values);
+    try {
+      while (next) {
+        const values = next;
+        next = null;
+        try {
+          await action(...values);
+        } catch (error) {
+          if (!next) throw error;
+        }
+      }
+    } finally {
+      busy = null; // at once: no call may join a loop that has ended
     }
   };
   return (...values) => {
     next = values;
-    busy ??= run().finally(() => { busy = null; });
+    busy ??= run();
     return busy;
   };
 }

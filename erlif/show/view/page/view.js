@@ -116,8 +116,10 @@ function showLimits() {
 }
 
 const refreshMaps = guarded(async () => {
+  const before = byId("status").textContent;
   await Promise.all(Object.values(panels).map((panel) => panel.refresh()));
-  if (byId("status").classList.contains("bad")) report(""); // the reason has gone
+  const bad = byId("status").classList.contains("bad");
+  if (bad && byId("status").textContent === before) report(""); // the reason has gone
 });
 
 const redraw = () => Object.values(panels).forEach((panel) => panel.draw());
@@ -179,8 +181,9 @@ async function typeTrigger(id, which) {
   const given = byId(id).value;
   const { numbers } = film(which);
   const after = numbers.findIndex((number) => number >= Number(given));
-  await setTrigger(after < 0 ? numbers.length : after, which);
-  const shown = numberOf(which);
+  const done = setTrigger(after < 0 ? numbers.length : after, which);
+  const shown = numberOf(which); // while it is drawn another may be chosen
+  await done;
   if (given !== `${shown}`) {
     report(`Expected a trigger from ${numbers[0]} to ${numbers.at(-1)}; got ${given || "none"}. `
       + `Trigger ${shown} is shown.`, true);
