@@ -1,8 +1,8 @@
-"""The shortest list of remedies with which the films of a run reach a wanted standard deviation.
+"""The shortest list of remedies with which the films of a run reach a target.
 
 All errors are those of `Systematics`, linear and in the middle of a run. A remedy lowers the widths
-of some of them; a patch of known film leaves the differences to the errors of its film. What the
-gap of a joint shows is a measurement of all errors together, which holds for smaller widths too.
+of some of them; a patch of known film measures all of them together. So does the gap of a joint,
+which holds for smaller widths too.
 """
 
 from __future__ import annotations
@@ -135,14 +135,21 @@ class FilmErrors:
     def split(self, remedies: Collection[str] = ()) -> dict[str, Array]:
         """Variance of these films by source of error; errors that compensate lower it. [um2]"""
         acts, scale = self.acts[:, :-1], self.slope[:-1] ** -2.0
+        covariance = self._covariance(remedies)
         parts = {"noise": scale * self.noise**2}
         if any(REMEDIES[key].to_patch for key in {*self.had, *remedies}):
-            # changes over the field are independent at both places
+            # changes over the field are independent at both places: errors of what the patch shows
             placed = len(acts) - len(self.systematics.terms) + self.systematics.placed
-            both, acts = np.hypot(acts, self.acts[:, -1:]), acts - self.acts[:, -1:]
-            acts[placed] = both[placed]
-            parts["patch"] = scale * (self.slope[-1] * self.patch_std) ** 2
-        for term, part in zip(self.terms, acts * (self._covariance(remedies) @ acts), strict=True):
+            of_patch = self.acts[:, -1].copy()
+            field = float(of_patch[placed] ** 2 @ np.diag(covariance)[placed])
+            of_patch[placed] = 0.0
+            film = float(self.slope[-1] * self.patch_std) ** 2
+
+            pull = covariance @ of_patch
+            share = pull @ acts / (of_patch @ pull + field + film)
+            acts = acts - of_patch[:, None] * share
+            parts |= {"patch": scale * share**2 * film, "field": scale * share**2 * field}
+        for term, part in zip(self.terms, acts * (covariance @ acts), strict=True):
             parts[term] = parts.get(term, 0.0) + scale * part
         return parts
 

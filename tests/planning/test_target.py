@@ -61,14 +61,18 @@ def test_a_width_that_is_stated_smaller_stays():
 
 
 def test_a_patch_leaves_its_film_and_the_field_at_two_places():
-    slope, at_patch = slope_at(np.array([*FILMS, MEDIAN])), float(slope_at(np.array(PATCH)))
-    alone = errors_of(ratio=0.01, lag=0.005).std(["patch"])
-    npt.assert_allclose(alone, 0.02 * at_patch / slope, rtol=1e-6)
-    with_field = errors_of(field=0.005, patch_std=0.0).std(["patch"])
-    npt.assert_allclose(with_field, 2**0.5 * 0.005 / slope, rtol=1e-6)
-    size = errors_of(size=0.005, patch_std=0.0).std(["patch"])
+    """Posterior of a single error by its width and by what the patch shows of it."""
     films = np.array([*FILMS, MEDIAN])
-    npt.assert_allclose(size, 0.005 * np.abs(films * slope - PATCH * at_patch) / slope, rtol=1e-5)
+    slope, at_patch = slope_at(films), float(slope_at(np.array(PATCH)))
+    shown, width = 0.02 * at_patch, np.hypot(0.01, 0.005)
+    scale = shown * width / np.hypot(shown, width)
+    npt.assert_allclose(errors_of(ratio=0.01, lag=0.005).std(["patch"]), scale / slope, rtol=1e-6)
+    even = errors_of(ratio=0.01, field=0.005, patch_std=0.0).std(["patch"])
+    left = np.hypot(0.01 * 0.005 / np.hypot(0.01, 0.005), 0.005)
+    npt.assert_allclose(even, left / slope, rtol=1e-6)
+    width = 0.005 * PATCH * at_patch
+    size = shown * width / np.hypot(shown, width) * films / (PATCH * at_patch)
+    npt.assert_allclose(errors_of(size=0.005).std(["patch"]), size, rtol=1e-5)
 
 
 def test_information_holds_for_other_widths():

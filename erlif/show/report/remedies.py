@@ -60,6 +60,6 @@ def print_remedies(table: xr.DataArray, which: str) -> str:
         most = f"{SOURCES[attrs['largest']].what} ({1e3 * attrs['largest_std']:.0f} nm)"
         lines.append(f"No list reaches it: {1e3 * left[-1]:.0f} nm are left, most of it by {most}.")
     if any(attrs["gap"]):
-        lines.append("* With what the gap takes out. A patch or a later fixture takes its place.")
+        lines.append("* With what the gap takes out. A later fixture takes its place.")
     lines += [f"{n} {one.effort}. {one.why}" for n, one in enumerate(remedies, 1)]
     return "\n".join(lines)
