@@ -1,10 +1,11 @@
-"""A drawn region written into run.toml, with all else as it stands there."""
+"""Values written into a settings file, with all else as it stands there: a drawn region."""
 
 from __future__ import annotations
 
 import difflib
 import hashlib
 import tomllib
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -80,43 +81,100 @@ def propose_region(run_dir: Path | None, region: Rectangle) -> RegionChange:
             f"Expected settings of at most {_LARGEST} bytes; {path} has more. Reduce it."
         )
     before = path.read_bytes()
-    after = _set_region(path, before, [round(value, _DIGITS) for value in region])
-    texts = before.decode().splitlines(), after.decode().splitlines()
-    names = "run.toml as it is", "run.toml with the region"
-    lines = difflib.unified_diff(*texts, *names, lineterm="", n=1)
-    return RegionChange(path, hashlib.sha256(before).hexdigest(), after, "\n".join(lines))
-
-
-def _set_region(path: Path, before: bytes, region: list[float]) -> bytes:
-    """The file with another region."""
-    import tomlkit
-    from tomlkit.exceptions import TOMLKitError
-
-    # tomlkit keeps comments, order and spaces; the file is compared as a whole below
-    wanted = {"x": region[:2], "y": region[2:]}
+    x0, x1, y0, y1 = (round(value, _DIGITS) for value in region)
+    wanted = {"x": [x0, x1], "y": [y0, y1]}
     try:
-        text = before.decode()
-        document: Any = tomlkit.parse(text)
-        expected = tomllib.loads(text)
-        if "thickness" not in document:
-            document = tomlkit.parse(f"{text.rstrip()}\n\n[thickness]\n".lstrip())
-        table = document["thickness"]
-        if "roi" not in table:
-            table["roi"] = tomlkit.inline_table()
-        table["roi"].update(wanted)
-        after = tomlkit.dumps(document).encode()
-        settings = tomllib.loads(after.decode())
-    except (TOMLKitError, ValueError, AttributeError, TypeError) as error:
+        after = change_values(before.decode(), {("thickness", "roi"): wanted})
+    except (ValueError, AttributeError, TypeError, ConfigError) as error:
         raise ConfigError(
             f"Expected {path} as a file of settings; it cannot be changed ({reason_of(error)}). "
-            "Write roi into [thickness] by hand."
+            f"Write roi = {{ x = {wanted['x']}, y = {wanted['y']} }} into [thickness] by hand."
         ) from error
+    names = "run.toml as it is", "run.toml with the region"
+    lines = changed_lines(before.decode(), after, names)
+    return RegionChange(path, hashlib.sha256(before).hexdigest(), after.encode(), lines)
 
-    expected.setdefault("thickness", {})["roi"] = wanted
-    if settings != expected:
+
+def changed_lines(before: str, after: str, names: tuple[str, str]) -> str:
+    """Lines of a file that change, as a unified difference of the two named texts.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> print(changed_lines("a\\nb\\n", "a\\nc\\n", ("one", "two")))
+    --- one
+    +++ two
+    @@ -1,2 +1,2 @@
+     a
+    -b
+    +c
+    """
+    texts = before.splitlines(), after.splitlines()
+    return "\n".join(difflib.unified_diff(*texts, *names, lineterm="", n=1))
+
+
+def change_values(text: str, values: Mapping[tuple[str, ...], Any]) -> str:
+    """Change values of a settings file, and leave comments, order and spaces as they are.
+
+    Parameters
+    ----------
+    text : str
+        The file.
+    values : mapping of tuple of str to value
+        By the names of the tables around a key and its own; None takes the key out. Tables that
+        are not there are made.
+
+    Returns
+    -------
+    str
+        The file with these values.
+
+    Raises
+    ------
+    ValueError, TypeError, AttributeError
+        If the text is no such file.
+    ConfigError
+        If more than these values would change.
+
+    Examples
+    --------
+    >>> before = "[optics]  # of April\\n"
+    >>> change_values(before, {("optics", "pixel_pitch"): "75 um"})
+    '[optics]  # of April\\npixel_pitch = "75 um"\\n'
+    """
+    import tomlkit
+
+    expected = tomllib.loads(text)
+    document: Any = tomlkit.parse(text)
+    for (*tables, key), value in values.items():
+        if tables and tables[0] not in document:
+            before = tomlkit.dumps(document)
+            document = tomlkit.parse(f"{before.rstrip()}\n\n[{tables[0]}]\n".lstrip())
+        part, wanted = document, expected
+        for name in tables:
+            if name not in part:
+                part[name] = tomlkit.inline_table()
+            part, wanted = part[name], wanted.setdefault(name, {})
+        if isinstance(value, dict):
+            part.setdefault(key, tomlkit.inline_table()).update(value)  # a comment behind it stays
+        elif value is not None:
+            part[key] = value
+        elif key in part:
+            del part[key]
+        wanted[key] = value
+        if value is None:
+            del wanted[key]
+
+    # the library keeps the rest of the file: the whole is compared all the same
+    after = tomlkit.dumps(document)
+    if tomllib.loads(after) != expected:
+        names = ", ".join(".".join(place) for place in values)
         raise ConfigError(
-            f"Expected that roi alone changes in {path}; more would. Write roi = {{ x = "
-            f"{wanted['x']}, y = {wanted['y']} }} into [thickness] by hand."
+            f"Expected that nothing but {names} changes in the settings; more would. Write it by "
+            "hand."
         )
     return after
 
@@ -157,9 +215,24 @@ def write_region(change: RegionChange, *, before: str) -> None:
             f"Expected {change.path} as it was when the change was shown; it is another one now. "
             "Write the region again."
         )
-    # a link keeps its place: the file behind it changes
-    path = change.path.resolve()
+    write_settings(change.path, change.content)
+
+
+def write_settings(path: Path, content: bytes) -> None:
+    """Write a settings file that exists, with the permissions that it has.
+
+    Parameters
+    ----------
+    path : Path
+    content : bytes
+
+    Raises
+    ------
+    OutputError
+        If it cannot be written; it is then as it was.
+    """
+    path = path.resolve()  # a link keeps its place: the file behind it changes
     mode = path.stat().st_mode
     with replacing(path) as scratch:
-        scratch.write_bytes(change.content)
+        scratch.write_bytes(content)
         scratch.chmod(mode)

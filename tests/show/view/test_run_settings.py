@@ -6,7 +6,7 @@ import tomllib
 import pytest
 
 from erlif.core.errors import ConfigError
-from erlif.show.view.run_settings import propose_region, write_region
+from erlif.show.view.run_settings import change_values, propose_region, write_region
 
 REGION = (1.25, 9.0, 2.0, 8.12345)
 WANTED = {"x": [1.25, 9.0], "y": [2.0, 8.123]}
@@ -85,3 +85,27 @@ def test_a_file_that_cannot_be_changed_is_refused(tmp_path):
         with pytest.raises(ConfigError, match="by hand"):
             propose_region(tmp_path, REGION)
         assert path.read_text() == text
+
+
+def test_values_of_any_depth_are_written_and_taken_out():
+    before = "# first\n[run]  # of May\nname = 'a'\n\n[joint.pin] # steel\nyoungs_modulus = '??'\n"
+    after = change_values(
+        before,
+        {
+            ("calibration",): "../fixture/calibration.nc",
+            ("run", "name"): None,
+            ("joint", "pin", "youngs_modulus"): "206 GPa",
+            ("thickness", "exclude"): [[[1.5, 2], [3, 2], [2, 4]], "mask.png"],
+            ("reference", "region", "x"): [1, 2],
+        },
+    )
+    assert tomllib.loads(after) == {
+        "calibration": "../fixture/calibration.nc",
+        "run": {},
+        "joint": {"pin": {"youngs_modulus": "206 GPa"}},
+        "thickness": {"exclude": [[[1.5, 2], [3, 2], [2, 4]], "mask.png"]},
+        "reference": {"region": {"x": [1, 2]}},
+    }
+    for kept in ("# first", "[run]  # of May", "[joint.pin] # steel"):
+        assert kept in after
+    assert change_values(after, {("run", "name"): None}) == after
