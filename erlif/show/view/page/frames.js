@@ -162,12 +162,12 @@ function showTool() {
   const ready = (tool === "brush" ? strokes : points).length >= needed;
   byId("hint").textContent = file && !file.pitch && tool === "move"
     ? `${hint} Region, patch and polygon need the scale first.` : hint;
-  byId("distance-label").hidden = !ask || !ready;
+  byId("distance-label").hidden = byId("distance").disabled = !ask || !ready;
   byId("distance-label").firstChild.textContent = `${ask} `;
   byId("width-label").hidden = tool !== "brush";
   byId("apply").hidden = !(ask || apply) || !ready;
   byId("again").hidden = !points.length && !strokes.length;
-  if (ask && ready && document.activeElement !== panels[0].canvas) byId("distance").focus();
+  if (ask && ready) byId("distance").focus();
   panels[0].draw();
 }
 
