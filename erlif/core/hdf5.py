@@ -11,6 +11,7 @@ import numpy as np
 
 from erlif.core.arrays import Mask
 from erlif.core.guarded import check_hdf5
+from erlif.core.locking import note_unlocked
 
 _File = TypeVar("_File")
 
@@ -77,7 +78,9 @@ def with_locks(opening: Callable[..., _File], *args: Any, **options: Any) -> _Fi
     except BlockingIOError:  # another program has locked it
         raise
     except OSError:
-        return opening(*args, **options, locking=False)
+        file = opening(*args, **options, locking=False)
+        note_unlocked()
+        return file
 
 
 # First bytes of a superblock.
