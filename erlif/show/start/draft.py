@@ -56,7 +56,6 @@ class Draft:
     ...     draft.open("run", Path(folder))
     ...     draft.change("run", {"optics.pixel_pitch": "75"})
     ...     print(draft.changes[0][2].lines)
-     [optics]
     -pixel_pitch = "?? um"
     +pixel_pitch = "75 um"
     """

@@ -258,11 +258,11 @@ class StartPage:
         with process(run_dir, output=output, overwrite=True, progress=progress, **options) as film:
             text = summarise_briefly(film)
         self._open_film()
-        return [remark("", text), remark("written", str(output))]
+        return [remark("", text), remark("written", str(output.relative_to(self.root)))]
 
     def _describe_work(self) -> dict[str, Any]:
-        film = self.films[0].path if self.films else None
-        return self._work.describe() | {"film": None if film is None else str(film)}
+        films = [str(film.path.relative_to(self.root)) for film in self.films]
+        return self._work.describe() | {"film": next(iter(films), None)}
 
     def _open_film(self) -> None:
         """Show the film of the run in the viewer, where there is one."""
@@ -287,7 +287,7 @@ def _calibrate(directory: Path, progress: Progress, options: dict[str, Any]) -> 
     save_calibration(calibration, output, overwrite=True)
     figure = write_calibration_figure(calibration, output.with_suffix(".png"))
     text = describe_calibration(calibration, brief=True)
-    return [remark("", text), remark("written", f"{output}, {figure}")]
+    return [remark("", text), remark("written", f"{output.name}, {figure.name}")]
 
 
 @contextmanager
