@@ -131,6 +131,7 @@ html_theme_options = {
 NAVIGATION = {
     "index": ("use", "data", "theory/index", "develop"),
     "use": (
+        "From frames to film <start>",
         "Your data <your_data>",
         "Tutorial <tutorial>",
         "Look at a film <viewer>",
