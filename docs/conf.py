@@ -132,6 +132,7 @@ NAVIGATION = {
     "index": ("why", "use", "data", "theory/index", "develop"),
     "why": ("challenge",),
     "use": (
+        "From frames to film <start>",
         "Your data <your_data>",
         "Tutorial <tutorial>",
         "Look at a film <viewer>",

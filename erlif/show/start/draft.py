@@ -7,12 +7,11 @@ import re
 import tomllib
 from collections.abc import Iterator, Mapping
 from copy import deepcopy
-from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from typing import Any
 
-from erlif.core.errors import ConfigError, ErlifError, reason_of
+from erlif.core.errors import ConfigError, ErlifError
 from erlif.core.notes import Note
 from erlif.io.settings import FixtureSettings, Key, RunSettings, Settings, keys_of, tables_of
 from erlif.io.settings.bore import read_bore
@@ -20,7 +19,7 @@ from erlif.io.settings.reading import Fault, find_faults, find_gaps, read_toml
 from erlif.io.settings.template import gap_text
 from erlif.io.settings.toml import toml_value
 from erlif.review.init import init
-from erlif.show.view.run_settings import change_values, changed_lines, write_settings
+from erlif.show.view.run_settings import Change, propose_change, write_change
 
 # Names of the tables around a key, and its own.
 Place = tuple[str, ...]
@@ -34,37 +33,6 @@ _LITERAL = re.compile(r"integer|number|true or false|pair|interval|list")
 _HEADING, _VALUE = re.compile(r"\s*\[([^\[\]]+)\]"), re.compile(r"\s*([\w.]+)\s*=")
 
 
-@dataclass(frozen=True)
-class Change:
-    """A change of a settings file.
-
-    Attributes
-    ----------
-    name : str
-        "run" or "fixture".
-    title : str
-        Keys that change.
-    path : Path
-        The file.
-    before : str | None
-        Its text; None where it was not there.
-    after : str
-        Its text after the change.
-    """
-
-    name: str
-    title: str
-    path: Path
-    before: str | None
-    after: str
-
-    @property
-    def lines(self) -> str:
-        """The lines that change, as a unified difference without its head."""
-        names = ("before", "after")
-        return changed_lines(self.before or "", self.after, names).partition("@@\n")[2]
-
-
 class Draft:
     """The settings of a run and of its fixture, as they stand in their files.
 
@@ -74,8 +42,8 @@ class Draft:
     ----------
     directories : dict[str, Path]
         Of "run" and "fixture", as far as they are open.
-    changes : list[Change]
-        Those that can be undone, the last one first to go.
+    changes : list[tuple[str, str, Change]]
+        "run" or "fixture", the keys, and the change of each; the last one is undone first.
     notes : dict[str, list[Note]]
         What was found in the directories when their settings were drafted.
 
@@ -87,15 +55,14 @@ class Draft:
     ...     _ = Path(folder, "run.toml").write_text('[optics]\\npixel_pitch = "?? um"\\n')
     ...     draft.open("run", Path(folder))
     ...     draft.change("run", {"optics.pixel_pitch": "75"})
-    ...     print(draft.changes[0].lines)
-     [optics]
+    ...     print(draft.changes[0][2].lines)
     -pixel_pitch = "?? um"
     +pixel_pitch = "75 um"
     """
 
     def __init__(self) -> None:
         self.directories: dict[str, Path] = {}
-        self.changes: list[Change] = []
+        self.changes: list[tuple[str, str, Change]] = []
         self.notes: dict[str, list[Note]] = {}
         self._asked: dict[str, set[Place]] = {}
 
@@ -141,18 +108,17 @@ class Draft:
             As `erlif.init`, or if the file cannot be read.
         """
         path = directory / f"{name}.toml"
-        before = path.read_bytes().decode("utf-8-sig") if path.exists() else None
+        before = _text_of(path)
         notes = self.notes.get(name, []) if self.directories.get(name) == directory else []
-        if before is None or anew:
-            notes = init(
-                directory, fixture=name == "fixture", kind=kind, overwrite=before is not None
-            )
+        if not before or anew:
+            fixture = name == "fixture"
+            notes = init(directory, fixture=fixture, kind=kind, overwrite=path.exists())
         values = read_toml(path)
         self.directories[name], self.notes[name] = directory, notes
         self._asked[name] = set(find_gaps(values))
-        if before is None or anew:
-            after = path.read_bytes().decode()
-            self.changes.append(Change(name, "drafted from the files", path, before, after))
+        if not before or anew:
+            change = Change(path, before, _text_of(path))
+            self.changes.append((name, "drafted from the files", change))
 
     def propose(self, name: str, typed: Mapping[str, Any]) -> tuple[Change, list[Fault]]:
         """Work out a change without writing it.
@@ -185,17 +151,9 @@ class Draft:
             read = read_typed(key, value) if key and isinstance(value, str) else value
             values[tuple(place.split("."))] = read
 
-        before = path.read_bytes().decode("utf-8-sig")
-        try:
-            after = change_values(before, values)
-        except (ValueError, TypeError, AttributeError) as error:
-            raise ConfigError(
-                f"Expected {path.name} in a form in which {', '.join(typed)} can be changed "
-                f"({reason_of(error)}). Change it by hand."
-            ) from error
-        earlier = {fault.text for fault in self.faults(name, tomllib.loads(before))}
-        faults = self.faults(name, tomllib.loads(after))
-        change = Change(name, ", ".join(typed), path, before, after)
+        change = propose_change(path, values)
+        earlier = {fault.text for fault in self.faults(name, tomllib.loads(change.before))}
+        faults = self.faults(name, tomllib.loads(change.after))
         return change, [fault for fault in faults if fault.text not in earlier]
 
     def change(self, name: str, typed: Mapping[str, Any]) -> None:
@@ -214,8 +172,8 @@ class Draft:
             raise ConfigError(" ".join(own))
         if change.after != change.before:
             self._asked[name] |= set(find_gaps(tomllib.loads(change.after)))
-            write_settings(change.path, change.after.encode())
-            self.changes.append(change)
+            write_change(change, before=change.digest)
+            self.changes.append((name, ", ".join(typed), change))
 
     def undo(self) -> None:
         """Take the last change back.
@@ -227,27 +185,27 @@ class Draft:
         """
         if not self.changes:
             raise ConfigError("Expected a change to undo; there is none. Nothing is changed.")
-        last = self.changes[-1]
-        now = last.path.read_bytes().decode("utf-8-sig") if last.path.exists() else ""
-        if now != last.after:
+        name, _, last = self.changes[-1]
+        if _text_of(last.path) != last.after:
             raise ConfigError(
                 f"Expected {last.path} as this page has written it; it was changed elsewhere. Undo "
                 "the change there by hand."
             )
         self.changes.pop()
-        if last.before is not None:
-            write_settings(last.path, last.before.encode())
+        if last.before:
+            back = Change(last.path, last.after, last.before)
+            write_change(back, before=back.digest)
             return
         last.path.unlink()
         last.path.with_suffix(".schema.json").unlink(missing_ok=True)
-        del self.directories[last.name]
+        del self.directories[name]
 
     def link(self) -> None:
         """Name the calibration of the open fixture in the run that names none."""
         both = {"run", "fixture"} <= self.directories.keys()
         if not both or self.values("run").get("calibration"):
             return
-        run, fixture = (self.directories[name].resolve() for name in ("run", "fixture"))
+        run, fixture = (self.directories[name] for name in ("run", "fixture"))
         self.change(
             "run",
             {"calibration": Path(os.path.relpath(fixture, run)).as_posix() + "/calibration.nc"},
@@ -339,6 +297,11 @@ def read_typed(key: Key, text: str) -> Any:
         return tomllib.loads(f"value = {text}")["value"]
     except tomllib.TOMLDecodeError:
         return text  # the check of the settings names what was expected
+
+
+def _text_of(path: Path) -> str:
+    """Text of a file; empty where there is none."""
+    return path.read_bytes().decode("utf-8-sig") if path.exists() else ""
 
 
 def _prefixes(place: Place) -> set[Place]:

@@ -15,17 +15,19 @@ from typing import Any
 import numpy as np
 
 from erlif.calibration import Calibration, read_profile, save_calibration
+from erlif.core.arrays import Mask
 from erlif.core.errors import ErlifError
 from erlif.core.flags import Flag
 from erlif.core.notes import Note, remark
 from erlif.core.progress import Progress
 from erlif.core.units import parse_quantity
+from erlif.io.ingest.exclusions import fill_parts
 from erlif.io.settings.reading import find_gaps
 from erlif.pipeline.fixture import calibrate
 from erlif.pipeline.run import process
+from erlif.pipeline.watch.follow import as_plain
 from erlif.pipeline.watch.setup import check_counts
 from erlif.review.check import examine
-from erlif.review.init import KINDS
 from erlif.show.plots import write_calibration_figure
 from erlif.show.report import describe_calibration, summarise_briefly
 from erlif.show.start.brush import write_mask
@@ -111,11 +113,10 @@ class StartPage:
             return {
                 "root": str(self.root),
                 "suggested": self._suggested,
-                "kinds": KINDS,
                 "files": {name: self._describe_file(name) for name in self._draft.directories},
                 "changes": [
-                    {"file": one.path.name, "title": one.title, "lines": one.lines}
-                    for one in self._draft.changes
+                    {"file": change.path.name, "title": title, "lines": change.lines}
+                    for _, title, change in self._draft.changes
                 ],
                 "work": self._describe_work(),
                 **describe_layers([LAYERS[name] for name in ("camera1", "camera2")]),
@@ -214,18 +215,31 @@ class StartPage:
         """Counts of an image, flagged where they are at full scale; as `pack_map` packs them."""
         camera = request.whole("camera")
         found = self._photograph(request, camera)
-        flags = np.where(found.counts >= found.full_scale, Flag.SATURATED, 0).astype(np.uint16)
         layer, (height, width) = LAYERS[f"camera{camera}"], found.counts.shape
+        flags = np.where(found.counts >= found.full_scale, Flag.SATURATED, 0).astype(np.uint16)
+        if camera == 1:
+            flags[self._excluded(request, (height, width))] = Flag.MASKED
         about = {"text": found.title, "height": height, "width": width}
         return pack_values(request, layer, found.counts.astype(np.float32), flags, **about)
+
+    def _excluded(self, request: Request, shape: tuple[int, int]) -> Mask:
+        """Pixels of camera 1 that the settings exclude; none where a part cannot be used."""
+        name = request.text("name")
+        values = self._usable(name)
+        parts, pitch = values.get("thickness", {}).get("exclude", []), pitch_of(values)
+        directory = self._draft.directories[name]
+        with suppress(ErlifError):
+            # polygons in mm wait for the scale
+            parts = [one for one in parts if pitch or isinstance(one, str)]
+            return fill_parts(directory, parts, shape, pitch=pitch or np.nan)
+        return np.zeros(shape, bool)
 
     def _levels(self, request: Request) -> dict[str, Any]:
         """Histogram, mean and saturation of an image of both cameras."""
         levels = []
         for camera in (1, 2):
             found = self._photograph(request, camera)
-            check = check_counts(found.counts, found.full_scale)
-            levels.append({name: getattr(check, name) for name in _LEVELS})
+            levels.append(as_plain(check_counts(found.counts, found.full_scale)))
         return {"cameras": levels}
 
     # work
@@ -244,11 +258,11 @@ class StartPage:
         with process(run_dir, output=output, overwrite=True, progress=progress, **options) as film:
             text = summarise_briefly(film)
         self._open_film()
-        return [remark("", text), remark("written", str(output))]
+        return [remark("", text), remark("written", str(output.relative_to(self.root)))]
 
     def _describe_work(self) -> dict[str, Any]:
-        film = self.films[0].path if self.films else None
-        return self._work.describe() | {"film": None if film is None else str(film)}
+        films = [str(film.path.relative_to(self.root)) for film in self.films]
+        return self._work.describe() | {"film": next(iter(films), None)}
 
     def _open_film(self) -> None:
         """Show the film of the run in the viewer, where there is one."""
@@ -263,9 +277,6 @@ class StartPage:
             self.films.pop().close()
 
 
-_LEVELS = ("histogram", "full_scale", "mean", "highest", "saturated")
-
-
 def _check(directory: Path, progress: Progress, options: dict[str, Any]) -> list[Note]:
     return examine(directory, progress=progress, **options).notes
 
@@ -276,7 +287,7 @@ def _calibrate(directory: Path, progress: Progress, options: dict[str, Any]) -> 
     save_calibration(calibration, output, overwrite=True)
     figure = write_calibration_figure(calibration, output.with_suffix(".png"))
     text = describe_calibration(calibration, brief=True)
-    return [remark("", text), remark("written", f"{output}, {figure}")]
+    return [remark("", text), remark("written", f"{output.name}, {figure.name}")]
 
 
 @contextmanager

@@ -121,7 +121,7 @@ def test_a_file_that_somebody_else_has_changed_keeps_that(lab, draft):
     settings = read_fixture_settings(lab.fixture)
     assert settings.name == "june"
     assert settings.camera1.band == 570
-    assert "june" not in draft.changes[-1].lines  # of what this change does alone
+    assert "june" not in draft.changes[-1][2].lines  # of what this change does alone
 
 
 def test_keys_of_the_mechanism_are_those_of_its_kind(lab):

@@ -5,35 +5,19 @@ import tomllib
 from pathlib import Path
 
 import pytest
+import tifffile
 import xarray as xr
 from scenes import browser
+from scenes.rig import small_rig
+from scenes.start import OF_THE_SAMPLE, at, drag, take, type_in
 
 import erlif
+from erlif.rig import simulate
 from erlif.show.start import start_page
 
 pytestmark = browser.MARKS
 
 ROOT = Path(__file__).parents[3]
-
-# Values of data_samples/straight_bushing as a user types them, with bare numbers and with units.
-OF_THE_SAMPLE = {
-    "camera1.band": "580",
-    "camera2.band": "610 nm",
-    "mechanism.crank": "5.5",
-    "mechanism.coupler": "44",
-    "mechanism.rocker": "26",
-    "mechanism.ground": "0.51 m",
-    "mechanism.crank_speed": "114",
-    "joint.pin_radius": "33.36",
-    "joint.bushing_radius": "33.59",
-    "joint.length": "237",
-    "joint.pin.youngs_modulus": "2.7",
-    "joint.pin.poissons_ratio": "0.37",
-    "joint.bushing.youngs_modulus": "2.7",
-    "joint.bushing.poissons_ratio": "0.37",
-    "oil.viscosity": "0.12",
-    "oil.pressure_viscosity": "20",
-}
 
 FIXTURE_BY_HAND = """
 [fixture]
@@ -55,6 +39,32 @@ flat = "camera2_flat.tif"
 [optics]
 pixel_pitch = "75 um"
 x_axis = "sliding"
+"""
+
+DISC_BY_HAND = """
+calibration = "../fixture/calibration.nc"
+[run]
+name = "lab"
+[camera1]
+files = "camera1/*.tif"
+band = "580 nm"
+bit_depth = 12
+dark = "camera1_dark.tif"
+flat = "camera1_flat.tif"
+[camera2]
+files = "camera2/*.tif"
+band = "610 nm"
+bit_depth = 12
+dark = "camera2_dark.tif"
+flat = "camera2_flat.tif"
+[optics]
+pixel_pitch = "150 um"
+x_axis = "sliding"
+[encoder]
+file = "encoder.csv"
+[mechanism]
+kind = "rotation"
+radius = "20 mm"
 """
 
 RUN_BY_HAND = """
@@ -116,7 +126,7 @@ def visit(chromium):
 
         def start(address, *, width=1400, **options):
             page = new_page(viewport={"width": width, "height": 900}, **options)
-            page.set_default_timeout(120_000)
+            page.set_default_timeout(60_000)
             page.goto(address)
             page.wait_for_selector("body[data-ready]")
             return page
@@ -133,41 +143,6 @@ def sample(tmp_path_factory):
     for file in lab.glob("*/*.toml"):
         file.unlink()
     return lab
-
-
-def take(page, name):
-    """Open the folder that is suggested."""
-    page.click(f"#card-{name} .take")
-    page.wait_for_selector(f"#card-{name} .anew:visible")
-    page.wait_for_selector("#panel-1 canvas[data-text*='image 1 of']")
-
-
-def type_in(page, name, values):
-    for place, value in values.items():
-        page.fill(f'[id="{name}.{place}"]', value)
-        page.keyboard.press("Tab")
-        page.wait_for_selector(f'#asked .field:not(.gap)[data-place="{place}"]')
-
-
-def at(page, column, row):
-    """Place on the page of the centre of a pixel of camera 1."""
-    box = page.locator("#panel-1 canvas").bounding_box()
-    left, right, top, bottom = 50, 82, 8, 38
-    width, height = (
-        int(page.evaluate(f"document.body.dataset.{one}")) for one in ("columns", "rows")
-    )
-    return (
-        box["x"] + left + (column + 0.5) / width * (box["width"] - left - right),
-        box["y"] + top + (row + 0.5) / height * (box["height"] - top - bottom),
-    )
-
-
-def drag(page, start, end):
-    page.locator("#panel-1 canvas").scroll_into_view_if_needed()
-    page.mouse.move(*at(page, *start))
-    page.mouse.down()
-    page.mouse.move(*at(page, *end), steps=4)
-    page.mouse.up()
 
 
 def work(page, task, name):
@@ -234,3 +209,171 @@ def test_from_the_frames_of_the_sample_to_the_film_of_the_command_line(
     run = by_hand(tmp_path, sample, RUN_BY_HAND, FIXTURE_BY_HAND)
     command("process", run)
     assert_same_film(sample / "run/film.nc", run / "film.nc")
+
+
+@pytest.fixture
+def disc(tmp_path):
+    """Frames of a pin on disc and of its fixture, without settings."""
+    simulate(tmp_path / "lab", seed=3, rig=small_rig(mechanism="rotation", pictures=8))
+    for file in tmp_path.glob("lab/*/*.toml"):
+        file.unlink()
+    return tmp_path / "lab"
+
+
+def reach(page, selector):
+    """Go to an element by the Tab key alone, in at most one turn around the page."""
+    for _ in range(400):
+        if page.evaluate("selector => document.activeElement?.matches(selector)", selector):
+            return
+        page.keyboard.press("Tab")
+    raise AssertionError(f"no way to {selector} by the keyboard")
+
+
+def press(page, *keys):
+    for key in keys:
+        page.keyboard.press(key)
+
+
+def test_a_pin_on_disc_by_the_keyboard_alone_on_a_narrow_dark_screen(
+    visit, disc, tmp_path, command
+):
+    with start_page(disc) as address:
+        page = visit(address, width=390, color_scheme="dark")
+        assert page.evaluate("getComputedStyle(document.body).backgroundColor") == "rgb(22, 24, 27)"
+        reach(page, "#card-fixture .take")
+        press(page, "Enter")
+        page.wait_for_selector("#panel-1 canvas[data-text*='image 1 of']")
+
+        # 96 pixels of the scale are 14.4 mm; the cursor begins in the middle of 128 x 96 pixels
+        reach(page, "input[name=tool]")
+        press(page, "ArrowRight")
+        reach(page, "#panel-1 canvas")
+        press(page, *["Shift+ArrowLeft"] * 5, "Enter", *["Shift+ArrowRight"] * 9)
+        press(page, *["ArrowRight"] * 6, "Enter")
+        page.wait_for_selector("#distance:focus")
+        page.keyboard.type("14.4")
+        press(page, "Enter")
+        page.wait_for_selector('#changes >> text="fixture.toml: optics.pixel_pitch"')
+        typed = {"fixture.origin": "[0, 48]", "camera1.band": "580", "camera2.band": "610"}
+        for place, value in typed.items():
+            reach(page, f'[id="fixture.{place}"]')
+            page.keyboard.type(value)
+        press(page, "Tab")
+        page.wait_for_selector('#left:text("Nothing is asked for")')
+
+        reach(page, "#kind")
+        page.keyboard.type("rotation")
+        reach(page, "#card-run .take")
+        press(page, "Enter")
+        page.wait_for_selector('#file:text-is("run.toml")')
+        for place in ("camera1.band", "camera2.band", "optics.pixel_pitch"):
+            reach(page, f'[data-place="{place}"] button')
+            press(page, "Enter")
+            page.wait_for_selector(f'.field:not(.gap)[data-place="{place}"]')
+        reach(page, '[id="run.mechanism.radius"]')
+        page.keyboard.type("20")
+        reach(page, ".task[data-task=process]")
+        press(page, "Enter")
+        page.wait_for_selector("body[data-work=process], body[data-work=failed]")
+        assert "8 triggers" in page.inner_text("#notes")
+        assert page.evaluate("document.documentElement.scrollWidth") <= 390
+        reach(page, "#film a")
+
+    fixture = FIXTURE_BY_HAND.replace("75 um", "150 um").replace("[0.0, 104.0]", "[0, 48]")
+    for name, text in (("run", DISC_BY_HAND), ("fixture", fixture)):
+        assert tomllib.loads((disc / name / f"{name}.toml").read_text()) == tomllib.loads(text)
+    run = by_hand(tmp_path / "again", disc, DISC_BY_HAND, fixture)
+    command("process", run)
+    assert_same_film(disc / "run/film.nc", run / "film.nc")
+
+
+HOSTILE = '<img src=x onerror="alert(1)">'
+
+
+def test_a_hostile_name_a_huge_image_and_a_folder_without_rights_are_named(
+    visit, disc, monkeypatch
+):
+    root = disc.parent
+    (root / HOSTILE).mkdir()
+    (root / "private").mkdir()
+    (disc / "run").rename(root / HOSTILE / "run")
+    (root / HOSTILE / "run" / "camera1" / HOSTILE.replace("/", "_")).write_bytes(b"II*\0")
+    listed = Path.iterdir
+
+    def refuse(path):  # as for any user but root
+        if path.name == "private":
+            raise PermissionError(13, "Permission denied")
+        return listed(path)
+
+    monkeypatch.setattr(Path, "iterdir", refuse)
+    with start_page(root) as address:
+        page = visit(address)
+        page.click("#card-run .choose")
+        page.click('#picker-folders >> text="private"')
+        page.wait_for_selector("#picker-refusal:text('private may not (Permission denied)')")
+        page.click(f"#picker-folders button:text-is({HOSTILE!r})")
+        page.click("#picker-folders button:text-is('run')")
+        page.wait_for_selector(f"#picker-path:text({HOSTILE + '/run'!r})")
+        page.click("#picker-take")
+        page.wait_for_selector("#card-run .anew:visible")
+        assert page.inner_text("#card-run .folder") == f"{HOSTILE}/run"
+        assert page.locator("img").count() == 0
+
+        # a header that claims 60000 x 60000 pixels
+        huge = root / HOSTILE / "run" / "camera1" / "frame_0001.tif"
+        content = bytearray(huge.read_bytes())
+        with tifffile.TiffFile(huge) as file:
+            for name in ("ImageWidth", "ImageLength"):
+                tag = file.pages[0].tags[name]
+                content[tag.valueoffset : tag.valueoffset + 2] = (60000).to_bytes(2, "little")
+        huge.write_bytes(content)
+        page.click("#card-run .anew")
+        page.wait_for_selector("#changes li:nth-child(2)")
+        page.fill("#image", "2")
+        page.keyboard.press("Enter")
+        page.wait_for_selector("#status.bad:text('frame_0001.tif')")
+
+
+def test_a_value_is_checked_while_it_is_typed_and_each_change_is_undone(visit, lab):
+    before = (lab.run / "run.toml").read_bytes()
+    with start_page(lab.directory) as address:
+        page = visit(address)
+        take(page, "run")
+        page.click("text='All other settings'")
+        field = page.locator('[id="run.optics.pixel_pitch"]')
+        row = '#others [data-place="optics.pixel_pitch"]'
+        field.fill("75 V")
+        page.wait_for_selector(f"{row} .bad:text('75 V')")
+        field.press("Tab")  # refused, and not written
+        assert (lab.run / "run.toml").read_bytes() == before
+        field.fill("151")
+        page.wait_for_selector(f"{row} pre .added:text('pixel_pitch = \"151 um\"')")
+        assert (lab.run / "run.toml").read_bytes() == before
+        field.press("Tab")
+        page.wait_for_selector('#changes >> text="run.toml: optics.pixel_pitch"')
+        assert b'"151 um"' in (lab.run / "run.toml").read_bytes()
+
+        page.select_option("#orientation", "mirrored_x")
+        page.wait_for_selector('#changes >> text="run.toml: registration.orientation"')
+        page.check("input[value=brush]")
+        drag(page, (20, 20), (60, 30))
+        page.click("#apply")
+        page.wait_for_selector("#key li:has-text('masked')")
+        for left in (2, 1, 0):
+            page.click("#undo")
+            page.wait_for_selector(
+                f"#changes:not(:has(li:nth-child({left + 1})))", state="attached"
+            )
+        assert (lab.run / "run.toml").read_bytes() == before
+        page.wait_for_selector("#undo:disabled")
+
+
+def test_work_is_cancelled_and_leaves_no_film(visit, lab):
+    with start_page(lab.directory) as address:
+        page = visit(address)
+        take(page, "run")
+        page.click(".task[data-task=process]")
+        page.click("#cancel")
+        page.wait_for_selector("body[data-work=failed]")
+        assert "Cancelled" in page.inner_text("#notes")
+        assert not lab.film.exists()

@@ -6,7 +6,7 @@ import tomllib
 import pytest
 
 from erlif.core.errors import ConfigError
-from erlif.show.view.run_settings import change_values, propose_region, write_region
+from erlif.show.view.run_settings import change_values, propose_region, write_change
 
 REGION = (1.25, 9.0, 2.0, 8.12345)
 WANTED = {"x": [1.25, 9.0], "y": [2.0, 8.123]}
@@ -35,7 +35,7 @@ def test_the_region_changes_and_all_else_stays(tmp_path, form):
     path = write(tmp_path, FORMS[form])
     change = propose_region(tmp_path, REGION)
     assert path.read_bytes() == FORMS[form].encode()  # nothing is written yet
-    write_region(change, before=change.before)
+    write_change(change, before=change.digest)
 
     old, new = tomllib.loads(FORMS[form]), tomllib.loads(path.read_bytes().decode())
     assert new["thickness"].pop("roi") == WANTED
@@ -57,8 +57,8 @@ def test_a_file_that_has_changed_meanwhile_is_left_alone(tmp_path):
     path = write(tmp_path, FORMS["inline"])
     shown = propose_region(tmp_path, REGION)
     path.write_text("[run]\nname = 'edited'\n")
-    with pytest.raises(ConfigError, match="Write the region again"):
-        write_region(propose_region(tmp_path, REGION), before=shown.before)
+    with pytest.raises(ConfigError, match="Make the change again"):
+        write_change(propose_region(tmp_path, REGION), before=shown.digest)
     assert path.read_text() == "[run]\nname = 'edited'\n"
 
 
@@ -69,7 +69,7 @@ def test_links_and_permissions_stay(tmp_path):
     run.mkdir()
     (run / "run.toml").symlink_to(path)
     change = propose_region(run, REGION)
-    write_region(change, before=change.before)
+    write_change(change, before=change.digest)
     assert (run / "run.toml").is_symlink()
     assert tomllib.loads(path.read_text())["thickness"]["roi"] == WANTED
     assert os.stat(path).st_mode & 0o777 == 0o640

@@ -27,7 +27,8 @@ class Field {
     this.other = element("button");
     this.without = element("button", "Leave out");
     [this.other.type, this.without.type] = ["button", "button"];
-    const value = element("div", this.input, about.unit, this.other, this.without);
+    this.unit = element("span");
+    const value = element("div", this.input, this.unit, this.other, this.without);
     value.className = "value";
     this.fault = element("p");
     this.fault.className = "bad";
@@ -38,7 +39,8 @@ class Field {
     const [form, example] = about.expected.split(", for example ");
     this.example = example ? `for example ${example.replaceAll('"', "")}` : "";
     this.row = element("div", label, value, this.fault, this.remark,
-      element("p", `${about.meaning} ${form[0].toUpperCase()}${form.slice(1)}.`), this.lines);
+      element("p", /\d|^(pair|list|interval)/.test(form)
+        ? `${about.meaning} ${form[0].toUpperCase()}${form.slice(1)}.` : about.meaning), this.lines);
     this.row.dataset.place = about.place;
     this.listen();
   }
@@ -77,6 +79,7 @@ class Field {
     this.about = about;
     if (document.activeElement !== this.input || about.value) this.input.value = about.value;
     this.row.className = `field${about.gap ? " gap" : ""}`;
+    this.unit.textContent = about.value ? "" : about.unit;
     this.input.placeholder = about.gap ? this.example : "";
     this.fault.textContent = about.fault;
     this.remark.textContent = about.remark ? `→ ${about.remark}` : "";

@@ -1,7 +1,7 @@
 // Images of both cameras as they are read, and what is drawn on those of camera 1.
 import { MapPanel } from "./map.js";
 import { Histogram } from "./histogram.js";
-import { byId, element } from "./draw.js";
+import { byId, element, showKey } from "./draw.js";
 import { fixed, percent } from "./news.js";
 import { get, post } from "./server.js";
 
@@ -46,7 +46,11 @@ export function makeFrames(about, use) {
     layer: () => `camera${cameraOf(n)}`,
     load: async (view) => (await get("frame", { ...query(), camera: cameraOf(n), ...view }))
       .arrayBuffer(),
-    shown: (found) => fit(n - 1, found),
+    shown: (found) => {
+      fit(n - 1, found);
+      if (n === 1) showKey(about.flags, about.flags.map(({ name: flag }, k) =>
+        found.shares[k] && `${flag}: ${percent(found.shares[k])}`));
+    },
     over: (stroke, at, pen) => n === 1 && drawShapes(stroke, at, pen),
     clicked: (place) => n === 1 && addPoint(place),
     drawn: (phase) => n === 1 && dragged(phase),
@@ -76,7 +80,8 @@ function fit(n, found) {
 export function showFrames(given, about) {
   const other = name !== given;
   const again = other || file?.pitch !== about.pitch;
-  const before = JSON.stringify([file?.images, file?.shapes.orientation]);
+  const images = (one) => JSON.stringify([one?.images, one?.shapes.orientation, one?.shapes.exclude]);
+  const before = images(file);
   [name, file] = [given, about];
   if (again) {
     [points, strokes, states[0].mark] = [[], [], null];
@@ -94,11 +99,11 @@ export function showFrames(given, about) {
     const { value } = input;
     input.disabled = (value === "origin" && name === "run") || (value === "patch" && name !== "run")
       || (IN_MM.includes(value) && !about.pitch);
-    input.parentElement.title = IN_MM.includes(value) && !about.pitch ? "First the scale" : "";
     if (input.disabled && value === tool) choose("move");
   }
   count();
-  if (again || before !== JSON.stringify([about.images, about.shapes.orientation])) load();
+  showTool();
+  if (again || before !== images(about)) load();
   else panels[0].draw();
 }
 
@@ -155,13 +160,14 @@ function clear() {
 function showTool() {
   const { points: needed, ask, apply, hint } = TOOLS[tool];
   const ready = (tool === "brush" ? strokes : points).length >= needed;
-  byId("hint").textContent = hint;
-  byId("distance-label").hidden = !ask || !ready;
+  byId("hint").textContent = file && !file.pitch && tool === "move"
+    ? `${hint} Region, patch and polygon need the scale first.` : hint;
+  byId("distance-label").hidden = byId("distance").disabled = !ask || !ready;
   byId("distance-label").firstChild.textContent = `${ask} `;
   byId("width-label").hidden = tool !== "brush";
   byId("apply").hidden = !(ask || apply) || !ready;
   byId("again").hidden = !points.length && !strokes.length;
-  if (ask && ready && document.activeElement !== panels[0].canvas) byId("distance").focus();
+  if (ask && ready) byId("distance").focus();
   panels[0].draw();
 }
 
@@ -240,7 +246,7 @@ async function finish() {
 // shapes of the settings, and those that are being drawn
 
 function drawShapes(stroke, at, pen) {
-  const { roi, patch, exclude, origin } = file.shapes;
+  const { roi, patch, origin } = file.shapes;
   const outline = (corners, closed = true) => corners.length && stroke(() => {
     pen.moveTo(...at(...corners[0]));
     corners.slice(1).forEach((corner) => pen.lineTo(...at(...corner)));
@@ -253,7 +259,6 @@ function drawShapes(stroke, at, pen) {
       outline(frame(region));
       label(pen, text, at(region.x[0], region.y[0]));
     }
-    for (const one of exclude) if (Array.isArray(one)) outline(one);
     const place = hover ?? origin?.map((value) => value * file.pitch);
     if (place && file.shapes.profile) drawProfile(place, outline, at, pen);
   }

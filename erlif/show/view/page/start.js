@@ -57,12 +57,27 @@ function showCard(name) {
   part(".anew").hidden = !file;
   part(".take").hidden = file || state.suggested[name] === undefined;
   part(".take").textContent = `Take ${state.suggested[name] || "this folder"}`;
+  if (name === "run") showKind(file);
   part("details").hidden = !file?.notes.length;
   part("ul").replaceChildren(...(file?.notes ?? []).map(({ subject, text, level }) => {
     const item = element("li", `${subject}: ${text}`);
     item.className = level === "note" ? "" : "bad";
     return item;
   }));
+}
+
+// another tribometer asks for other values
+function showKind(file) {
+  const kind = file && (file.fields.find(({ place }) => place === "mechanism.kind")?.value || "static");
+  byId("kind").dataset.now = kind ?? "";
+  if (kind) byId("kind").value = kind;
+  nameDraft();
+}
+
+function nameDraft() {
+  const { value, dataset } = byId("kind");
+  byId("card-run").querySelector(".anew").textContent =
+    value === dataset.now ? "Draft anew" : `Draft anew for ${value}`;
 }
 
 async function list(folder) {
@@ -163,6 +178,7 @@ function connect() {
     card.querySelector(".anew").addEventListener("click", guarded(() =>
       open(name, state.files[name].folder, true)));
   }
+  byId("kind").addEventListener("change", nameDraft);
   byId("picker-take").addEventListener("click", guarded(async () => {
     byId("picker").close();
     await open(picked.name, picked.folder);
@@ -185,7 +201,6 @@ function connect() {
 await guarded(async () => {
   const first = await read("state");
   byId("root").textContent = first.root;
-  byId("kind").replaceChildren(...first.kinds.map((kind) => element("option", kind)));
   makeFrames(first, { changed: show, report });
   connect();
   show(first);
