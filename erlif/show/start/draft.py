@@ -301,7 +301,7 @@ def read_typed(key: Key, text: str) -> Any:
 
 def _text_of(path: Path) -> str:
     """Text of a file; empty where there is none."""
-    return path.read_bytes().decode("utf-8-sig") if path.exists() else ""
+    return path.read_bytes().decode("utf-8-sig", "surrogateescape") if path.exists() else ""
 
 
 def _prefixes(place: Place) -> set[Place]:

@@ -21,6 +21,7 @@ from erlif.core.flags import Flag
 from erlif.core.notes import Note, remark
 from erlif.core.progress import Progress
 from erlif.core.units import parse_quantity
+from erlif.io.ingest.containment import refuse_outside
 from erlif.io.ingest.exclusions import fill_parts
 from erlif.io.settings.reading import find_gaps
 from erlif.pipeline.fixture import calibrate
@@ -158,7 +159,9 @@ class StartPage:
         }
         if "profile" in fixture:
             with suppress(ErlifError):
-                profile = read_profile(self._draft.directories[name] / fixture["profile"])
+                directory = self._draft.directories[name]
+                refuse_outside(directory, [fixture["profile"]])
+                profile = read_profile(directory / fixture["profile"])
                 some = slice(None, None, 1 + profile.thickness.size // _MOST_POINTS)
                 shapes["profile"] = profile.position[some].tolist()
                 shapes["thickness"] = profile.thickness[some].tolist()
@@ -172,7 +175,8 @@ class StartPage:
             part: Any = values
             for table in tables:
                 part = part.get(table, {})
-            part.pop(key, None)
+            if tables or not isinstance(part.get(key), dict):  # keys of a table may contradict
+                part.pop(key, None)
         return values
 
     def _open(self, given: Mapping[str, Any]) -> None:
@@ -205,11 +209,9 @@ class StartPage:
     def _photograph(self, request: Request, camera: int) -> Photograph:
         name, purpose = request.text("name"), request.text("purpose")
         with self._lock:
-            values = self._usable(name)
-            if name not in self._sources:
-                raise ErlifError("Expected a folder that is open. Choose it first.")
-            source = self._sources[name]
-        return source.read(values, camera, purpose, request.whole("number"))  # type: ignore[arg-type]
+            self._draft.path(name)  # refused where it is not open
+            values, source = self._usable(name), self._sources[name]
+        return source.read(values, camera, purpose, request.whole("number"))
 
     def _pack_frame(self, request: Request) -> Found:
         """Counts of an image, flagged where they are at full scale; as `pack_map` packs them."""
@@ -231,6 +233,7 @@ class StartPage:
         with suppress(ErlifError):
             # polygons in mm wait for the scale
             parts = [one for one in parts if pitch or isinstance(one, str)]
+            refuse_outside(directory, [one for one in parts if isinstance(one, str)])
             return fill_parts(directory, parts, shape, pitch=pitch or np.nan)
         return np.zeros(shape, bool)
 

@@ -329,8 +329,8 @@ def test_a_hostile_name_a_huge_image_and_a_folder_without_rights_are_named(
         huge.write_bytes(content)
         page.click("#card-run .anew")
         page.wait_for_selector("#changes li:nth-child(2)")
-        page.fill("#image", "2")
-        page.keyboard.press("Enter")
+        page.focus("#number")
+        page.keyboard.press("ArrowRight")
         page.wait_for_selector("#status.bad:text('frame_0001.tif')")
 
 
