@@ -16,6 +16,11 @@ work among processes.
 along parallel lines too, cosines and parabolas, clearances off by what the radii state. Each has a
 line of JSON: errors over their standard deviations, and the warnings.
 
+``--beyond`` photographs pins and balls before walls of 30 and 60 %, even and textured ones, with
+films far beyond the maximum of the ratio. A row has the shares of the pixels beyond the
+calibrated range that have a value, and one that is off by more than two standard deviations; and
+that of the pixels below 0.7 of its end that have none.
+
 With ``--plateau`` rigs without these faults photograph a ball that its load flattens, one frame
 pair each: radius of 38 to 50 pixels, minimum film of 0.8 to 2.5 um, central film of 1.1 to 2 times
 that, marks up to 0.04 um.
@@ -33,6 +38,7 @@ from __future__ import annotations
 
 import argparse
 import csv
+import itertools
 import json
 import tempfile
 from collections.abc import Mapping
@@ -48,6 +54,7 @@ import xarray as xr
 
 import erlif
 from erlif.core.errors import ErlifError
+from erlif.core.flags import Flag
 from erlif.core.notes import Level, split_notes
 from erlif.core.remedies import REMEDIES
 from erlif.core.terms import TERMS
@@ -391,6 +398,45 @@ def pull_numbers(film: xr.Dataset, out: Path, rig: RigSettings) -> dict[str, tup
     return found
 
 
+THICK: dict[str, dict[str, Any]] = {
+    "pin": {"spacing": 1.92},
+    "ball": {
+        "contact": "ball",
+        "mechanism": "rotation",
+        "field_width": 2.0,
+        "ball_radius": 15.0,
+        "thin_line": 0.1,
+        "film_table": tuple(np.linspace(1, 6, 24).round(3).tolist()),
+    },
+}
+"""Joints whose pictures hold films far beyond the maximum of the ratio: to 17 and 130 um."""
+
+WALLS = ((0.3, 0.0), (0.6, 0.0), (0.3, 0.3), (0.6, 0.2))
+"""Reflectance, and its texture over it, correlated over 1/20 of the width of the picture."""
+
+
+def judge_beyond(job: tuple[str, tuple[float, float]]) -> str:
+    """Films beyond the calibrated range of one joint before one wall, as a row."""
+    joint, (wall, share) = job
+    rig = RigSettings(write_systematics=False, fixture_frames=6, **THICK[joint])
+    rig = replace(rig, wall=(wall, wall), wall_texture=(share, rig.field_width / 20))
+    with tempfile.TemporaryDirectory() as scratch:
+        out = Path(scratch) / "rig"
+        simulate(out, seed=1, rig=rig)
+        end = erlif.calibrate(out / "fixture").thickness_range[1]
+        film = erlif.process(out / "run").load()
+        with xr.open_dataset(out / "truth.nc", engine="h5netcdf") as truth:
+            true = truth.film.values
+    flags = film["flags"].values
+    lit = flags & ~np.uint16(Flag.ABOVE_RANGE | Flag.BELOW_RANGE) == 0
+    valid, error = flags == 0, np.abs(film.thickness.values - true)
+    off = valid & (error > 2 * np.hypot(film.thickness_std, film.thickness_std_shared).values)
+    beyond, thin = lit & (true > end), lit & (true < 0.7 * end)
+    parts = f"{valid[beyond].mean():.2%} valid, {off[beyond].mean():.2%} off"
+    row = f"{joint:5s} wall {wall:.0%}, texture {share:.0%}: beyond {end:.1f} um {parts}"
+    return f"{row}; of thinner ones {1 - valid[thin].mean():.2%} flagged"
+
+
 FORMS = ("cosine", "circles", "projection", "parabola")
 """Of the gap: that of the rig, exact circles, seen along parallel lines too, and a parabola."""
 
@@ -513,6 +559,12 @@ def print_coverage(pool: Executor, options: argparse.Namespace) -> None:
         )
 
 
+def print_beyond(pool: Executor) -> None:
+    """A row for each joint and wall."""
+    for row in pool.map(judge_beyond, itertools.product(THICK, WALLS)):
+        print(row, flush=True)
+
+
 def print_sound(pool: Executor, options: argparse.Namespace) -> None:
     """A line of JSON for each sound rig, then the shares of all errors and the warnings."""
     rigs, drawn = range(options.first, options.first + options.sound), []
@@ -532,6 +584,9 @@ def main() -> None:
     parser.add_argument(
         "--sound", type=int, help="rigs without faults, by exact circles and others"
     )
+    parser.add_argument(
+        "--beyond", action="store_true", help="films beyond the maximum of the ratio"
+    )
     parser.add_argument("--plateau", action="store_true", help="coverage of flattened balls")
     parser.add_argument("--first", type=int, default=0, help="first of these rigs")
     parser.add_argument("--report", action="store_true", help="leave in what the gap shows")
@@ -547,6 +602,8 @@ def main() -> None:
     with ProcessPoolExecutor(options.workers) as pool:
         if options.target is not None:
             print_targets(pool, options)
+        elif options.beyond:
+            print_beyond(pool)
         elif options.sound is not None:
             print_sound(pool, options)
         elif options.coverage is not None:

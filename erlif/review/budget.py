@@ -159,7 +159,9 @@ def budget(
 
     # errors of noise by source need the references, light that is not film the whole run
     ready = prepare_run(run, cycle, curve, known, progress, tables_only=False)
-    findings, _, whole = ready.judge_light(lambda: measure_lights(ready.chain, ready.plane.patch))
+    findings, _, whole = ready.judge_light(
+        lambda: measure_lights(ready.chain, ready.curve, ready.plane.patch)
+    )
     measuring = whole.at(share_passed(frames, len(run.pairs.pages[0])))
     plane = ready.plane
 

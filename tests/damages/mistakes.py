@@ -800,7 +800,7 @@ MISTAKES += [
     *family(
         "crank of {1} cm for {0} cm, {2}",
         replaced('"{} cm"'),
-        "swing|reach",
+        "swing|reach|lengths of the links",
         on(PINS, (16, 15), (16, 17), (16, 1.6)),
     ),
     *family(

@@ -94,7 +94,7 @@ def find_lit(evidence: Evidence) -> AnyArray:
     dark = np.array([[level for level, _ in one.dark] for one in evidence.frames])
     peaks = np.array([one.peaks for one in evidence.frames])
     lit = (dark > _LIT * peaks).all(axis=1)
-    return evidence.numbers[lit & (lit.mean() <= _MOST_LIT)]
+    return np.asarray(evidence.numbers[lit & (lit.mean() <= _MOST_LIT)])
 
 
 def _changes_itself(evidence: Evidence, row: int) -> bool:

@@ -33,7 +33,8 @@ from erlif.pipeline.physics.systematics import (
 )
 from erlif.pipeline.physics.texture import describe_texture
 from erlif.pipeline.plane import ObjectPlane
-from erlif.ratio import LightCells, cell_places
+from erlif.ratio import LightCells, PairRatio, cell_places
+from erlif.thickness import flag_beyond_maximum
 from erlif.trend import (
     BackgroundEstimate,
     CourseChange,
@@ -68,14 +69,31 @@ def choose_frames(pairs: FramePairs, most: int | None = None) -> frozenset[int]:
     return frozenset(pairs.spread(_MOST_FRAMES if most is None else most))
 
 
+def flag_thick_films(pair: PairRatio, calibration: RunCurve, patch: Region | None) -> None:
+    """Flag films beyond the maximum of the ratio, but the known one of a reference patch.
+
+    Parameters
+    ----------
+    pair : PairRatio
+        Its flags receive `Flag.ABOVE_RANGE`.
+    calibration : RunCurve
+    patch : Region or None
+    """
+    at = (slice(0), slice(0)) if patch is None else (patch.rows, patch.columns)
+    known = pair.flags[at].copy()
+    flag_beyond_maximum(pair.log_ratio, pair.flags, calibration)
+    pair.flags[at] = known
+
+
 def measure_lights(
-    chain: FrameChain, patch: Region | None, *, most: int | None = None
+    chain: FrameChain, calibration: RunCurve, patch: Region | None, *, most: int | None = None
 ) -> dict[int, FrameResult]:
     """Measure the light of the frames that `choose_frames` names.
 
     Parameters
     ----------
     chain : FrameChain
+    calibration : RunCurve
     patch : Region or None
         Rows and columns of the reference patch.
     most : int, optional
@@ -86,11 +104,14 @@ def measure_lights(
     dict of int to FrameResult
     """
     lights: dict[int, FrameResult] = {}
-    Threads(None).compute(
-        lambda frame: FrameResult.of(frame, chain.measure(frame), patch=patch, with_cells=True),
-        sorted(choose_frames(chain.pairs, most)),
-        lights.__setitem__,
-    )
+
+    def measure(frame: int) -> FrameResult:
+        pair = chain.measure(frame)
+        flag_thick_films(pair, calibration, patch)
+        return FrameResult.of(frame, pair, patch=patch, with_cells=True)
+
+    frames = sorted(choose_frames(chain.pairs, most))
+    Threads(None).compute(measure, frames, lights.__setitem__)
     return lights
 
 
