@@ -42,13 +42,13 @@ def make(page):
     page.check("input[value=scale]")
     drag(page, (50, 20), (200, 20))
     page.fill("#distance", "11.25")
-    draw(page, "scale", "#shown", 620)
+    draw(page, "scale", "[aria-label=Images]", 680)
     page.click("#apply")
     page.wait_for_selector('#changes >> text="fixture.toml: optics.pixel_pitch"')
     page.check("input[value=origin]")
     page.mouse.click(*at(page, 0, 104))
     page.wait_for_selector('#changes >> text="fixture.toml: fixture.origin"')
-    draw(page, "origin", "#tools", 500)
+    draw(page, "origin", "#tools", 560)
     type_in(page, "fixture", {"camera1.band": "580", "camera2.band": "610"})
 
     take(page, "run")
@@ -59,12 +59,12 @@ def make(page):
     few = {place: values[place] for place in ("camera1.band", "camera2.band", "mechanism.crank")}
     type_in(page, "run", few)
     page.fill('[id="run.mechanism.coupler"]', "44 V")
-    draw(page, "settings", '[data-place="optics.pixel_pitch"]', 480)
+    draw(page, "settings", '[data-place="optics.pixel_pitch"]', 540)
     type_in(page, "run", values | dict([last]))
     page.click(".task[data-task=process]")
     page.wait_for_selector("body[data-work=process]")
-    page.set_viewport_size({"width": 1100, "height": 430})  # the end of the page
-    draw(page, "film", "[aria-label='To the film']", 390)
+    page.set_viewport_size({"width": 1100, "height": 490})  # the end of the page
+    draw(page, "film", "[aria-label='To the film']", 450)
 
 
 if __name__ == "__main__":

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from erlif.core.errors import ConfigError, ErlifError
-from erlif.core.notes import Note
+from erlif.core.notes import Note, list_some
 from erlif.io.settings import FixtureSettings, Key, RunSettings, Settings, keys_of, tables_of
 from erlif.io.settings.bore import read_bore
 from erlif.io.settings.reading import Fault, find_faults, find_gaps, read_toml
@@ -173,7 +173,19 @@ class Draft:
         if change.after != change.before:
             self._asked[name] |= set(find_gaps(tomllib.loads(change.after)))
             write_change(change, before=change.digest)
-            self.changes.append((name, ", ".join(typed), change))
+            self.changes.append((name, list_some(typed, most=2), change))
+
+    def exchange(self, name: str) -> None:
+        """Exchange the tables of both cameras, which were taken for each other."""
+        values = self.values(name)
+        tables = values.get("camera1", {}), values.get("camera2", {})
+        keys = tables[0] | tables[1]
+        exchanged = {
+            f"camera{camera}.{key}": table.get(key)
+            for camera, table in zip((2, 1), tables, strict=True)
+            for key in keys
+        }
+        self.change(name, exchanged)
 
     def undo(self) -> None:
         """Take the last change back.

@@ -91,6 +91,7 @@ class StartPage:
             "try": self._try,
             "change": lambda given: self._draft.change(given["name"], given["values"]),
             "brush": self._brush,
+            "exchange": lambda given: self._draft.exchange(given["name"]),
             "undo": lambda given: self._draft.undo(),
             "start": self._start,
             "cancel": lambda given: self._work.cancel(),

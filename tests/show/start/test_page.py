@@ -267,7 +267,7 @@ def test_a_pin_on_disc_by_the_keyboard_alone_on_a_narrow_dark_screen(
         press(page, "Enter")
         page.wait_for_selector('#file:text-is("run.toml")')
         for place in ("camera1.band", "camera2.band", "optics.pixel_pitch"):
-            reach(page, f'[data-place="{place}"] button')
+            reach(page, f'[data-place="{place}"] .other')
             press(page, "Enter")
             page.wait_for_selector(f'.field:not(.gap)[data-place="{place}"]')
         reach(page, '[id="run.mechanism.radius"]')
