@@ -1,8 +1,7 @@
 """Fit of the reabsorption model to thickness and ratio by orthogonal distance regression.
 
 Both the thickness by the CMM and the ratio carry errors, so each point is moved along both axes
-(Boggs, Byrd and Schnabel 1987, as implemented in ODRPACK). A pose with free combinations is fitted
-with the parameters.
+(Boggs, Byrd and Schnabel 1987). A pose with free combinations is fitted with the parameters.
 """
 
 from __future__ import annotations
@@ -10,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import Literal, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -29,9 +28,6 @@ from erlif.models.fluorescence import (
     log_band_ratio_slope,
     wall_ratio,
 )
-
-if TYPE_CHECKING:
-    from odrpack import OdrResult
 
 # Standard deviations from the curve beyond which a point is dust, a bubble or a slip of the
 # CMM.
@@ -65,12 +61,12 @@ _ATTENUATION_BOUNDS = (math.log(1e-4), math.log(10.0))  # 1/um, beyond any dyed 
 _LOG_RATIO_BOUND = 10.0  # of ln K
 _DISPLACEMENT_BOUND = 5.0  # mm
 _ITERATIONS = 200
+_CONVERGED = 1e-10  # relative change of chi-square or of the unknowns
+_NEAREST = 10  # steps to the place of the curve that is nearest to a point; four are enough
+_SETTLED = 1e-12  # relative change of a film
 _MORE = 2  # parameters of a reflecting wall
 _BENDS = 6  # degree of the smooth curve through the residuals
 _REFLECTANCES = (0.5, 0.1)  # starting points of R
-_WALL_ITERATIONS = 60  # with the two parameters of a wall; a good start settles in 30
-_AS_NOISE = 1.3  # reduced chi-square of a fit that leaves noise alone
-_FIRST_LASER_SHARE = 0.75  # of the attenuation of camera 2, to start from
 _LEAST_LASER_SHARE = 0.4  # the dyes absorb the laser at least about as much as their own light
 
 
@@ -114,6 +110,13 @@ class Reabsorption:
         return np.asarray(
             log_band_ratio_slope(thickness, attenuation_camera1=p, attenuation_camera2=q)
         )
+
+    def tangent(self, thickness: npt.ArrayLike) -> tuple[Array, Array]:
+        """Logarithm of the ratio of a film [1] and its slope [1/um], for less than one by one."""
+        if not self.reflects:
+            return self.predict(thickness), self.slope(thickness)
+        film = self.before_wall(thickness)
+        return film.log_ratio, film.slope
 
     def gradient(self, thickness: npt.ArrayLike) -> Array:
         """Derivatives of the logarithm of the ratio by the parameters, (parameter, ...)."""
@@ -265,22 +268,19 @@ def _fit_once(
     """One regression over the kept points, with the covariance of its parameters."""
     solution = _regress(points, thickness_std, kept, freedom, wall)
     displacement = freedom.displacement[kept]
-    beta, shift = solution.beta, np.array(solution.beta[len(solution.beta) - freedom.size :])
-    moved = displacement @ shift
+    beta, shift = np.split(solution.unknowns, [len(solution.unknowns) - freedom.size])
     true_thickness = points.thickness + freedom.displacement @ shift
-    true_thickness[kept] = np.asarray(solution.xplusd) + moved
+    true_thickness[kept] = solution.film
     fit = Fit(
-        parameters=_parameters_of(beta[: len(beta) - freedom.size]),
+        parameters=_parameters_of(beta),
         displacement=shift,
         covariance=np.empty((0, 0)),
-        chi_square=float(solution.sum_square),
+        chi_square=solution.chi_square,
         kept=kept,
         thickness_std=thickness_std,
         true_thickness=true_thickness,
     )
 
-    # Derivatives in closed form: ODRPACK's finite differences are relative to the parameter and
-    # fail about a displacement of zero.
     slope = fit.slope(true_thickness[kept])
     design = np.column_stack([fit.gradient(true_thickness[kept]).T, slope[:, None] * displacement])
     design /= np.hypot(points.log_ratio_std[kept], slope * thickness_std[kept])[:, None]
@@ -310,55 +310,144 @@ def _state_wall(reflectance: float) -> Wall:
     return wall if reflectance >= _SHOWS_LASER else {BLACK: (LASER_SHARE, LASER_SHARE_STD), **wall}
 
 
+class _Solution(NamedTuple):
+    """Unknowns of a curve, true films of the points [um] and sum of squared distances."""
+
+    unknowns: Array
+    film: Array
+    chi_square: float
+
+
+@dataclass(frozen=True)
+class _Distances:
+    """Distances of points from a curve along both axes, in their standard deviations.
+
+    The unknowns of a curve are ln K, ln(p - q) and ln q, so that all are positive and p exceeds q,
+    before a reflecting wall a/q and R, then the displacement.
+    """
+
+    thickness: Array
+    thickness_std: Array
+    log_ratio: Array
+    log_ratio_std: Array
+    displacement: Array  # films by the combinations, (point, combination) [um/mm]
+
+    def nearest(self, unknowns: Array) -> tuple[Reabsorption, Array, Array]:
+        """The curve, the films by the CMM, and those of the nearest places of the curve. [um]"""
+        size = len(unknowns) - self.displacement.shape[1]
+        curve = Reabsorption(_parameters_of(unknowns[:size]))
+        film = stated = self.thickness + self.displacement @ unknowns[size:]
+        far = 2 * self.thickness.max()  # of a bad start, places run away
+
+        for _ in range(_NEAREST):
+            before, (value, slope) = film, curve.tangent(film)
+            across = slope * self.thickness_std**2
+            share = across / (self.log_ratio_std**2 + across * slope)
+            miss = self.log_ratio - value + slope * (film - stated)
+            film = np.clip(stated + share * miss, -far, far)
+            if np.abs(film - before).max() < _SETTLED * far:
+                break
+        return curve, stated, film
+
+    def __call__(self, unknowns: Array) -> Array:
+        """Distance of each point, with the sign of what the ratio has above the curve."""
+        curve, stated, film = self.nearest(unknowns)
+        miss = (self.log_ratio - curve.predict(film)) / self.log_ratio_std
+        return np.copysign(np.hypot(miss, (film - stated) / self.thickness_std), miss)
+
+    def jacobian(self, unknowns: Array) -> Array:
+        """Derivatives of the distances, (point, unknown); the nearest place stays the nearest."""
+        curve, _, film = self.nearest(unknowns)
+        K, p, q, *_ = curve.parameters
+        by_K, by_p, by_q, *by_wall = curve.gradient(film)
+        if by_wall:
+            by_q, by_wall[0] = by_q + unknowns[BLACK] * by_wall[0], q * by_wall[0]
+        slope = curve.slope(film)
+
+        columns = [K * by_K, (p - q) * by_p, q * (by_p + by_q), *by_wall]
+        change = np.column_stack([*columns, slope[:, None] * self.displacement])
+        return -change / np.hypot(self.log_ratio_std, slope * self.thickness_std)[:, None]
+
+    def fit(
+        self,
+        start: Array,
+        low: Array,
+        high: Array,
+        held: Mapping[int, float],
+        *,
+        method: Literal["trf", "dogbox"] = "trf",
+    ) -> _Solution:
+        """The smallest sum of squares about `start`, with the unknowns `held` at their values."""
+        from scipy.optimize import least_squares  # at use: a run needs no fit
+
+        unknowns = np.clip(start, low, high)
+        for n, value in held.items():
+            unknowns[n] = value
+        free = np.delete(np.arange(len(start)), list(held))
+
+        def complete(searched: Array) -> Array:
+            changed = unknowns.copy()
+            changed[free] = searched
+            return changed
+
+        def distances(searched: Array) -> Array:
+            return self(complete(searched))
+
+        def derivatives(searched: Array) -> Array:
+            return self.jacobian(complete(searched))[:, free]
+
+        found = least_squares(
+            distances,
+            unknowns[free],
+            derivatives,
+            bounds=(low[free], high[free]),
+            method=method,
+            x_scale="jac",
+            ftol=_CONVERGED,
+            xtol=_CONVERGED,
+            gtol=_CONVERGED,
+            max_nfev=_ITERATIONS,
+        )
+        best = complete(found.x)
+        return _Solution(best, self.nearest(best)[2], 2 * float(found.cost))
+
+
 def _regress(
     points: Points, thickness_std: Array, kept: Mask, freedom: Freedom, wall: Wall
-) -> OdrResult:
-    """Return the best of the fits from several starting points.
-
-    Its parameters are ln K, ln(p - q) and ln q, so that all are positive and p exceeds q, before a
-    reflecting wall a/q and R, then the displacement.
-    """
-    from odrpack import odr_fit  # at use: a run needs no fit
-
-    t, y = points.thickness[kept], points.log_ratio[kept]
-    displacement = freedom.displacement[kept]
-
-    def model(x: Array, beta: Array) -> Array:
-        size = len(beta) - freedom.size
-        return Reabsorption(_parameters_of(beta[:size])).predict(x + displacement @ beta[size:])
-
-    lowest, highest = _ATTENUATION_BOUNDS
+) -> _Solution:
+    """Return the best of the fits from several starting points."""
+    distances = _Distances(
+        points.thickness[kept],
+        thickness_std[kept],
+        points.log_ratio[kept],
+        points.log_ratio_std[kept],
+        freedom.displacement[kept],
+    )
+    thin, dark = _ATTENUATION_BOUNDS
     reach = np.full(freedom.size, _DISPLACEMENT_BOUND)
-    low = np.array([-_LOG_RATIO_BOUND, lowest, lowest])
-    high = np.array([_LOG_RATIO_BOUND, highest, highest])
-    starts = _starts(t, y)
+    low = np.array([-_LOG_RATIO_BOUND, thin, thin])
+    high = np.array([_LOG_RATIO_BOUND, dark, dark])
+    starts = _starts(distances.thickness, distances.log_ratio)
     if wall is not None:
         # the laser is attenuated less than laser and band together
         low, high = np.append(low, [_LEAST_LASER_SHARE, 0.0]), np.append(high, [1.0, 1.0])
-        starts = [[*start, _FIRST_LASER_SHARE, R] for R in _REFLECTANCES for start in starts[1:]]
+        starts = [[*start, LASER_SHARE, R] for R in _REFLECTANCES for start in starts[1:]]
     low, high = np.append(low, -reach), np.append(high, reach)
-    for n, (value, _) in (wall or {}).items():
-        starts = [[*start[:n], value, *start[n + 1 :]] for start in starts]
-    fixed = np.isin(np.arange(len(low)), list(wall)) if wall else None
+    held = {n: value for n, (value, _) in (wall or {}).items()}
 
-    trials: list[OdrResult] = []
-    for start in starts:
-        trial = odr_fit(
-            model,
-            t,
-            y,
-            np.clip(np.array([*start, *np.zeros(freedom.size)]), low, high),
-            weight_x=thickness_std[kept] ** -2.0,
-            weight_y=points.log_ratio_std[kept] ** -2.0,
-            bounds=(low, high),
-            fix_beta=fixed,
-            maxit=_ITERATIONS if wall is None else _WALL_ITERATIONS,
-        )
-        trials.append(trial)
-        # of a wall the first fit is enough that leaves noise alone
-        if wall is not None and float(trial.sum_square) < _AS_NOISE * t.size:
-            break
-    return min(trials, key=lambda trial: float(trial.sum_square))
+    def best_of_starts(held: Mapping[int, float]) -> _Solution:
+        begun = [np.append(start, np.zeros(freedom.size)) for start in starts]
+        trials = [distances.fit(start, low, high, held) for start in begun]
+        return min(trials, key=lambda trial: trial.chi_square)
+
+    if wall is None or BLACK in held:
+        return best_of_starts(held)
+
+    # Along the attenuation of the laser chi-square has a long valley, and minima that the points do
+    # not distinguish; at its ends, light of the background looks like a wall. The fit begins with
+    # the usual attenuation.
+    usual = best_of_starts({**held, BLACK: LASER_SHARE})
+    return distances.fit(usual.unknowns, low, high, held, method="dogbox")
 
 
 def _parameters_of(beta: Array) -> Array:

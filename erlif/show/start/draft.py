@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from erlif.core.errors import ConfigError, ErlifError
-from erlif.core.notes import Note
+from erlif.core.notes import Note, list_some
 from erlif.io.settings import FixtureSettings, Key, RunSettings, Settings, keys_of, tables_of
 from erlif.io.settings.bore import read_bore
 from erlif.io.settings.reading import Fault, find_faults, find_gaps, read_toml
@@ -56,7 +56,6 @@ class Draft:
     ...     draft.open("run", Path(folder))
     ...     draft.change("run", {"optics.pixel_pitch": "75"})
     ...     print(draft.changes[0][2].lines)
-     [optics]
     -pixel_pitch = "?? um"
     +pixel_pitch = "75 um"
     """
@@ -174,7 +173,19 @@ class Draft:
         if change.after != change.before:
             self._asked[name] |= set(find_gaps(tomllib.loads(change.after)))
             write_change(change, before=change.digest)
-            self.changes.append((name, ", ".join(typed), change))
+            self.changes.append((name, list_some(typed, most=2), change))
+
+    def exchange(self, name: str) -> None:
+        """Exchange the tables of both cameras, which were taken for each other."""
+        values = self.values(name)
+        tables = values.get("camera1", {}), values.get("camera2", {})
+        keys = tables[0] | tables[1]
+        exchanged = {
+            f"camera{camera}.{key}": table.get(key)
+            for camera, table in zip((2, 1), tables, strict=True)
+            for key in keys
+        }
+        self.change(name, exchanged)
 
     def undo(self) -> None:
         """Take the last change back.
@@ -302,7 +313,7 @@ def read_typed(key: Key, text: str) -> Any:
 
 def _text_of(path: Path) -> str:
     """Text of a file; empty where there is none."""
-    return path.read_bytes().decode("utf-8-sig") if path.exists() else ""
+    return path.read_bytes().decode("utf-8-sig", "surrogateescape") if path.exists() else ""
 
 
 def _prefixes(place: Place) -> set[Place]:

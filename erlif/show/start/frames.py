@@ -90,9 +90,7 @@ class FrameSource:
             found[purpose] = counts
         return {purpose: counts for purpose, counts in found.items() if any(counts)}
 
-    def read(
-        self, values: Mapping[str, Any], camera: int, purpose: Purpose, number: int
-    ) -> Photograph:
+    def read(self, values: Mapping[str, Any], camera: int, purpose: str, number: int) -> Photograph:
         """Read an image of camera 1 or 2.
 
         Parameters
@@ -131,16 +129,17 @@ class FrameSource:
         title = f"image {number + 1} of {len(files.pages)}, {name}"
         return Photograph(counts, _camera(values, camera).full_scale, title)
 
-    def _files(self, values: Mapping[str, Any], camera: int, purpose: Purpose) -> CameraFiles:
+    def _files(self, values: Mapping[str, Any], camera: int, purpose: str) -> CameraFiles:
         settings = _camera(values, camera)
-        pattern = settings.files if purpose == "frames" else getattr(settings, purpose)
-        if pattern is None:
+        patterns = {one: getattr(settings, one) for one in PURPOSES[1:]}
+        patterns["frames"] = settings.files
+        if purpose not in PURPOSES or patterns[purpose] is None:
             raise FrameError(
                 f"Expected the name of the {purpose} images of camera {camera} in the settings; "
                 "there is none. Give it there."
             )
         what = f"camera{camera} {purpose}"
-        return self._find(pattern, what, select_counts(settings, purpose))
+        return self._find(patterns[purpose], what, select_counts(settings, purpose))
 
     def _read_headers(self, pattern: str, what: str, selection: Selection) -> CameraFiles:
         refuse_outside(self.directory, [pattern])

@@ -21,6 +21,7 @@ from erlif.core.flags import Flag
 from erlif.core.notes import Note, remark
 from erlif.core.progress import Progress
 from erlif.core.units import parse_quantity
+from erlif.io.ingest.containment import refuse_outside
 from erlif.io.ingest.exclusions import fill_parts
 from erlif.io.settings.reading import find_gaps
 from erlif.pipeline.fixture import calibrate
@@ -90,6 +91,7 @@ class StartPage:
             "try": self._try,
             "change": lambda given: self._draft.change(given["name"], given["values"]),
             "brush": self._brush,
+            "exchange": lambda given: self._draft.exchange(given["name"]),
             "undo": lambda given: self._draft.undo(),
             "start": self._start,
             "cancel": lambda given: self._work.cancel(),
@@ -158,7 +160,9 @@ class StartPage:
         }
         if "profile" in fixture:
             with suppress(ErlifError):
-                profile = read_profile(self._draft.directories[name] / fixture["profile"])
+                directory = self._draft.directories[name]
+                refuse_outside(directory, [fixture["profile"]])
+                profile = read_profile(directory / fixture["profile"])
                 some = slice(None, None, 1 + profile.thickness.size // _MOST_POINTS)
                 shapes["profile"] = profile.position[some].tolist()
                 shapes["thickness"] = profile.thickness[some].tolist()
@@ -172,7 +176,8 @@ class StartPage:
             part: Any = values
             for table in tables:
                 part = part.get(table, {})
-            part.pop(key, None)
+            if tables or not isinstance(part.get(key), dict):  # keys of a table may contradict
+                part.pop(key, None)
         return values
 
     def _open(self, given: Mapping[str, Any]) -> None:
@@ -205,11 +210,9 @@ class StartPage:
     def _photograph(self, request: Request, camera: int) -> Photograph:
         name, purpose = request.text("name"), request.text("purpose")
         with self._lock:
-            values = self._usable(name)
-            if name not in self._sources:
-                raise ErlifError("Expected a folder that is open. Choose it first.")
-            source = self._sources[name]
-        return source.read(values, camera, purpose, request.whole("number"))  # type: ignore[arg-type]
+            self._draft.path(name)  # refused where it is not open
+            values, source = self._usable(name), self._sources[name]
+        return source.read(values, camera, purpose, request.whole("number"))
 
     def _pack_frame(self, request: Request) -> Found:
         """Counts of an image, flagged where they are at full scale; as `pack_map` packs them."""
@@ -231,6 +234,7 @@ class StartPage:
         with suppress(ErlifError):
             # polygons in mm wait for the scale
             parts = [one for one in parts if pitch or isinstance(one, str)]
+            refuse_outside(directory, [one for one in parts if isinstance(one, str)])
             return fill_parts(directory, parts, shape, pitch=pitch or np.nan)
         return np.zeros(shape, bool)
 
@@ -258,11 +262,11 @@ class StartPage:
         with process(run_dir, output=output, overwrite=True, progress=progress, **options) as film:
             text = summarise_briefly(film)
         self._open_film()
-        return [remark("", text), remark("written", str(output))]
+        return [remark("", text), remark("written", str(output.relative_to(self.root)))]
 
     def _describe_work(self) -> dict[str, Any]:
-        film = self.films[0].path if self.films else None
-        return self._work.describe() | {"film": None if film is None else str(film)}
+        films = [str(film.path.relative_to(self.root)) for film in self.films]
+        return self._work.describe() | {"film": next(iter(films), None)}
 
     def _open_film(self) -> None:
         """Show the film of the run in the viewer, where there is one."""
@@ -287,7 +291,7 @@ def _calibrate(directory: Path, progress: Progress, options: dict[str, Any]) -> 
     save_calibration(calibration, output, overwrite=True)
     figure = write_calibration_figure(calibration, output.with_suffix(".png"))
     text = describe_calibration(calibration, brief=True)
-    return [remark("", text), remark("written", f"{output}, {figure}")]
+    return [remark("", text), remark("written", f"{output.name}, {figure.name}")]
 
 
 @contextmanager

@@ -41,7 +41,7 @@ class Change:
     def lines(self) -> str:
         """The lines that change, as a unified difference without its head."""
         texts = self.before.splitlines(), self.after.splitlines()
-        lines = [*difflib.unified_diff(*texts, lineterm="", n=1)][2:]
+        lines = [*difflib.unified_diff(*texts, lineterm="", n=0)][2:]
         return "\n".join(line for line in lines if not line.startswith("@@"))
 
     @property
@@ -77,7 +77,6 @@ def propose_region(run_dir: Path | None, region: Rectangle) -> Change:
     ...     _ = Path(folder, "run.toml").write_text(before)
     ...     change = propose_region(Path(folder), (1.5, 9.0, 2.0, 8.25))
     >>> print(change.lines)
-     [thickness]  # maps
     -roi = { x = [1, 2], y = [3, 4] }
     +roi = { x = [1.5, 9.0], y = [2.0, 8.25] }
     """

@@ -131,3 +131,15 @@ def test_keys_of_the_mechanism_are_those_of_its_kind(lab):
     places = {one["place"] for one in draft.fields("run")}
     assert "mechanism.radius" in places
     assert "mechanism.crank" not in places
+
+
+def test_cameras_that_were_taken_for_each_other_are_exchanged(lab, draft):
+    draft.change("run", {"camera1.gain": "4 electron/DN", "camera2.gain": ""})
+    before = draft.values("run")
+    draft.exchange("run")
+    after = draft.values("run")
+    assert after["camera1"] == before["camera2"]
+    assert after["camera2"] == before["camera1"]
+    assert len(draft.changes) == 2
+    draft.undo()
+    assert draft.values("run") == before

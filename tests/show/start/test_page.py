@@ -9,6 +9,7 @@ import tifffile
 import xarray as xr
 from scenes import browser
 from scenes.rig import small_rig
+from scenes.start import OF_THE_SAMPLE, at, drag, take, type_in
 
 import erlif
 from erlif.rig import simulate
@@ -17,26 +18,6 @@ from erlif.show.start import start_page
 pytestmark = browser.MARKS
 
 ROOT = Path(__file__).parents[3]
-
-# Values of data_samples/straight_bushing as a user types them, with bare numbers and with units.
-OF_THE_SAMPLE = {
-    "camera1.band": "580",
-    "camera2.band": "610 nm",
-    "mechanism.crank": "5.5",
-    "mechanism.coupler": "44",
-    "mechanism.rocker": "26",
-    "mechanism.ground": "0.51 m",
-    "mechanism.crank_speed": "114",
-    "joint.pin_radius": "33.36",
-    "joint.bushing_radius": "33.59",
-    "joint.length": "237",
-    "joint.pin.youngs_modulus": "2.7",
-    "joint.pin.poissons_ratio": "0.37",
-    "joint.bushing.youngs_modulus": "2.7",
-    "joint.bushing.poissons_ratio": "0.37",
-    "oil.viscosity": "0.12",
-    "oil.pressure_viscosity": "20",
-}
 
 FIXTURE_BY_HAND = """
 [fixture]
@@ -164,41 +145,6 @@ def sample(tmp_path_factory):
     return lab
 
 
-def take(page, name):
-    """Open the folder that is suggested."""
-    page.click(f"#card-{name} .take")
-    page.wait_for_selector(f"#card-{name} .anew:visible")
-    page.wait_for_selector("#panel-1 canvas[data-text*='image 1 of']")
-
-
-def type_in(page, name, values):
-    for place, value in values.items():
-        page.fill(f'[id="{name}.{place}"]', value)
-        page.keyboard.press("Tab")
-        page.wait_for_selector(f'#asked .field:not(.gap)[data-place="{place}"]')
-
-
-def at(page, column, row):
-    """Place on the page of the centre of a pixel of camera 1."""
-    box = page.locator("#panel-1 canvas").bounding_box()
-    left, right, top, bottom = 50, 82, 8, 38
-    width, height = (
-        int(page.evaluate(f"document.body.dataset.{one}")) for one in ("columns", "rows")
-    )
-    return (
-        box["x"] + left + (column + 0.5) / width * (box["width"] - left - right),
-        box["y"] + top + (row + 0.5) / height * (box["height"] - top - bottom),
-    )
-
-
-def drag(page, start, end):
-    page.locator("#panel-1 canvas").scroll_into_view_if_needed()
-    page.mouse.move(*at(page, *start))
-    page.mouse.down()
-    page.mouse.move(*at(page, *end), steps=4)
-    page.mouse.up()
-
-
 def work(page, task, name):
     """Start a task and wait for its end."""
     page.click(f'.task[data-task="{task}"][data-name="{name}"]')
@@ -321,7 +267,7 @@ def test_a_pin_on_disc_by_the_keyboard_alone_on_a_narrow_dark_screen(
         press(page, "Enter")
         page.wait_for_selector('#file:text-is("run.toml")')
         for place in ("camera1.band", "camera2.band", "optics.pixel_pitch"):
-            reach(page, f'[data-place="{place}"] button')
+            reach(page, f'[data-place="{place}"] .other')
             press(page, "Enter")
             page.wait_for_selector(f'.field:not(.gap)[data-place="{place}"]')
         reach(page, '[id="run.mechanism.radius"]')
@@ -383,8 +329,8 @@ def test_a_hostile_name_a_huge_image_and_a_folder_without_rights_are_named(
         huge.write_bytes(content)
         page.click("#card-run .anew")
         page.wait_for_selector("#changes li:nth-child(2)")
-        page.fill("#image", "2")
-        page.keyboard.press("Enter")
+        page.focus("#number")
+        page.keyboard.press("ArrowRight")
         page.wait_for_selector("#status.bad:text('frame_0001.tif')")
 
 

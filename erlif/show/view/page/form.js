@@ -11,6 +11,9 @@ export function showLines(place, lines) {
   }));
 }
 
+// values that can be drawn on the frame, by the tool
+const DRAWN = { "optics.pixel_pitch": "scale", "fixture.origin": "origin" };
+
 class Field {
   constructor(name, about, changed) {
     [this.name, this.place, this.changed] = [name, about.place, changed];
@@ -25,10 +28,13 @@ class Field {
     const label = element("label", key, table);
     label.htmlFor = this.input.id;
     this.other = element("button");
+    this.other.className = "other";
     this.without = element("button", "Leave out");
-    [this.other.type, this.without.type] = ["button", "button"];
+    this.drawn = element("button", "Take it from the frame");
+    for (const button of [this.other, this.without, this.drawn]) button.type = "button";
+    this.drawn.hidden = !DRAWN[about.place];
     this.unit = element("span");
-    const value = element("div", this.input, this.unit, this.other, this.without);
+    const value = element("div", this.input, this.unit, this.drawn, this.other, this.without);
     value.className = "value";
     this.fault = element("p");
     this.fault.className = "bad";
@@ -59,6 +65,10 @@ class Field {
     this.input.addEventListener("change", () => this.write(this.input.value));
     this.other.addEventListener("click", () => this.write(this.about.other));
     this.without.addEventListener("click", () => this.write(""));
+    this.drawn.addEventListener("click", () => {
+      document.querySelector(`input[value=${DRAWN[this.place]}]`).click();
+      byId("panel-1").querySelector("canvas").focus();
+    });
   }
 
   change(value = this.input.value) {

@@ -1,7 +1,7 @@
 // Images of both cameras as they are read, and what is drawn on those of camera 1.
 import { MapPanel } from "./map.js";
 import { Histogram } from "./histogram.js";
-import { byId, element, showKey } from "./draw.js";
+import { byId, element, latest, showKey } from "./draw.js";
 import { fixed, percent } from "./news.js";
 import { get, post } from "./server.js";
 
@@ -78,12 +78,9 @@ function fit(n, found) {
 
 // shows "run" or "fixture" with its settings
 export function showFrames(given, about) {
-  const other = name !== given;
-  const again = other || file?.pitch !== about.pitch;
-  const images = (one) => JSON.stringify([one?.images, one?.shapes.orientation, one?.shapes.exclude]);
-  const before = images(file);
+  const other = name !== given || file?.pitch !== about.pitch;
   [name, file] = [given, about];
-  if (again) {
+  if (other) {
     [points, strokes, states[0].mark] = [[], [], null];
     films.fill(null);
   }
@@ -103,22 +100,15 @@ export function showFrames(given, about) {
   }
   count();
   showTool();
-  if (again || before !== images(about)) load();
-  else panels[0].draw();
+  load();
 }
 
 function count() {
   const most = Math.max(...(file.images[byId("purpose").value] ?? [1]));
-  for (const [id, first] of [["number", 0], ["image", 1]]) byId(id).max = most - 1 + first;
-  if (+byId("number").value >= most) setNumber(0);
+  byId("number").max = most - 1; // a number beyond it becomes the last one
 }
 
-function setNumber(number) {
-  byId("number").value = number;
-  byId("image").value = +byId("number").value + 1;
-}
-
-async function load() {
+const load = latest(async () => {
   if (file.refusal) return;
   try {
     await Promise.all(panels.map((panel) => panel.refresh()));
@@ -129,7 +119,7 @@ async function load() {
   } catch (error) {
     report(error.message, true);
   }
-}
+});
 
 function showChecks(cameras) {
   const rows = [["", () => ""], ["mean count", (one) => `${fixed(one.mean, 0)} DN`],
@@ -302,12 +292,7 @@ function drawProfile([x, y], outline, at, pen) {
 }
 
 function connect() {
-  const renumber = (number) => {
-    setNumber(number);
-    load();
-  };
-  byId("number").addEventListener("input", () => renumber(+byId("number").value));
-  byId("image").addEventListener("change", () => renumber(byId("image").value - 1));
+  byId("number").addEventListener("input", load);
   byId("purpose").addEventListener("change", () => {
     count();
     load();

@@ -59,6 +59,8 @@ function showCard(name) {
   part(".take").textContent = `Take ${state.suggested[name] || "this folder"}`;
   if (name === "run") showKind(file);
   part("details").hidden = !file?.notes.length;
+  const odd = file?.notes.filter(({ level }) => level !== "note").length;
+  part("summary").textContent = `What was found${odd ? `, ${odd} to look at` : ""}`;
   part("ul").replaceChildren(...(file?.notes ?? []).map(({ subject, text, level }) => {
     const item = element("li", `${subject}: ${text}`);
     item.className = level === "note" ? "" : "bad";
@@ -119,7 +121,9 @@ async function open(name, folder, anew = false) {
 // changes
 
 function showChanges() {
-  byId("undo").disabled = !state.changes.length;
+  const last = state.changes.at(-1);
+  byId("undo").disabled = !last;
+  byId("undo").textContent = last ? `Undo ${last.file}: ${last.title}` : "Undo";
   byId("changes").replaceChildren(...state.changes.map(({ file, title, lines }, n) => {
     const pre = element("pre");
     showLines(pre, lines);
@@ -188,6 +192,8 @@ function connect() {
     shown = event.target.value;
     show(state);
   });
+  byId("exchange").addEventListener("click", guarded(async () =>
+    show(await post("exchange", { name: shown }))));
   byId("undo").addEventListener("click", guarded(async () => show(await post("undo", {}))));
   byId("cancel").addEventListener("click", guarded(async () => {
     await post("cancel", {});
