@@ -9,8 +9,8 @@ judged over its last ten frames.
 
 ``python benchmarks/real_rigs.py --coverage 200`` draws rigs from the default widths and prints the
 shares of errors within one and two standard deviations, and the scatter of the errors. With
-``--report`` what the gap of the joint shows of the errors stays in the films. The run divides its
-work among processes.
+``--report`` what the gap of the joint shows of the errors stays in the films, with ``--remedies
+patch`` the rigs have a patch of 6 um. The run divides its work among processes.
 
 ``--sound 50`` photographs rigs without faults that state nothing: gaps of exact circles, seen
 along parallel lines too, cosines and parabolas, clearances off by what the radii state. Each has a
@@ -360,12 +360,17 @@ def reach_target(seed: int, *, target: str) -> tuple[str, float, float, float, f
     )
 
 
-def pull_rig(seed: int, *, report: bool = False) -> dict[str, tuple[float, float]]:
+def pull_rig(
+    seed: int, *, report: bool = False, remedies: tuple[str, ...] = ()
+) -> dict[str, tuple[float, float]]:
     """Errors of one drawn rig and their standard deviations."""
     rig, origin, size = draw_rig(np.random.default_rng([77, seed]))
     with tempfile.TemporaryDirectory() as scratch:
         out = Path(scratch) / "rig"
-        photograph(out, seed, rig, origin, size)
+        if remedies:
+            photograph_with_remedies(out, seed, list(remedies), 6.0)
+        else:
+            photograph(out, seed, rig, origin, size)
         if report:
             state(out / "run" / "run.toml", REPORT)
         return pull_numbers(erlif.process(out / "run"), out, rig)
@@ -546,7 +551,8 @@ def print_targets(pool: Executor, options: argparse.Namespace) -> None:
 def print_coverage(pool: Executor, options: argparse.Namespace) -> None:
     """A row for each number of the film: its errors over all drawn rigs."""
     rigs = range(options.first, options.first + options.coverage)
-    pull = pull_plateau if options.plateau else partial(pull_rig, report=options.report)
+    given = {"report": options.report, "remedies": tuple(options.remedies)}
+    pull = pull_plateau if options.plateau else partial(pull_rig, **given)
     drawn = list(pool.map(pull, rigs))
     for name in dict.fromkeys(name for each in drawn for name in each):
         every = np.array([each[name] for each in drawn if name in each])
@@ -590,6 +596,7 @@ def main() -> None:
     parser.add_argument("--plateau", action="store_true", help="coverage of flattened balls")
     parser.add_argument("--first", type=int, default=0, help="first of these rigs")
     parser.add_argument("--report", action="store_true", help="leave in what the gap shows")
+    parser.add_argument("--remedies", nargs="*", default=[], help="that the rigs of coverage have")
     parser.add_argument("--target", help='for example "1 %%": with the remedies that reach it')
     parser.add_argument("--rigs", type=int, default=10, help="rigs of --target")
     parser.add_argument("--without", nargs="*", default=[], help="remedies that no list has")

@@ -95,3 +95,14 @@ def test_a_rig_keeps_truth_and_means_of_a_laboratory_apart(monkeypatch, tmp_path
         assert means in whole
     with h5py.File(tmp_path / "truth" / "thin.h5") as file:
         assert file["film"].shape == file["limit"].shape == (6, 48, 64)
+
+
+def test_the_page_and_the_list_of_hashes_have_every_rig_and_method(monkeypatch):
+    monkeypatch.syspath_prepend(str(ROOT))
+    from benchmarks.challenge import methods, rigs
+
+    page = (ROOT / "docs" / "challenge.md").read_text(encoding="utf-8")
+    assert list(rigs.read_hashes()) == list(rigs.RIGS)
+    for rig in rigs.RIGS:
+        assert f"| `{rig}` |" in page
+        assert all(f"| {rig} | {method} |" in page for method in methods.METHODS)

@@ -41,6 +41,7 @@ def summarise(rig: Rig, film: Array) -> dict[str, Array | float]:
     return found
 
 
+@np.errstate(divide="ignore", invalid="ignore")  # pixels without light have no ratio
 def measure_script(rig: Rig) -> dict[str, Array | float]:
     """The script of a user: one pass of OpenPIV a pair, eq. 5.7 fitted; no error bars."""
     curve = user_script.calibrate(rig.home / "fixture")

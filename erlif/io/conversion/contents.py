@@ -111,6 +111,11 @@ def table_columns(film: xr.Dataset) -> list[TriggerColumn]:
     Argument, order and errors as in `trigger_columns`. Counts of each flag, parts of the friction,
     curvatures, tilts and random errors of ratios are left out.
 
+    Returns
+    -------
+    list of TriggerColumn
+        Columns of the table.
+
     Examples
     --------
     >>> from erlif.show.plots import example_film

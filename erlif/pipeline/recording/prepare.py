@@ -326,9 +326,7 @@ def prepare_run(
             most = None if options.corrects else _FRAMES_OF_GAP
             lights = measure_lights(chain, curve, plane.patch, most=most)
             findings = ready.find_light(lights, patch)
-        chain, curve = correct_light(chain, curve, findings, options)
-        if curve.follows_run:  # a course within the widths is among these errors
-            findings = replace(findings, course=None)
+        chain, curve, findings = correct_light(chain, curve, findings, options)
         if options.corrects or curve.follows_run:
             ready = replace(ready, chain=chain, curve=curve, light=findings)
 
