@@ -141,6 +141,7 @@ def serving(*, port: int, **shared: Any) -> Iterator[str]:
         started.set_result(partial(asyncio.get_running_loop().call_soon_threadsafe, ended.set))
         await ended.wait()
         server.stop()
+        await server.close_all_connections()
 
     thread = Thread(target=asyncio.run, args=(run(),), name="page", daemon=True)
     thread.start()
