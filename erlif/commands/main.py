@@ -38,7 +38,7 @@ from erlif.core.version import version_and_sources
 
 # The commands in the order of their use, by what they serve.
 COMMANDS = {
-    "Measure": ("init", "check", "calibrate", "watch", "process"),
+    "Measure": ("sample", "init", "check", "calibrate", "watch", "process"),
     "Look": ("view", "figures", "report", "movie", "export", "compare"),
     "Explain": ("budget", "predict", "pressure"),
     "Plan a rig": ("simulate", "plan"),
