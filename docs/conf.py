@@ -178,6 +178,8 @@ NAVIGATION = {
         "decisions/index",
         "performance",
         "container",
+        "stability",
+        "Release <release>",
         "cite",
     ),
 }
