@@ -45,14 +45,18 @@ def score(maps, truth: xr.Dataset, limit) -> dict[str, float]:
     }
 
 
-def photon_limit(truth: xr.Dataset):
-    from erlif.rig.dyes import BANDS, tabulate_signal
+def photon_limit(truth: xr.Dataset, *, wall: float = 0.0):
+    """Standard deviation of a pixel by shot, read and rounding noise of one pair alone. [um]
+
+    `wall` is the reflectance behind the film, of the curve.
+    """
+    from erlif.rig.dyes import BANDS, DyedOil, tabulate_signal
 
     electrons = truth.expected_electrons.values
     variance = ((electrons + 81 + 4.4**2 / 12) / electrons**2).sum(axis=0)
     grid = np.linspace(0.02, 40, 8000)
-    one, two = (tabulate_signal(band)(grid) for band in BANDS)
-    slope = np.gradient(np.log(two / one), grid)
+    one, two = (tabulate_signal(band, oil=DyedOil(reflectance=wall))(grid) for band in BANDS)
+    slope = np.abs(np.gradient(np.log(two / one), grid))
     return np.sqrt(variance) / np.interp(truth.film.values, grid, slope)
 
 

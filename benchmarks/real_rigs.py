@@ -9,8 +9,17 @@ judged over its last ten frames.
 
 ``python benchmarks/real_rigs.py --coverage 200`` draws rigs from the default widths and prints the
 shares of errors within one and two standard deviations, and the scatter of the errors. With
-``--report`` what the gap of the joint shows of the errors stays in the films. The run divides its
-work among processes.
+``--report`` what the gap of the joint shows of the errors stays in the films, with ``--remedies
+patch`` the rigs have a patch of 6 um. The run divides its work among processes.
+
+``--sound 50`` photographs rigs without faults that state nothing: gaps of exact circles, seen
+along parallel lines too, cosines and parabolas, clearances off by what the radii state. Each has a
+line of JSON: errors over their standard deviations, and the warnings.
+
+``--beyond`` photographs pins and balls before walls of 30 and 60 %, even and textured ones, with
+films far beyond the maximum of the ratio. A row has the shares of the pixels beyond the
+calibrated range that have a value, and one that is off by more than two standard deviations; and
+that of the pixels below 0.7 of its end that have none.
 
 With ``--plateau`` rigs without these faults photograph a ball that its load flattens, one frame
 pair each: radius of 38 to 50 pixels, minimum film of 0.8 to 2.5 um, central film of 1.1 to 2 times
@@ -29,6 +38,8 @@ from __future__ import annotations
 
 import argparse
 import csv
+import itertools
+import json
 import tempfile
 from collections.abc import Mapping
 from concurrent.futures import Executor, ProcessPoolExecutor
@@ -36,15 +47,19 @@ from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
+from unittest.mock import patch
 
 import numpy as np
 import xarray as xr
 
 import erlif
 from erlif.core.errors import ErlifError
+from erlif.core.flags import Flag
+from erlif.core.notes import Level, split_notes
 from erlif.core.remedies import REMEDIES
 from erlif.core.terms import TERMS
 from erlif.rig import RigSettings, simulate
+from erlif.rig.film import Gap
 
 PULSES = 50
 
@@ -345,18 +360,26 @@ def reach_target(seed: int, *, target: str) -> tuple[str, float, float, float, f
     )
 
 
-def pull_rig(seed: int, *, report: bool = False) -> dict[str, tuple[float, float]]:
+def pull_rig(
+    seed: int, *, report: bool = False, remedies: tuple[str, ...] = ()
+) -> dict[str, tuple[float, float]]:
     """Errors of one drawn rig and their standard deviations."""
     rig, origin, size = draw_rig(np.random.default_rng([77, seed]))
     with tempfile.TemporaryDirectory() as scratch:
         out = Path(scratch) / "rig"
-        photograph(out, seed, rig, origin, size)
+        if remedies:
+            photograph_with_remedies(out, seed, list(remedies), 6.0)
+        else:
+            photograph(out, seed, rig, origin, size)
         if report:
             state(out / "run" / "run.toml", REPORT)
-        film = erlif.process(out / "run")
-        with xr.open_dataset(out / "truth.nc", engine="h5netcdf") as truth:
-            truth.load()
+        return pull_numbers(erlif.process(out / "run"), out, rig)
 
+
+def pull_numbers(film: xr.Dataset, out: Path, rig: RigSettings) -> dict[str, tuple[float, float]]:
+    """Errors of the numbers of a film and their standard deviations, by their names."""
+    with xr.open_dataset(out / "truth.nc", engine="h5netcdf") as truth:
+        truth.load()
     region, found = region_of(rig, film), {}
     last = film.sizes["trigger"] - 1
     for k, when in ((2, "first"), (last // 2, "middle"), (last - 2, "last")):
@@ -378,6 +401,96 @@ def pull_rig(seed: int, *, report: bool = False) -> dict[str, tuple[float, float
             found[f"{variable}, {when}"] = miss, float(film[f"{variable}_std"][k])
     found["exponent"] = float(film.speed_exponent) - rig.exponent, float(film.speed_exponent_std)
     return found
+
+
+THICK: dict[str, dict[str, Any]] = {
+    "pin": {"spacing": 1.92},
+    "ball": {
+        "contact": "ball",
+        "mechanism": "rotation",
+        "field_width": 2.0,
+        "ball_radius": 15.0,
+        "thin_line": 0.1,
+        "film_table": tuple(np.linspace(1, 6, 24).round(3).tolist()),
+    },
+}
+"""Joints whose pictures hold films far beyond the maximum of the ratio: to 17 and 130 um."""
+
+WALLS = ((0.3, 0.0), (0.6, 0.0), (0.3, 0.3), (0.6, 0.2))
+"""Reflectance, and its texture over it, correlated over 1/20 of the width of the picture."""
+
+
+def judge_beyond(job: tuple[str, tuple[float, float]]) -> str:
+    """Films beyond the calibrated range of one joint before one wall, as a row."""
+    joint, (wall, share) = job
+    rig = RigSettings(write_systematics=False, fixture_frames=6, **THICK[joint])
+    rig = replace(rig, wall=(wall, wall), wall_texture=(share, rig.field_width / 20))
+    with tempfile.TemporaryDirectory() as scratch:
+        out = Path(scratch) / "rig"
+        simulate(out, seed=1, rig=rig)
+        end = erlif.calibrate(out / "fixture").thickness_range[1]
+        film = erlif.process(out / "run").load()
+        with xr.open_dataset(out / "truth.nc", engine="h5netcdf") as truth:
+            true = truth.film.values
+    flags = film["flags"].values
+    lit = flags & ~np.uint16(Flag.ABOVE_RANGE | Flag.BELOW_RANGE) == 0
+    valid, error = flags == 0, np.abs(film.thickness.values - true)
+    off = valid & (error > 2 * np.hypot(film.thickness_std, film.thickness_std_shared).values)
+    beyond, thin = lit & (true > end), lit & (true < 0.7 * end)
+    parts = f"{valid[beyond].mean():.2%} valid, {off[beyond].mean():.2%} off"
+    row = f"{joint:5s} wall {wall:.0%}, texture {share:.0%}: beyond {end:.1f} um {parts}"
+    return f"{row}; of thinner ones {1 - valid[thin].mean():.2%} flagged"
+
+
+FORMS = ("cosine", "circles", "projection", "parabola")
+"""Of the gap: that of the rig, exact circles, seen along parallel lines too, and a parabola."""
+
+
+def gap_of_form(form: str, gap: Gap, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """Film of a smooth gap of some form at object points [pixel]. [um]"""
+    rig = gap.rig
+    along = (x - rig.centre[0]) * rig.pitch - rig.thin_line
+    rise = rig.tilt / (rig.height * rig.pitch) * (y * rig.pitch - rig.region[1][0])
+    lowest, bore = gap.film_min + rise, 1e3 * rig.bushing_radius
+    if form == "parabola":
+        return lowest + 1e3 * along**2 / 2 * (1 / rig.pin_radius - 1 / rig.bushing_radius)
+    phi = along / rig.journal_radius
+    phi = np.arcsin(phi) if form == "projection" else phi
+    apart = rig.clearance - lowest
+    if form == "cosine":
+        return rig.clearance - apart * np.cos(phi)
+    across = np.sqrt(bore**2 - (apart * np.sin(phi)) ** 2)
+    return across - apart * np.cos(phi) - 1e3 * rig.pin_radius
+
+
+def judge_sound(seed: int) -> dict[str, Any]:
+    """Errors of a rig that states nothing, over their standard deviations, and its warnings.
+
+    It has no faults (1e-9 of the widths), but its bore is off by what the digits of both radii
+    allow and 1 % of the clearance.
+    """
+    rng, stated = np.random.default_rng([78, seed]), RigSettings()
+    rig, origin, size = draw_rig(rng, dict.fromkeys(WIDTHS, 1e-9))
+    std = np.hypot(10 / 6**0.5, 0.01 * stated.clearance)  # both radii end in 0.01 mm [um]
+    rig = replace(rig, bushing_radius=stated.bushing_radius + 1e-3 * float(rng.normal(0, std)))
+    form = FORMS[seed % len(FORMS)]
+    with tempfile.TemporaryDirectory() as scratch:
+        out = Path(scratch) / "rig"
+        with patch.object(Gap, "smooth", lambda gap, x, y: gap_of_form(form, gap, x, y)):
+            photograph(out, seed, rig, origin, size)
+        run = out / "run" / "run.toml"
+        text = run.read_text(encoding="utf-8")
+        run.write_text(text.replace(f"{rig.bushing_radius:g} mm", f"{stated.bushing_radius:g} mm"))
+        film = erlif.process(out / "run").load()
+        found = pull_numbers(film, out, rig)
+    notes = split_notes(film.attrs["notes"])
+    return {
+        "seed": seed,
+        "form": form,
+        "clearance": round(rig.clearance - stated.clearance, 2),
+        "pulls": {name: round(error / std, 2) for name, (error, std) in found.items()},
+        "warnings": [text for level, text in notes if level is not Level.NOTE],
+    }
 
 
 def pull_plateau(seed: int) -> dict[str, tuple[float, float]]:
@@ -438,7 +551,8 @@ def print_targets(pool: Executor, options: argparse.Namespace) -> None:
 def print_coverage(pool: Executor, options: argparse.Namespace) -> None:
     """A row for each number of the film: its errors over all drawn rigs."""
     rigs = range(options.first, options.first + options.coverage)
-    pull = pull_plateau if options.plateau else partial(pull_rig, report=options.report)
+    given = {"report": options.report, "remedies": tuple(options.remedies)}
+    pull = pull_plateau if options.plateau else partial(pull_rig, **given)
     drawn = list(pool.map(pull, rigs))
     for name in dict.fromkeys(name for each in drawn for name in each):
         every = np.array([each[name] for each in drawn if name in each])
@@ -451,13 +565,38 @@ def print_coverage(pool: Executor, options: argparse.Namespace) -> None:
         )
 
 
+def print_beyond(pool: Executor) -> None:
+    """A row for each joint and wall."""
+    for row in pool.map(judge_beyond, itertools.product(THICK, WALLS)):
+        print(row, flush=True)
+
+
+def print_sound(pool: Executor, options: argparse.Namespace) -> None:
+    """A line of JSON for each sound rig, then the shares of all errors and the warnings."""
+    rigs, drawn = range(options.first, options.first + options.sound), []
+    for found in pool.map(judge_sound, rigs):
+        drawn.append(found)
+        print(json.dumps(found), flush=True)
+    pulls = np.abs([pull for found in drawn for pull in found["pulls"].values()])
+    one, two = (100 * np.mean(pulls < width) for width in (1, 2))
+    print(f"{len(pulls)} numbers: {one:.0f} % {two:.0f} %, largest {pulls.max():.2f}")
+    print(f"{sum(bool(found['warnings']) for found in drawn)} of {len(drawn)} rigs have a warning")
+
+
 def main() -> None:
     """Print the table of faults, the coverage of drawn rigs, or their remedies for a target."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--coverage", type=int, help="rigs drawn from the default widths")
+    parser.add_argument(
+        "--sound", type=int, help="rigs without faults, by exact circles and others"
+    )
+    parser.add_argument(
+        "--beyond", action="store_true", help="films beyond the maximum of the ratio"
+    )
     parser.add_argument("--plateau", action="store_true", help="coverage of flattened balls")
     parser.add_argument("--first", type=int, default=0, help="first of these rigs")
     parser.add_argument("--report", action="store_true", help="leave in what the gap shows")
+    parser.add_argument("--remedies", nargs="*", default=[], help="that the rigs of coverage have")
     parser.add_argument("--target", help='for example "1 %%": with the remedies that reach it')
     parser.add_argument("--rigs", type=int, default=10, help="rigs of --target")
     parser.add_argument("--without", nargs="*", default=[], help="remedies that no list has")
@@ -470,6 +609,10 @@ def main() -> None:
     with ProcessPoolExecutor(options.workers) as pool:
         if options.target is not None:
             print_targets(pool, options)
+        elif options.beyond:
+            print_beyond(pool)
+        elif options.sound is not None:
+            print_sound(pool, options)
         elif options.coverage is not None:
             print_coverage(pool, options)
         else:

@@ -148,15 +148,20 @@ def erlif_local(a: Array, b: Array) -> tuple[Array, Array]:
     return found.displacement_x, found.displacement_y
 
 
-def openpiv_vectors(a: Array, b: Array) -> tuple[Array, Array, Array, Array]:
-    """OpenPIV: windows 128-64-32-32 px, 75 % overlap, second image deformed, median test."""
+WINDOWS = (128, 64, 32, 32)
+
+
+def openpiv_vectors(
+    a: Array, b: Array, windows: tuple[int, ...] = WINDOWS
+) -> tuple[Array, Array, Array, Array]:
+    """OpenPIV: passes of `windows` [px], 75 % overlap, second image deformed, median test."""
     from openpiv import windef
     from openpiv.settings import PIVSettings
 
     s = PIVSettings(
-        windowsizes=(128, 64, 32, 32),
-        overlap=(64, 32, 24, 24),
-        num_iterations=4,
+        windowsizes=windows,
+        overlap=tuple(size // 2 if size > 32 else 24 for size in windows),
+        num_iterations=len(windows),
         deformation_method="second image",
         median_normalized=True,
         min_max_u_disp=(-60, 60),
@@ -165,8 +170,9 @@ def openpiv_vectors(a: Array, b: Array) -> tuple[Array, Array, Array, Array]:
     a, b = flattened(a) * 500, flattened(b) * 500
     with contextlib.redirect_stdout(io.StringIO()):
         x, y, u, v, _ = windef.first_pass(a, b, s)
-        u, v = np.ma.masked_array(u), np.ma.masked_array(v)
-        for number in range(1, 4):
+        # a window without light has no vector, which would spoil the spline of the next pass
+        u, v = (np.ma.masked_array(np.where(np.isnan(f), np.nanmedian(f), f)) for f in (u, v))
+        for number in range(1, len(windows)):
             x, y, u, v, _, _ = windef.multipass_img_deform(a, b, number, x, y, u, v, s)
     return x[0], y[:, 0], np.asarray(u), np.asarray(v)
 
@@ -177,9 +183,9 @@ def openpiv(a: Array, b: Array) -> tuple[Array, Array]:
     return on_pixels(x, y, u, v, (a.shape[0], a.shape[1]))
 
 
-def openpiv_quintic(a: Array, b: Array) -> tuple[Array, Array]:
+def openpiv_quintic(a: Array, b: Array, windows: tuple[int, ...] = WINDOWS) -> tuple[Array, Array]:
     """A robust polynomial of degree five through the vectors of OpenPIV."""
-    x, y, u, v = openpiv_vectors(a, b)
+    x, y, u, v = openpiv_vectors(a, b, windows)
     h, w = a.shape
 
     def terms(x: Array, y: Array) -> Array:

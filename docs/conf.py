@@ -129,8 +129,10 @@ html_theme_options = {
     "pygments_dark_style": "a11y-high-contrast-dark",
 }
 NAVIGATION = {
-    "index": ("use", "data", "theory/index", "develop"),
+    "index": ("why", "use", "data", "theory/index", "develop"),
+    "why": ("challenge",),
     "use": (
+        "From frames to film <start>",
         "Your data <your_data>",
         "Tutorial <tutorial>",
         "Look at a film <viewer>",

@@ -20,10 +20,12 @@ from types import ModuleType
 
 import lazy_loader
 
+from erlif.core.locking import take_demand
 from erlif.core.speed.imports import after_import
 from erlif.core.speed.kernel_cache import ensure_kernel_cache
 
 ensure_kernel_cache()
+take_demand()
 
 # the names stand in __init__.pyi, for this module and for editors alike
 __getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -158,8 +158,8 @@ class RatioCurve(ABC):
         Returns
         -------
         dict of str to float
-            "calibration", then the terms that have an error. Where errors compensate
-            each other, they are scaled to add up to the total. [unit of the quantity]
+            "calibration", then the terms that have an error: the root of their covariance with the
+            whole error, 0 where they lower it, scaled to add up to it. [unit of the quantity]
         """
         return self.split_errors([gradient], anywhere=anywhere)[0]
 
@@ -168,21 +168,15 @@ class RatioCurve(ABC):
     ) -> list[dict[str, float]]:
         """Split the standard deviations of several quantities as `split_error` does."""
         whole = self.anywhere_covariance if anywhere else self.full_covariance
-        alone, split = self.fitted_covariance, self.systematics.split()
+        own = ("calibration",) * (len(whole) - len(self.systematics.terms))
+        terms = np.array([*own, *self.systematics.terms])
         found = []
         for gradient in gradients:
-            own, others = gradient[: len(alone)], gradient[len(alone) :]
-            terms = {"calibration": float(own @ alone @ own)}
-            for name, (places, covariance) in split.items():
-                part = others[places]
-                std = float(np.sqrt(part @ covariance @ part))
-                if std > 0:
-                    terms[name] = std**2
-            total = float(gradient @ whole @ gradient)
-            scale = total / max(sum(terms.values()), np.finfo(float).tiny)
-            found.append(
-                {name: float(np.sqrt(scale * variance)) for name, variance in terms.items()}
-            )
+            parts = gradient * (whole @ gradient)
+            names = dict.fromkeys([*own[:1], *terms[parts != 0].tolist()])
+            split = {name: max(float(parts[terms == name].sum()), 0.0) for name in names}
+            scale = float(parts.sum()) / max(sum(split.values()), np.finfo(float).tiny)
+            found.append({name: float(np.sqrt(scale * part)) for name, part in split.items()})
         return found
 
     def log_ratio_std(self, thickness: npt.ArrayLike) -> Array:

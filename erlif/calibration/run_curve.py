@@ -17,9 +17,9 @@ from erlif.core.arrays import Array
 
 _RANGE = 1001  # films of the range at which the slope is looked at
 
-# Films at which what a run adds to a curve is tabulated: the first [um], the last over the end of
-# the calibrated range, and their number. Between them it is a cubic spline, right to 1e-8.
-_THINNEST, _THICKEST, _ADDED = 0.02, 3.0, 1201
+# Films at which what a run adds to a curve is tabulated: the first and the last, as thick as one
+# without end [um], and their number. Between them it is a cubic spline, right to 1e-8.
+_THINNEST, _THICKEST, _ADDED = 0.02, 1e3, 1801
 
 
 @dataclass(frozen=True)
@@ -154,7 +154,7 @@ class RunCurve(RatioCurve):
     def _added(self) -> scipy.interpolate.CubicSpline:
         """Spline through the change of the log ratio by the run, over ln(film thickness [um])."""
         plain = replace(self, systematics=replace(self.systematics, value=None))
-        films = np.geomspace(_THINNEST, _THICKEST * self.thickness_range[1], _ADDED)
+        films = np.geomspace(_THINNEST, _THICKEST, _ADDED)
         assert self.systematics.value is not None
         added = np.tensordot(self.systematics.value, plain.gradient(films), 1)
         return scipy.interpolate.CubicSpline(np.log(films), added)

@@ -477,11 +477,6 @@ class Systematics:
         found[own, own] = variance
         return found
 
-    def split(self) -> dict[str, tuple[npt.NDArray[np.intp], Array]]:
-        """Numbers of the parameters of each term and their covariance, in their order."""
-        places = {term: self.places(term) for term in dict.fromkeys(self.terms)}
-        return {term: (own, self.covariance[np.ix_(own, own)]) for term, own in places.items()}
-
 
 # A calibration whose fixture has no error but those that its frames show.
 NO_SYSTEMATICS = Systematics.of({}, parameters=0)

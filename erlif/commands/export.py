@@ -26,8 +26,9 @@ from erlif.core.speed.imports import large_imports
 def export(film: Path, to: str, output: Path | None, overwrite: bool, **options: Any) -> None:
     """Write a film in the format of another program.
 
-    CSV is a table of all numbers of the triggers; with --trigger or an angle it is the map of that
-    trigger. VTK is a folder with the surface of the pin for each trigger.
+    CSV is a table of the triggers, with films, motion, theory and their errors; with --trigger or
+    an angle it is the map of that trigger. MATLAB files hold all numbers. VTK is a folder with the
+    surface of the pin for each trigger.
 
     \b
     Example:

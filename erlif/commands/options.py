@@ -65,12 +65,11 @@ def output_option(what: str, default: str) -> Callable[[Command], Command]:
 
 
 def _expect_folder(ctx: click.Context, option: click.Parameter, value: Path | None) -> Path | None:
-    """Refuse an output in a folder that does not exist: its name may be misspelt."""
-    if value is not None and not value.parent.is_dir():
-        raise OutputError(
-            f"Expected an existing folder for the output {value}; {value.parent} is none. Make it, "
-            "or correct -o."
-        )
+    """Refuse an output in a folder that does not exist, before all else."""
+    from erlif.io.files import expect_folder
+
+    if value is not None:
+        expect_folder(value)
     return value
 
 

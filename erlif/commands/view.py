@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import os
 import webbrowser
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
+from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from threading import Timer
@@ -41,17 +42,33 @@ def view(films: tuple[Path, ...], port: int, run_dirs: tuple[Path, ...], no_brow
     with large_imports():
         from erlif.show.view import serve_films
 
+    serve_until_interrupted(
+        partial(serve_films, films, run_dirs=run_dirs, port=port), "viewer", browser=not no_browser
+    )
+
+
+def serve_until_interrupted(serve: Callable[..., None], what: str, *, browser: bool) -> None:
+    """Serve a page until Ctrl-C, print its address, and open it in the browser where asked for.
+
+    Parameters
+    ----------
+    serve : callable
+        Takes `ready`, a function that receives the address.
+    what : str
+        Name of the page in messages.
+    browser : bool
+    """
     with ExitStack() as opened:
 
         def show(address: str) -> None:
-            click.echo(f"The viewer is at {address}\nCtrl-C ends it.")
-            if not no_browser:
+            click.echo(f"The {what} is at {address}\nCtrl-C ends it.")
+            if browser:
                 webbrowser.open(opened.enter_context(leading_to(address)).as_uri())
 
         try:
-            serve_films(films, run_dirs=run_dirs, port=port, ready=show)
+            serve(ready=show)
         except KeyboardInterrupt:
-            click.echo("The viewer has ended.")
+            click.echo(f"The {what} has ended.")
 
 
 @contextmanager

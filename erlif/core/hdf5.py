@@ -11,8 +11,13 @@ import numpy as np
 
 from erlif.core.arrays import Mask
 from erlif.core.guarded import check_hdf5
+from erlif.core.locking import note_unlocked
 
 _File = TypeVar("_File")
+
+# Registered number of deflate, the bytes that one of its bytes may hold, and what need not be
+# looked at. [byte]
+_DEFLATE, _DENSEST, _SMALL = 1, 1032, 2**27
 
 
 def open_hdf5(path: Path) -> Any:
@@ -73,7 +78,9 @@ def with_locks(opening: Callable[..., _File], *args: Any, **options: Any) -> _Fi
     except BlockingIOError:  # another program has locked it
         raise
     except OSError:
-        return opening(*args, **options, locking=False)
+        file = opening(*args, **options, locking=False)
+        note_unlocked()
+        return file
 
 
 # First bytes of a superblock.
@@ -125,6 +132,44 @@ def chunk_count(data: Any) -> int:
 def chunk_size(data: Any) -> int:
     """Size of a decoded chunk of a dataset; 0 where it has none. [byte]"""
     return math.prod(map(int, data.chunks or (0,))) * int(data.dtype.itemsize)
+
+
+def refuse_inflated(data: Any, first: Any = slice(None)) -> None:
+    """Refuse compressed chunks that hold more than their dataset states, before they are read.
+
+    The library would decompress them to their end: 3 MB of a file may hold 3 GB.
+
+    Parameters
+    ----------
+    data : h5py.Dataset
+    first : int, slice or array
+        What is read of the first axis.
+
+    Raises
+    ------
+    OSError
+        With the bare reason, as the library raises it for damaged chunks.
+    """
+    deflated = filters_of(data).count(_DEFLATE)
+    if data.chunks is None or not deflated:
+        return
+    if deflated > 1:
+        raise OSError(f"{data.name} is compressed twice")
+    import imagecodecs  # loads slowly; half the time of zlib
+
+    rows = np.unique(np.atleast_1d(np.arange(data.shape[0])[first]) // data.chunks[0])
+    size = chunk_size(data)
+    for place in np.ndindex(len(rows), *_chunk_grid(data)[1:]):
+        corner = tuple(np.multiply((rows[place[0]], *place[1:]), data.chunks).tolist())
+        if data.id.get_chunk_info_by_coord(corner).size * _DENSEST <= _SMALL:
+            continue
+        skipped, stored = data.id.read_direct_chunk(corner)
+        try:
+            if not skipped:
+                imagecodecs.deflate_decode(stored, out=size)
+        except imagecodecs.DeflateError as error:
+            held = f"is damaged or holds more than the {size} bytes it states"
+            raise OSError(f"a chunk of {data.name} {held}") from error
 
 
 def find_chunks(data: Any) -> Mask:

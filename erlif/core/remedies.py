@@ -28,7 +28,7 @@ class Remedy:
         Of a term, the standard deviation that remains [%]; or, as text, its share of the term at
         the end of the run: a number, or the width of a source of error.
     to_patch : bool
-        Whether the errors of films become their differences to those of a patch.
+        Whether a patch of known film shows the errors of all films.
     without_gap : bool
         Whether the gap of the joint takes no errors out beside it.
     """

@@ -152,7 +152,8 @@ def parse_quantity(text: object, unit: str) -> float:
     ValueError: a speed of rotation is given in rpm, rad/s, deg/s, rev/s; got '1 Hz'
     """
     example = _EXAMPLES.get(unit, f"5 {unit}")
-    expected = f'expected a number with a unit in quotes, such as "{example}"'
+    quotes = "" if isinstance(text, str) else " in quotes"
+    expected = f'expected a number with a unit{quotes}, such as "{example}"'
     if not isinstance(text, str):
         raise ValueError(f"{expected}; got {text!r} without one")
     match = _QUANTITY.match(text)

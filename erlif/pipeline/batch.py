@@ -120,6 +120,7 @@ def batch(
     # a single path is a batch of one run
     entries = list_runs([runs] if isinstance(runs, str | Path) else runs)
     outcomes = []
+    fitted: dict[Path, Calibration] = {}  # of a fixture that several runs share
     with open_engine(workers=workers, scheduler=scheduler) as engine:
         for entry in entries:
             # the calibration of a row of the table takes precedence
@@ -131,6 +132,7 @@ def batch(
                 skip_bad_frames=skip_bad_frames,
                 allow_outside=allow_outside,
                 engine=engine,
+                fitted=fitted,
             )
             outcome = _process_entry(entry, process_one, progress)
             outcomes.append(outcome)

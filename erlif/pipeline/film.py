@@ -39,7 +39,11 @@ from erlif.pipeline.physics.agreement import describe_agreement
 from erlif.pipeline.physics.contact import note_contact, settle_contact
 from erlif.pipeline.physics.dark import describe_dark_levels
 from erlif.pipeline.physics.errors import describe_errors, name_largest_error, shared_errors
-from erlif.pipeline.physics.exponents import describe_exponents, note_moved_mean
+from erlif.pipeline.physics.exponents import (
+    describe_exponents,
+    note_moved_mean,
+    note_steepness,
+)
 from erlif.pipeline.physics.fit import state_physics
 from erlif.pipeline.physics.friction import describe_friction
 from erlif.pipeline.physics.light import choose_frames, describe_light
@@ -228,6 +232,7 @@ def with_theory(draft: FilmDraft) -> FilmDraft:
         *about_line,
         *note_omissions(settings, film),
         *note_moved_mean(film),
+        *note_steepness(film),
         *prediction.notes,
         *about_friction,
     )

@@ -167,6 +167,7 @@ def find_calibration(
     *,
     allow_outside: bool = False,
     progress: Progress = silent,
+    fitted: dict[Path, Calibration] | None = None,
 ) -> tuple[RunCurve, FixtureMap]:
     """Find the calibration of a run, and the curve that begins with it.
 
@@ -180,6 +181,9 @@ def find_calibration(
         As for `calibrate`; a calibration made of a fixture outside the run directory is then kept
         in its directory too.
     progress : "bar", bool or callable, optional
+    fitted : dict, optional
+        Calibrations by their paths that were fitted for earlier runs and not kept; those of this
+        run are added.
 
     Returns
     -------
@@ -200,13 +204,16 @@ def find_calibration(
     elif given is not None:
         found = [open_calibration(given)]
     else:
-        found = _named_calibrations(run, allow_outside=allow_outside, progress=progress)
+        fitted = {} if fitted is None else fitted
+        found = _named_calibrations(run, fitted, allow_outside=allow_outside, progress=progress)
     first, *others = (before_wall_of(run, one) for one in found)
     check_bands(first, (run.settings.camera1.band, run.settings.camera2.band))
     return RunCurve.of(first, *others), FixtureMap.of(first, run.settings)
 
 
-def _named_calibrations(run: Run, *, allow_outside: bool, progress: Progress) -> list[Calibration]:
+def _named_calibrations(
+    run: Run, fitted: dict[Path, Calibration], *, allow_outside: bool, progress: Progress
+) -> list[Calibration]:
     """The calibrations that run.toml names: before the run, and after it."""
     if not run.settings.calibrations:
         raise CalibrationError(
@@ -217,16 +224,25 @@ def _named_calibrations(run: Run, *, allow_outside: bool, progress: Progress) ->
     found = []
     for path in (run.directory / name for name in run.settings.calibrations):
         # a run from somebody else names any folder of this machine
-        inside = path.resolve().is_relative_to(run.directory.resolve())
+        place = path.resolve()
+        inside = place.is_relative_to(run.directory.resolve())
         if path.exists() or not (path.parent / "fixture.toml").is_file():
             found.append(open_calibration(path))
             continue
-        with stage("calibration", _logger):
-            made = calibrate(path.parent, allow_outside=allow_outside, progress=progress)
-        found.append(made)
-        if inside or allow_outside:
-            with suppress(OutputError):  # a directory that cannot be written is no obstacle
-                save_calibration(made, path)
+        if place not in fitted:
+            with stage("calibration", _logger):
+                made = calibrate(path.parent, allow_outside=allow_outside, progress=progress)
+            fitted[place] = made
+            if inside or allow_outside:
+                with suppress(OutputError):  # a directory that cannot be written is no obstacle
+                    save_calibration(made, path)
+            else:
+                _logger.info(
+                    "the calibration is fitted and not kept, as %s lies outside the run directory; "
+                    "it is kept by: erlif calibrate %s",
+                    *2 * (os.path.normpath(path.parent),),
+                )
+        found.append(fitted[place])
     return found
 
 

@@ -15,6 +15,7 @@ from erlif.core.progress import Progress, ShowProgress, choose_progress
 from erlif.core.speed.memory import release_memory
 from erlif.core.timing import stage
 from erlif.io.files import PartialFilm, open_film, refuse_existing, remove_remains, takes
+from erlif.io.files.replacement import expect_folder
 from erlif.io.ingest import Run, open_run
 from erlif.pipeline.audit.naming import naming
 from erlif.pipeline.cycle import describe_triggers, group_frames, summarise_cycle
@@ -128,13 +129,16 @@ def process_run(
     engine: Engine,
     progress: Progress,
     resume: bool = False,
+    fitted: dict[Path, Calibration] | None = None,
 ) -> bool:
-    """Process a run into a file; parameters as for `process` and `batch`.
+    """Process a run into a file; parameters as for `process`, `batch` and `find_calibration`.
 
     Returns False where the film is kept that the same work has made before.
     """
     if engine.elsewhere:  # workers elsewhere have another working directory
         run_dir, output = run_dir.absolute(), output.absolute()
+    if run_dir.is_dir():  # another is refused when it is opened
+        expect_folder(output)
     remove_remains(output)
     if not resume:
         refuse_existing(output, overwrite=overwrite, holds="thickness")
@@ -146,7 +150,7 @@ def process_run(
     cycle = locate_run(run)
     triggers = describe_triggers(run, cycle)
     curve, known = find_calibration(
-        run, calibration, allow_outside=allow_outside, progress=progress
+        run, calibration, allow_outside=allow_outside, progress=progress, fitted=fitted
     )
     _log_inputs(run, cycle, curve.calibration)
     work = FilmWork.of(run, curve, output)

@@ -1,8 +1,8 @@
-"""The shortest list of remedies with which the films of a run reach a wanted standard deviation.
+"""The shortest list of remedies with which the films of a run reach a target.
 
 All errors are those of `Systematics`, linear and in the middle of a run. A remedy lowers the widths
-of some of them; a patch of known film leaves the differences to the errors of its film. What the
-gap of a joint shows is a measurement of all errors together, which holds for smaller widths too.
+of some of them; a patch of known film measures all of them together. So does the gap of a joint,
+which holds for smaller widths too.
 """
 
 from __future__ import annotations
@@ -25,6 +25,9 @@ from erlif.core.units import parse_quantity
 FILMS = (1.0, 3.0, 5.0, 10.0)
 """Films whose errors are stated. [um]"""
 
+NINE_OF_TEN = 1.645
+"""Standard deviations within which nine of ten normal errors lie."""
+
 PATCH_STD = 0.02
 """Standard deviation of the film of a patch, where none is stated. [um]"""
 
@@ -33,7 +36,7 @@ _NEARLY = 1.02  # of the smallest standard deviation: where nothing reaches the 
 
 
 def read_target(text: str) -> tuple[float, float]:
-    """Read a wanted standard deviation.
+    """Read a target.
 
     Parameters
     ----------
@@ -135,14 +138,21 @@ class FilmErrors:
     def split(self, remedies: Collection[str] = ()) -> dict[str, Array]:
         """Variance of these films by source of error; errors that compensate lower it. [um2]"""
         acts, scale = self.acts[:, :-1], self.slope[:-1] ** -2.0
+        covariance = self._covariance(remedies)
         parts = {"noise": scale * self.noise**2}
         if any(REMEDIES[key].to_patch for key in {*self.had, *remedies}):
-            # changes over the field are independent at both places
+            # changes over the field are independent at both places: errors of what the patch shows
             placed = len(acts) - len(self.systematics.terms) + self.systematics.placed
-            both, acts = np.hypot(acts, self.acts[:, -1:]), acts - self.acts[:, -1:]
-            acts[placed] = both[placed]
-            parts["patch"] = scale * (self.slope[-1] * self.patch_std) ** 2
-        for term, part in zip(self.terms, acts * (self._covariance(remedies) @ acts), strict=True):
+            of_patch = self.acts[:, -1].copy()
+            field = float(of_patch[placed] ** 2 @ np.diag(covariance)[placed])
+            of_patch[placed] = 0.0
+            film = float(self.slope[-1] * self.patch_std) ** 2
+
+            pull = covariance @ of_patch
+            share = pull @ acts / (of_patch @ pull + field + film)
+            acts = acts - of_patch[:, None] * share
+            parts |= {"patch": scale * share**2 * film, "field": scale * share**2 * field}
+        for term, part in zip(self.terms, acts * (covariance @ acts), strict=True):
             parts[term] = parts.get(term, 0.0) + scale * part
         return parts
 
@@ -169,7 +179,9 @@ class FilmErrors:
         return np.asarray(root @ np.linalg.solve(inner, root.T))
 
 
-def shortest_list(errors: FilmErrors, target: tuple[float, float]) -> xr.DataArray:
+def shortest_list(
+    errors: FilmErrors, target: tuple[float, float], *, within: float = 1.0
+) -> xr.DataArray:
     """Find the fewest remedies with which the film that decides reaches a target.
 
     Of lists of one length, that of the smallest standard deviation is taken. Where none reaches it,
@@ -180,6 +192,8 @@ def shortest_list(errors: FilmErrors, target: tuple[float, float]) -> xr.DataArr
     errors : FilmErrors
     target : tuple[float, float]
         As `read_target` returns it.
+    within : float
+        Standard deviations that a target holds: `NINE_OF_TEN` where nine runs of ten lie within it.
 
     Returns
     -------
@@ -191,8 +205,8 @@ def shortest_list(errors: FilmErrors, target: tuple[float, float]) -> xr.DataArr
     wanted = target[0] * errors.films[:-1] + target[1]
     lists = (each for size in range(len(free) + 1) for each in combinations(free, size))
     ends = {each: float(errors.std(each)[-1]) for each in lists}
-    least = min(ends.values())
-    enough = wanted[-1] if least <= wanted[-1] else _NEARLY * least
+    least, allowed = min(ends.values()), wanted[-1] / within
+    enough = allowed if least <= allowed else _NEARLY * least
     best = min(ends, key=lambda each: (ends[each] > enough, len(each), ends[each]))
 
     order: list[str] = []
@@ -202,7 +216,12 @@ def shortest_list(errors: FilmErrors, target: tuple[float, float]) -> xr.DataArr
     parts = {term: float(part[-1]) for term, part in errors.split(order).items()}
     largest = max(parts, key=lambda term: parts[term])
     coords = {"remedy": ["", *order], "target_film": errors.films[:-1]}
-    attrs = {"target": wanted, "largest": largest, "largest_std": parts[largest] ** 0.5}
+    attrs = {
+        "target": wanted,
+        "within": within,
+        "largest": largest,
+        "largest_std": parts[largest] ** 0.5,
+    }
     attrs |= {"long_name": "standard deviation of a film with this remedy and those before it"}
     attrs |= {"units": "um", "gap": [int(errors.has_gap(step)) for step in steps]}
     return xr.DataArray([errors.std(step) for step in steps], coords, attrs=attrs)

@@ -28,7 +28,7 @@ from erlif.pipeline.physics.joint import locate_run
 from erlif.pipeline.physics.light import measure_lights
 from erlif.pipeline.physics.texture import with_texture
 from erlif.pipeline.recording.prepare import prepare_run
-from erlif.planning.target import read_target, shortest_list
+from erlif.planning.target import NINE_OF_TEN, read_target, shortest_list
 from erlif.ratio import PairRatio, RatioSum
 from erlif.review.target import errors_of_run
 from erlif.thickness import flag_beyond_maximum, flag_steps, measure_thickness
@@ -115,8 +115,8 @@ def budget(
         Film thicknesses for whose pixels the budget is made; default: the 10th, 50th and 90th
         percentile of the map. [um]
     target : str, optional
-        Standard deviation that the shortest list of remedies is to reach at the median film of the
-        run, "1 %" or "50 nm".
+        Error within which nine of ten runs shall lie at the median film, "1 %" or "50 nm", by the
+        shortest list of remedies. Their standard deviation is 1/1.645 of it at most.
     skip_bad_frames, allow_outside : bool
         As for `erlif.process`.
     progress : "bar", bool or callable, optional
@@ -159,7 +159,9 @@ def budget(
 
     # errors of noise by source need the references, light that is not film the whole run
     ready = prepare_run(run, cycle, curve, known, progress, tables_only=False)
-    findings, _, whole = ready.judge_light(lambda: measure_lights(ready.chain, ready.plane.patch))
+    findings, _, whole = ready.judge_light(
+        lambda: measure_lights(ready.chain, ready.curve, ready.plane.patch)
+    )
     measuring = whole.at(share_passed(frames, len(run.pairs.pages[0])))
     plane = ready.plane
 
@@ -207,7 +209,9 @@ def budget(
     table.attrs["declared_zero"] = [key for key, share in shares.items() if share == 0]
     if goal is not None:
         noise = statistics.mean.random_std * float(measuring.slope(statistics.mean.value))
-        table["target_std"] = shortest_list(errors_of_run(ready, whole, noise), goal)
+        table["target_std"] = shortest_list(
+            errors_of_run(ready, whole, noise), goal, within=NINE_OF_TEN
+        )
     return table
 
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from erlif.calibration import RunCurve
-from erlif.pipeline.physics.systematics import has_dry_joint
+from erlif.pipeline.physics.systematics import has_dry_joint, with_patch
 from erlif.pipeline.recording.prepare import PreparedRun
 from erlif.planning.target import FILMS, PATCH_STD, FilmErrors, information_of
 
@@ -32,17 +32,18 @@ def errors_of_run(ready: PreparedRun, curve: RunCurve, noise: float) -> FilmErro
     """
     settings, middle, before = ready.run.settings, curve.at(0.5), curve.systematics.without_run
     covariance = before.anywhere(before.extend(curve.fitted_covariance))
-    information = None
-    if curve.follows_run:
-        information = information_of(covariance, middle.anywhere_covariance)
+    information, scale = None, ready.light.scale
+    if ready.light.taken_out:
+        # what the gap adds to a patch
+        earlier = replace(curve, systematics=before)
+        known = earlier if scale is None else with_patch(earlier, scale)
+        information = information_of(known.at(0.5).anywhere_covariance, middle.anywhere_covariance)
         # nothing is taken out of a change over the field, which the gap may show to be larger
         left = np.diag(middle.anywhere_covariance)
         np.fill_diagonal(covariance, np.maximum(np.diag(covariance), left))
 
-    # the shares of the light are those of its median film, before the scale of a patch
-    scale = ready.light.scale
-    shift = 0.0 if scale is None else float(scale.course @ (1.0, 0.5))
-    median = float(middle.inverse.look_up(np.diff(np.log(before.light)) - shift)[0])
+    # the shares of the light are those of its median film
+    median = float(middle.inverse.look_up(np.diff(np.log(before.light)))[0])
     films = np.array([*FILMS, median, median if scale is None else scale.film])
     patch_std = PATCH_STD if scale is None else scale.film_std
 

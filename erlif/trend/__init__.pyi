@@ -56,6 +56,7 @@ from .rigidity import RatioEquations as RatioEquations
 from .rigidity import RigidityUnknowns as RigidityUnknowns
 from .rigidity import estimate_errors as estimate_errors
 from .rigidity import gap_of_pin as gap_of_pin
+from .rigidity import of_curve as of_curve
 from .rigidity import solve_equations as solve_equations
 from .statistics import FilmStatistics as FilmStatistics
 from .statistics import summarise_blocks as summarise_blocks

@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from erlif.calibration import RatioCurve
+from erlif.calibration import RatioCurve, Systematics
 from erlif.core.arrays import Array, Mask
 from erlif.core.statistics import covariance_root
 from erlif.ratio.cells import LightCells
@@ -36,6 +36,7 @@ _FREE = 1e3  # um: standard deviation of a position that is not known
 _MOST_FRAMES = 100  # more of them hardly lower the errors, which are common to all
 _ROUNDS = 10  # steps of Gauss and Newton, at most; four are usual
 _SETTLED = 0.02  # last step over the standard deviation at which the search ends
+_NOTHING = 1e-12  # what rounding leaves of an error without a width
 _THINNEST = 0.05  # um: film to which a search comes down that has left its equations
 _NEWTON = 5  # steps to the film whose ratio has the errors
 _BEYOND = 2.0  # standard deviations of the widths: a larger shift is none of theirs
@@ -196,6 +197,36 @@ def gap_of_pin(
     return motion, np.array([_FREE] * 4 + [bend]), form
 
 
+def of_curve(value: Array, covariance: Array, systematics: Systematics) -> tuple[Array, Array]:
+    """Errors that a curve can take out, and their covariance.
+
+    It cannot take out a change with the place in the picture, whose second moment is its error.
+
+    Parameters
+    ----------
+    value : array, (error,)
+        What a run has shown of all errors, those of `systematics` last.
+    covariance : array, (error, error)
+        Of this.
+    systematics : Systematics
+
+    Returns
+    -------
+    value, covariance : array
+
+    Examples
+    --------
+    >>> field = Systematics.of({"ratio": 0.01, "field": 0.005}, parameters=0)
+    >>> value, covariance = of_curve(np.full(6, 0.003), 1e-6 * np.eye(6), field)
+    >>> [round(1e6 * float(variance), 3) for variance in np.diag(covariance)[:2]]
+    [1.0, 10.0]
+    """
+    left = np.zeros_like(value)
+    placed = value.size - len(systematics.parameters) + systematics.placed
+    left[placed] = value[placed]
+    return value - left, covariance + np.outer(left, left)
+
+
 @dataclass(frozen=True)
 class ErrorEstimate:
     """Errors of a calibration and of its systematics as a run shows them.
@@ -349,13 +380,13 @@ class _ErrorFit:
             step, covariance, scatter = solve_equations(equations, prior, rest, state)
             state = RigidityUnknowns(*(old + new for old, new in zip(state, step, strict=True)))
             noise = max(noise + self._excess(equations, rest, step), 0.0)
-            if (np.abs(step.errors) <= _SETTLED * np.sqrt(np.diag(covariance))).all():
+            if (np.abs(step.errors) <= _SETTLED * np.sqrt(np.diag(covariance)) + _NOTHING).all():
                 break
         else:
             return None
-        if (np.abs(state.errors) > _LARGEST * np.sqrt(np.diag(prior))).any():
+        if (np.abs(state.errors) > _LARGEST * np.sqrt(np.diag(prior)) + _NOTHING).any():
             return None
-        value, covariance = self._of_curve(state.errors, covariance)
+        value, covariance = of_curve(state.errors, covariance, self.calibration.systematics)
         return ErrorEstimate(
             value,
             covariance,
@@ -364,16 +395,6 @@ class _ErrorFit:
             float(np.sqrt(noise)),
             float(np.median(film[self.chosen])),
         )
-
-    def _of_curve(self, value: Array, covariance: Array) -> tuple[Array, Array]:
-        """Errors that a curve can take out, and their covariance.
-
-        A change with the place in the picture cannot: its second moment is its error.
-        """
-        systematics, left = self.calibration.systematics, np.zeros_like(value)
-        placed = value.size - len(systematics.parameters) + systematics.placed
-        left[placed] = value[placed]
-        return value - left, covariance + np.outer(left, left)
 
     def _start(self, measured: Array) -> RigidityUnknowns:
         """Positions by the measured films."""

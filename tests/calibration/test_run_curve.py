@@ -41,6 +41,18 @@ def test_errors_that_grow_change_a_run_and_leave_its_curve():
     assert run.at(0.0).predict_log(5.0) == run.at(1.0).predict_log(5.0)
 
 
+def test_what_a_run_adds_holds_to_films_without_end():
+    """The maximum of a ratio is judged by the ratio of a very thick film."""
+    run = with_systematics(example_calibration(), background=0.05)
+    value = np.zeros(len(run.full_covariance))
+    value[len(run.fitted_covariance) :] = [0.02, 0.01]
+    changed = replace(run, systematics=replace(run.systematics, value=value))
+    films = np.array([0.5, 5.0, 30.0, 100.0, 900.0])
+    added = np.tensordot(value, run.gradient(films), axes=1)
+    assert abs(added[-1]) > 1e-3
+    npt.assert_allclose(changed.predict_log(films) - run.predict_log(films), added, atol=1e-8)
+
+
 def test_a_curve_that_falls_in_thin_film_is_used_where_it_rises():
     """By a background of a negative size, whose share of the light grows as the film vanishes."""
     run = with_systematics(example_calibration(), background=0.05)

@@ -18,6 +18,7 @@ def test_an_output_in_a_folder_that_does_not_exist_is_refused(command, tmp_path,
     output = tmp_path / "wrong" / "path" / "film.nc"
     refused = command(name, tmp_path, "-o", output, status=2).stderr
     assert f"Expected an existing folder for the output {output}" in refused
+    assert f"{output.parent} is none, of which {tmp_path} exists" in refused
     assert list(tmp_path.iterdir()) == []
 
 

@@ -800,7 +800,7 @@ MISTAKES += [
     *family(
         "crank of {1} cm for {0} cm, {2}",
         replaced('"{} cm"'),
-        "swing|reach",
+        "swing|reach|lengths of the links",
         on(PINS, (16, 15), (16, 17), (16, 1.6)),
     ),
     *family(
@@ -820,8 +820,17 @@ MISTAKES += [
         lambda: setting(
             ('kind = "slider-crank"', 'kind = "crank-rocker"\nrocker = "60 cm"\nground = "65 cm"')
         ),
-        "kind|reach|swing",
+        "kind in|reach|swing",
         on(PINS, ()),
+    ),
+    Mistake(
+        "linkage stated as a slider-crank, crank",
+        setting(
+            ('kind = "crank-rocker"', 'kind = "slider-crank"'),
+            ('rocker = "26 cm"\nground = "51 cm"\n', ""),
+        ),
+        "crank-rocker",
+        "crank",
     ),
     Mistake(
         "stated on the crank, logged on the rod",
@@ -839,7 +848,7 @@ MISTAKES += [
         "crank zero off by {} degrees, {}",
         lambda by: setting(('zero = "30.', f'zero = "{30 + by}.')),
         "zero",
-        on(("slider-crank",), (20,), (90,), (180,)),
+        on(("slider-crank", "crank"), (20,), (90,), (180,)),
     ),
     *family(
         "rod zero off by {} degrees, {}",

@@ -7,10 +7,13 @@ import subprocess
 import sys
 from pathlib import Path
 
+import cv2
 import matplotlib.pyplot as plt
+import numpy as np
 import pytest
 
-DOCS = Path(__file__).parents[2] / "docs"
+ROOT = Path(__file__).parents[2]
+DOCS = ROOT / "docs"
 BLOCK = re.compile(r"```(\w+)\n(.*?)```", re.DOTALL)
 
 
@@ -48,6 +51,24 @@ def test_the_first_commands_of_a_page_print_what_it_shows(name, tmp_path, monkey
     found = printed(blocks[place - 1][1], tmp_path)
     lines = blocks[place][1].splitlines()
     assert [line for line in lines if " ".join(line.split()) not in found] == []
+
+
+@pytest.mark.slow
+def test_the_sample_gives_text_and_picture_of_the_readme(tmp_path):
+    for part in ("data_samples/thick_oil", "calibration"):
+        shutil.copytree(ROOT / part, tmp_path / part)
+    film = "data_samples/thick_oil/film.nc"
+    found = printed("erlif process data_samples/thick_oil --overwrite", tmp_path)
+    for page in ("../README.md", "speed.md"):
+        shown = next(code for kind, code in BLOCK.findall(read(page)) if kind == "text")
+        lines = shown.splitlines()
+        assert [line for line in lines if " ".join(line.split()) not in found] == []
+
+    printed(f"erlif figures {film} --only film_against_speed --format png", tmp_path)
+    kept = cv2.imread(str(DOCS / "images" / "speed.png")).astype(float)
+    drawn = cv2.imread(str(tmp_path / Path(film).parent / "figures" / "film_against_speed.png"))
+    drawn = cv2.resize(drawn, kept.shape[1::-1], interpolation=cv2.INTER_AREA)
+    assert np.abs(kept - drawn).mean() < 2.5  # of 255; a shift of one pixel changes 4.9
 
 
 def test_code_of_the_page_of_figures_runs(film, tmp_path, monkeypatch):

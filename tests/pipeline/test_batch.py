@@ -118,6 +118,12 @@ def test_rows_of_a_table_have_their_own_calibration_and_output(series, film):
         "monday,fixture/calibration.nc,out/monday.nc\n"
         "wednesday,,out/wednesday.nc\n"
     )
+    missing = batch([table])
+    assert states(missing) == [RunState.REFUSED] * 2
+    assert f"{series / 'out'} is none, of which {series} exists" in missing[0].message
+    assert not (series / "out").exists()
+
+    (series / "out").mkdir()
     outcomes = batch([table])
     assert states(outcomes) == [RunState.FINISHED, RunState.REFUSED]
     assert "run.toml names none" in outcomes[1].message

@@ -50,12 +50,24 @@ def test_frames_of_a_film_at_rest_are_combined(prepared):
     npt.assert_allclose(noise[1] / noise[0], 3, rtol=0.2)
 
 
-def test_missing_calibration_is_made_and_kept_outside_the_run_only_if_allowed(lab, calibration):
+def test_missing_calibration_is_made_and_kept_outside_the_run_only_if_allowed(
+    lab, calibration, caplog
+):
     kept = lab.fixture / "calibration.nc"
     kept.unlink()
-    made, _ = find_calibration(open_run(lab.run), None, progress=silent)
+    fitted = {}
+    with caplog.at_level("INFO"):
+        made, again = (
+            find_calibration(open_run(lab.run), None, progress=silent, fitted=fitted)[0]
+            for _ in range(2)
+        )
     npt.assert_array_equal(made.calibration.parameters, calibration.parameters)
     assert not kept.exists()
+    assert caplog.text.count(f"it is kept by: erlif calibrate {lab.fixture}\n") == 1
+
+    # of several runs the first has it fitted
+    assert caplog.text.count("fit: started") == 1
+    npt.assert_array_equal(again.calibration.covariance, made.calibration.covariance)
 
     # a link in the run directory leads outside all the same
     (lab.run / "fixture").symlink_to(lab.fixture)

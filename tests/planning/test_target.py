@@ -3,10 +3,18 @@
 import numpy as np
 import numpy.testing as npt
 import pytest
+import scipy
 
 from erlif.calibration import Reabsorption, Systematics
 from erlif.core.errors import ConfigError
-from erlif.planning.target import FILMS, FilmErrors, information_of, read_target, shortest_list
+from erlif.planning.target import (
+    FILMS,
+    NINE_OF_TEN,
+    FilmErrors,
+    information_of,
+    read_target,
+    shortest_list,
+)
 
 MODEL = Reabsorption(np.array([0.65, 0.4, 0.25]))
 MEDIAN, PATCH = 4.0, 6.0
@@ -61,14 +69,18 @@ def test_a_width_that_is_stated_smaller_stays():
 
 
 def test_a_patch_leaves_its_film_and_the_field_at_two_places():
-    slope, at_patch = slope_at(np.array([*FILMS, MEDIAN])), float(slope_at(np.array(PATCH)))
-    alone = errors_of(ratio=0.01, lag=0.005).std(["patch"])
-    npt.assert_allclose(alone, 0.02 * at_patch / slope, rtol=1e-6)
-    with_field = errors_of(field=0.005, patch_std=0.0).std(["patch"])
-    npt.assert_allclose(with_field, 2**0.5 * 0.005 / slope, rtol=1e-6)
-    size = errors_of(size=0.005, patch_std=0.0).std(["patch"])
+    """Posterior of a single error by its width and by what the patch shows of it."""
     films = np.array([*FILMS, MEDIAN])
-    npt.assert_allclose(size, 0.005 * np.abs(films * slope - PATCH * at_patch) / slope, rtol=1e-5)
+    slope, at_patch = slope_at(films), float(slope_at(np.array(PATCH)))
+    shown, width = 0.02 * at_patch, np.hypot(0.01, 0.005)
+    scale = shown * width / np.hypot(shown, width)
+    npt.assert_allclose(errors_of(ratio=0.01, lag=0.005).std(["patch"]), scale / slope, rtol=1e-6)
+    even = errors_of(ratio=0.01, field=0.005, patch_std=0.0).std(["patch"])
+    left = np.hypot(0.01 * 0.005 / np.hypot(0.01, 0.005), 0.005)
+    npt.assert_allclose(even, left / slope, rtol=1e-6)
+    width = 0.005 * PATCH * at_patch
+    size = shown * width / np.hypot(shown, width) * films / (PATCH * at_patch)
+    npt.assert_allclose(errors_of(size=0.005).std(["patch"]), size, rtol=1e-5)
 
 
 def test_information_holds_for_other_widths():
@@ -89,6 +101,15 @@ def test_the_shortest_list_names_what_is_needed_and_no_more():
     found = shortest_list(errors_of(patch_std=1.0, lag=0.01, linearity=0.0005), (0.01, 0.0))
     assert list(found["remedy"].values) == ["", "dark_after_light"]
     assert found[0, -1] > 0.04 >= found[1, -1]
+
+
+def test_a_list_of_which_nine_of_ten_runs_lie_within_the_target_is_longer():
+    """40 nm of 4 um: lag of 0.16 % makes 36 nm, of which 73 % lie within; left are 23 nm."""
+    errors = errors_of(patch_std=1.0, lag=0.0016)
+    assert shortest_list(errors, (0.01, 0.0)).sizes["remedy"] == 1
+    found = shortest_list(errors, (0.01, 0.0), within=NINE_OF_TEN)
+    assert list(found["remedy"].values) == ["", "dark_after_light"]
+    npt.assert_allclose(NINE_OF_TEN, scipy.stats.norm.ppf(0.95), rtol=1e-3)
 
 
 def test_where_the_run_reaches_the_target_nothing_is_listed():

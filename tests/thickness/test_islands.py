@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import scipy
 from scenes.rig import small_rig
 
 import erlif
@@ -63,6 +64,33 @@ def test_a_larger_part_beyond_the_maximum_is_not_taken_for_the_thin_one():
     assert (film > 20).mean() > 0.7
     assert (flags[film > 20] == 0).mean() < 0.01
     assert (flags[film < 10] != 0).mean() < 0.05
+
+
+def test_a_film_that_is_nowhere_thin_without_doubt_is_told_from_one_beyond():
+    """A ball 7.5 um above its disc: a film without end has the ratio of 6.8 um."""
+    y, x = np.indices((256, 320))
+    film = 7.5 + ((x - 250) ** 2 + (y - 60) ** 2) / 600.0
+    ratio = REFLECTING.predict_log(film)
+    ratio += 0.01 * np.random.default_rng(4).standard_normal(film.shape)
+    flags = np.zeros(film.shape, np.uint16)
+    flag_beyond_maximum(ratio.astype(np.float32), flags, REFLECTING)
+    assert (film > 20).mean() > 0.7
+    assert (flags[film > 15] == 0).mean() < 0.01
+    assert (flags[film < 10] != 0).mean() < 0.05
+
+
+def test_an_uneven_wall_does_not_hide_films_beyond_the_maximum():
+    """Before a texture of 3 % half of the films of 15 to 20 um have a ratio in the range."""
+    y, x = np.indices((256, 320))
+    film = 6.0 + (x - 140) ** 2 / 1300.0 + y / 256
+    rng = np.random.default_rng(5)
+    grains = scipy.ndimage.gaussian_filter(rng.standard_normal(film.shape), 11)
+    ratio = REFLECTING.predict_log(film) + 0.03 * grains / grains.std()
+    flags = np.zeros(film.shape, np.uint16)
+    flag_beyond_maximum(ratio.astype(np.float32), flags, REFLECTING)
+    assert (ratio[film > 15] < REFLECTING.predict_log(11.0)).mean() > 0.4
+    assert (flags[film > 14] == 0).mean() < 0.02
+    assert (flags[film < 9] != 0).mean() < 0.02
 
 
 def test_two_thin_parts_with_a_ridge_between_them_are_both_thin():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
@@ -22,6 +23,13 @@ _FIRST = (
     *("trigger", "frames_used", "crank_angle", "encoder_angle", "stroke", "time"),
     *("film_min", "film_min_std", "film_min_std_random"),
     *("film_mean", "film_mean_std", "film_mean_std_random"),
+)
+
+# Numbers that a table for spreadsheets leaves to the other formats.
+_DETAIL = re.compile(
+    r"share_passed|flagged_pixels|reference|film_gap_mean|film_theory_central|attitude"
+    r"|film_predicted_mean|film_curvature|film_drag|friction_(torque|void|power)|pin_tilt"
+    r"|film_over_.*_random"
 )
 
 _FULL_TURN = 360.0  # degree
@@ -95,6 +103,28 @@ def trigger_columns(film: xr.Dataset) -> list[TriggerColumn]:
         for words, column in zip(labels, flat.T, strict=True):
             columns.append(TriggerColumn("_".join([name, *words]), unit, column))
     return columns
+
+
+def table_columns(film: xr.Dataset) -> list[TriggerColumn]:
+    """List the columns of a table for spreadsheets: films, motion, theory and their errors.
+
+    Argument, order and errors as in `trigger_columns`. Counts of each flag, parts of the friction,
+    curvatures, tilts and random errors of ratios are left out.
+
+    Returns
+    -------
+    list of TriggerColumn
+        Columns of the table.
+
+    Examples
+    --------
+    >>> from erlif.show.plots import example_film
+    >>> film = example_film()
+    >>> left_out = {each.name for each in trigger_columns(film)}
+    >>> sorted(left_out - {each.name for each in table_columns(film)})[:2]
+    ['attitude', 'film_curvature']
+    """
+    return [column for column in trigger_columns(film) if not _DETAIL.match(column.name)]
 
 
 def _pin_errors(film: xr.Dataset) -> Iterator[TriggerColumn]:

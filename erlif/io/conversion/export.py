@@ -21,7 +21,7 @@ from erlif.core.arrays import AnyArray
 from erlif.core.errors import OutputError
 from erlif.core.progress import Progress, silent
 from erlif.core.version import __version__
-from erlif.io.conversion.contents import choose_trigger, maps_of, trigger_columns
+from erlif.io.conversion.contents import choose_trigger, maps_of, table_columns
 from erlif.io.conversion.matlab import write_matlab
 from erlif.io.conversion.vtk_xml import write_series
 from erlif.io.files import (
@@ -266,7 +266,7 @@ _DECIMALS = 9
 
 
 def write_trigger_table(film: xr.Dataset, output: Path) -> None:
-    """Write one row for each trigger, with all its numbers.
+    """Write one row for each trigger, with the numbers of `table_columns`.
 
     Parameters
     ----------
@@ -274,7 +274,7 @@ def write_trigger_table(film: xr.Dataset, output: Path) -> None:
     output : Path
         File to write. Names with units stand in the first row; a number that is not known is NaN.
     """
-    columns = trigger_columns(film)
+    columns = table_columns(film)
     table = zip(*(_digits(column.values) for column in columns), strict=True)
     with output.open("w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file)  # rows end as RFC 4180 (2005) asks

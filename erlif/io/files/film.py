@@ -168,8 +168,11 @@ def _name_of(thing: object) -> str:
 def _open_checked(path: Path, group: str | None) -> xr.Dataset:
     """The root or a group of a film; ValueError or another exception where it is none."""
     if path.suffix == ".zarr":
-        check_zarr(path)
-        dataset: xr.Dataset = xr.open_zarr(path, group=group, consolidated=False, chunks=None)
+        from erlif.io.files.bounded_store import BoundedStore  # zarr loads slowly
+
+        store = BoundedStore(path, held=check_zarr(path))
+        dataset: xr.Dataset = xr.open_zarr(store, group=group, consolidated=False, chunks=None)
+        dataset.encoding["source"] = str(path.absolute())
     else:
         if not path.is_file():
             raise ValueError("it is not a regular file")

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from erlif.core.hdf5 import chunk_count, find_chunks, open_hdf5, refuse_elsewhere
+from erlif.core.hdf5 import chunk_count, chunk_size, find_chunks, open_hdf5, refuse_elsewhere
 from erlif.core.variables import FILM
 from erlif.io.files.descriptions import read_description
 
@@ -29,7 +29,12 @@ MAPS = tuple(name for name, one in FILM.items() if one.dims == ("trigger", "y", 
 _TEXT, _CHUNK = 64, 2**13
 
 # Codecs of zarr that erlif writes, and those that other programs use for arrays of numbers.
-_CODECS = frozenset({"bytes", "blosc", "zstd", "gzip", "crc32c", "vlen-utf8", "transpose"})
+_COMPRESSIONS = frozenset({"blosc", "zstd", "gzip"})
+_CODECS = _COMPRESSIONS | {"bytes", "crc32c", "vlen-utf8", "transpose"}
+
+# Size of what a film has beside its maps, which is read when it is opened; a million pairs have
+# 140 MB. [byte]
+_LARGEST_BESIDE = 2**28
 
 
 def check_netcdf(path: Path) -> None:
@@ -53,10 +58,10 @@ def check_netcdf(path: Path) -> None:
 
             # the maps of a film are read one after the other, all else at once
             per_read = entry.shape[1:] if name in MAPS else entry.shape
-            size = math.prod(per_read or ()) * entry.dtype.itemsize
+            size = max(math.prod(per_read or ()) * entry.dtype.itemsize, chunk_size(entry))
             _check_size(name, size)
             at_once += _size_at_once(name, entry.shape or (), size, entry.chunks)
-            _check_size("its small variables", at_once)
+            _check_size("its small variables", at_once, most=_LARGEST_BESIDE)
             if name not in MAPS:
                 continue
             if entry.ndim != len(("trigger", "y", "x")):
@@ -80,12 +85,17 @@ def _netcdf_entries(group: Any, h5py: Any) -> Iterator[tuple[str, Any]]:
             yield from _netcdf_entries(entry, h5py)
 
 
-def check_zarr(path: Path) -> None:
+def check_zarr(path: Path) -> dict[str, tuple[str, int]]:
     """Refuse a zarr film by its descriptions.
 
     Argument and errors as in `check_netcdf`.
+
+    Returns
+    -------
+    dict of str to (str, int)
+        Compression of each array, and what one of its chunks may hold. [byte]
     """
-    files, at_once = _regular_files(path), 0
+    files, at_once, held = _regular_files(path), 0, {}
     for place in [path, *sorted(path.glob("*/")), *sorted(path.glob("*/*/"))]:
         if str(place / "zarr.json") not in files:
             if place == path:
@@ -94,8 +104,10 @@ def check_zarr(path: Path) -> None:
         name = place.relative_to(path).as_posix()
         header = read_description(path, name)
         if header.get("node_type") == "array":
-            at_once += _check_array(place, name, header, files)
-            _check_size("its small variables", at_once)
+            beside, held[name] = _check_array(place, name, header, files)
+            at_once += beside
+            _check_size("its small variables", at_once, most=_LARGEST_BESIDE)
+    return held
 
 
 def _regular_files(path: Path) -> set[str]:
@@ -112,10 +124,16 @@ def _regular_files(path: Path) -> set[str]:
     return files
 
 
-def _check_array(place: Path, name: str, header: dict[str, Any], files: Set[str]) -> int:
-    """Refuse an array of a zarr store by its description; its part of what is read at once."""
+def _check_array(
+    place: Path, name: str, header: dict[str, Any], files: Set[str]
+) -> tuple[int, tuple[str, int]]:
+    """Refuse an array of a zarr store by its description.
+
+    Returns its part of what is read at once, its compression and what a chunk may hold. [byte]
+    """
     codecs = [codec.get("name") for codec in header["codecs"]]
-    if not _CODECS.issuperset(codecs):
+    compressions = [codec for codec in codecs if codec in _COMPRESSIONS]
+    if not _CODECS.issuperset(codecs) or len(compressions) > 1:
         raise ValueError(f"{name} has the codecs {codecs}")
 
     shape = [int(length) for length in header["shape"]]
@@ -128,8 +146,8 @@ def _check_array(place: Path, name: str, header: dict[str, Any], files: Set[str]
         itemsize = max(_TEXT, text.get("length_bytes", 0))
     if len(chunks) != len(shape) or min([*shape, *chunks], default=1) < 1:
         raise ValueError(f"{name} has the shape {shape} in chunks of {chunks}")
-    size = math.prod(shape[1:] if name in MAPS else shape) * itemsize
-    _check_size(name, max(size, math.prod(chunks) * itemsize))
+    size = max(math.prod(shape[1:] if name in MAPS else shape), math.prod(chunks)) * itemsize
+    _check_size(name, size)
 
     # a chunk that is missing would be read as the fill value; other programs leave out chunks of
     # zeros, and name chunks in another way
@@ -138,7 +156,11 @@ def _check_array(place: Path, name: str, header: dict[str, Any], files: Set[str]
         for trigger in range(shape[0]):
             if f"{place}{os.sep}c.{trigger}.0.0" not in files:
                 raise ValueError(f"the map {trigger} of {name} is missing")
-    return _size_at_once(name, shape, size, chunks)
+
+    # letters take less than their objects in most texts, and never more than all that is read
+    chunk = _LARGEST_BESIDE if "vlen-utf8" in codecs else math.prod(chunks) * itemsize
+    held = "".join(compressions), chunk
+    return _size_at_once(name, shape, size, chunks), held
 
 
 def _size_at_once(name: str, shape: Sequence[int], size: int, chunks: Sequence[int] | None) -> int:
@@ -146,9 +168,10 @@ def _size_at_once(name: str, shape: Sequence[int], size: int, chunks: Sequence[i
     if name in MAPS or len(shape) >= len(FILM["thickness"].dims):
         return 0
     counts = (-(-n // chunk) for n, chunk in zip(shape, chunks or shape, strict=True))
-    return size + _CHUNK * math.prod(counts)
+    one_by_one = name.startswith("registration/")  # images
+    return (0 if one_by_one else size) + _CHUNK * math.prod(counts)
 
 
-def _check_size(name: str, size: int) -> None:
-    if size > LARGEST_READ:
+def _check_size(name: str, size: int, *, most: int = LARGEST_READ) -> None:
+    if size > most:
         raise ValueError(f"it claims {size / 1e9:.1f} GB of {name}")

@@ -11,7 +11,17 @@ from typing import Any
 import h5netcdf
 import h5py
 
-from erlif.core.hdf5 import with_locks
+from erlif.core.hdf5 import refuse_inflated, with_locks
+
+
+class _Dataset(h5py.Dataset):  # type: ignore[misc]
+    """A dataset whose chunks are looked at before they are read."""
+
+    __module__ = h5py.Dataset.__module__  # by which h5netcdf knows a dataset
+
+    def __getitem__(self, args: Any, new_dtype: Any = None) -> Any:
+        refuse_inflated(self, args[0] if isinstance(args, tuple) and args else slice(None))
+        return super().__getitem__(args, new_dtype)
 
 
 class _KeptFile(h5py.File):  # type: ignore[misc]
@@ -26,7 +36,8 @@ class _KeptFile(h5py.File):  # type: ignore[misc]
         if not isinstance(name, str):
             return super().__getitem__(name)
         if name not in self._parts:
-            self._parts[name] = super().__getitem__(name)
+            part = super().__getitem__(name)
+            self._parts[name] = _Dataset(part.id) if isinstance(part, h5py.Dataset) else part
         return self._parts[name]
 
     def close(self) -> None:

@@ -155,9 +155,8 @@ def replacing(output: Path) -> Iterator[Path]:
     'complete'
     """
     scratch = output.with_name(f".{output.name}.unfinished")
-    made: list[Path] = []
+    expect_folder(output)
     try:
-        made = make_folders(output.parent)
         remove(scratch)
         yield scratch
         take_name(scratch, output)
@@ -165,44 +164,25 @@ def replacing(output: Path) -> Iterator[Path]:
         raise write_error(output, error) from error
     finally:
         remove(scratch)
-        drop_empty(made)
 
 
-def make_folders(folder: Path) -> list[Path]:
-    """Make a folder and those above it.
-
-    Parameters
-    ----------
-    folder : Path
-
-    Returns
-    -------
-    list of Path
-        The folders that are new, the innermost first.
+def expect_folder(output: Path) -> None:
+    """Refuse an output in a folder that does not exist: its name may be misspelt.
 
     Raises
     ------
-    OSError
+    OutputError
 
     Examples
     --------
-    >>> from tempfile import TemporaryDirectory
-    >>> with TemporaryDirectory() as here:
-    ...     made = make_folders(Path(here, "films", "may"))
-    ...     drop_empty(made)
-    ...     [folder.name for folder in made], Path(here, "films").exists()
-    (['may', 'films'], False)
+    >>> expect_folder(Path("film.nc"))
     """
-    new = [each for each in (folder, *folder.parents) if not each.exists()]
-    folder.mkdir(parents=True, exist_ok=True)
-    return new
-
-
-def drop_empty(folders: list[Path]) -> None:
-    """Take away folders that are empty, in their order."""
-    with suppress(OSError):
-        for folder in folders:
-            folder.rmdir()
+    if not output.parent.is_dir():
+        above = next((each for each in output.absolute().parents if each.is_dir()), output)
+        raise OutputError(
+            f"Expected an existing folder for the output {output}; {output.parent} is none, of "
+            f"which {above} exists. Make it, or correct the name."
+        )
 
 
 def write_file(output: Path, content: str | bytes) -> Path:
@@ -261,9 +241,11 @@ def replacing_set(folder: Path, names: Sequence[str]) -> Iterator[Path]:
     """
     scratch, previous = folder / ".unfinished", folder / ".previous"
     existed = folder.is_dir()
+    expect_folder(folder)
     try:
         remove(scratch)
-        scratch.mkdir(parents=True)
+        folder.mkdir(exist_ok=True)
+        scratch.mkdir()
         yield scratch
         written = [path.name for path in scratch.iterdir()]
 

@@ -15,7 +15,7 @@ import xarray as xr
 from erlif.core.errors import OutputError
 from erlif.io.files.compression import MapVariable
 from erlif.io.files.netcdf_maps import NetcdfMaps
-from erlif.io.files.replacement import drop_empty, make_folders, remove, write_error
+from erlif.io.files.replacement import expect_folder, remove, write_error
 from erlif.io.files.zarr_maps import ZarrMaps
 
 _logger = logging.getLogger(__name__)
@@ -36,15 +36,13 @@ class _Lock:
     def __init__(self, output: Path) -> None:
         self.path = self.path_of(output)
         self.file: IO[str] | None = None
-        self.made: list[Path] = []
+        expect_folder(output)
         try:
             import fcntl
         except ImportError:
             return
 
         try:
-            with suppress(FileExistsError):  # a file in place of the folder fails in the next line
-                self.made = make_folders(self.path.parent)
             # a link of this name is not ours: what it leads to must not be touched
             flags = os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_CLOEXEC
             file = os.fdopen(os.open(self.path, flags, 0o666), "w")
@@ -78,7 +76,6 @@ class _Lock:
             self.path.unlink(missing_ok=True)
             self.file.close()
             self.file = None
-            drop_empty(self.made)
 
 
 class PartialFilm:
@@ -159,7 +156,7 @@ class PartialFilm:
         if marker.is_file() and marker.read_bytes() != key.encode():
             _logger.info("unfinished work of other inputs or settings is removed")
             _clear(self.directory)
-        self.directory.mkdir(parents=True, exist_ok=True)
+        self.directory.mkdir(exist_ok=True)
         marker.write_bytes(key.encode())
 
         # files that were being written when an earlier process ended

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import io
+from collections.abc import Iterable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from PIL import Image as Picture
@@ -58,17 +60,45 @@ def exclude_pixels(
     if not settings.thickness.exclude:
         return None
     pitch = 1e3 * settings.optics.pixel_pitch  # mm
-    excluded = np.zeros(shape, bool)
-    for entry in settings.thickness.exclude:
-        if isinstance(entry, str):
-            excluded |= _read_mask(directory / entry, shape)
-        else:
-            excluded |= _fill_polygon(np.array(entry), pitch, shape)
+    excluded = fill_parts(directory, settings.thickness.exclude, shape, pitch=pitch)
     if excluded.all():
         raise ConfigError(
             "Expected pixels that are left; exclude of [thickness] covers the whole image. In a "
             "mask image white is excluded and black is kept: invert it, or correct the polygons."
         )
+    return excluded
+
+
+def fill_parts(
+    directory: Path, parts: Iterable[Any], shape: tuple[int, int], *, pitch: float
+) -> Mask:
+    """Pixels of mask images and of polygons.
+
+    Parameters
+    ----------
+    directory : Path
+    parts : iterable of str or sequence
+        Names of images, and corners of polygons. [mm]
+    shape : (rows, columns)
+        [px]
+    pitch : float
+        Size of a pixel. [mm]
+
+    Returns
+    -------
+    array of bool, (y, x)
+
+    Raises
+    ------
+    ConfigError
+        As `exclude_pixels`.
+    """
+    excluded = np.zeros(shape, bool)
+    for part in parts:
+        if isinstance(part, str):
+            excluded |= _read_mask(directory / part, shape)
+        else:
+            excluded |= _fill_polygon(np.array(part), pitch, shape)
     return excluded
 
 

@@ -226,7 +226,6 @@ def read_headers(paths: Sequence[Path], selection: Selection = WHOLE) -> CameraF
         read.pages += file.pages
         read.kinds += file.kinds
         read.companions += file.companions
-        read.warning = read.warning or file.warning
         read.serial = read.serial or file.serial
         times.append(file.times)
     read.bits = depths.pop() if len(depths) == 1 else None
@@ -418,9 +417,8 @@ def _read_header(path: Path, selection: Selection) -> CameraFiles:
             None if times is None else times[places] - times[places[0]],
             list(file.companions),
             file.bits,
-            file.warning,
-            0.0 if times is None else float(times[places[0]]),
-            file.serial,
+            start=0.0 if times is None else float(times[places[0]]),
+            serial=file.serial,
         )
 
 

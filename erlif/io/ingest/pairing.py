@@ -106,7 +106,7 @@ def pair_cameras(
         counts = read_page(files.pages[good[0]], directory, (rows, columns))
         name = name_page(files.pages[good[0]], directory, camera)
         check_depth(counts, bit_depth=bit_depth, name=name)
-        files.warning = files.warning or _find_time(counts, name)
+        files.warning = _find_time(counts, name)
     two.warning = two.warning or _compare_exposures(one, two)
     # a file that was cut has times of the frames that are left
     known = (files.times for files in (one, two) if files.times is not None)

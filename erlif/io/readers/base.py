@@ -71,8 +71,6 @@ class FrameFile(ABC):
         Channel of each frame, counted from 1; None where the file has no channels.
     companions : Sequence[Path]
         Other files that hold a part of this recording, such as the header beside raw data.
-    warning : str
-        Why the counts of this format are doubtful, as one sentence; empty where they are not.
     array_order : {"", "row", "column", "unknown"}
         Order of the numbers of an image; empty for a format that has one order.
     serial : str
@@ -84,7 +82,6 @@ class FrameFile(ABC):
     times: Array | None = None
     channels: Sequence[int] | None = None
     companions: Sequence[Path] = ()
-    warning: str = ""
     array_order: str = ""
     serial: str = ""
 

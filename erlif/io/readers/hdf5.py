@@ -11,7 +11,15 @@ import numpy as np
 
 from erlif.core.arrays import AnyArray, Array, Mask
 from erlif.core.errors import FrameError, reason_of
-from erlif.core.hdf5 import SIGNATURE, chunk_count, chunk_size, filters_of, find_chunks, open_hdf5
+from erlif.core.hdf5 import (
+    SIGNATURE,
+    chunk_count,
+    chunk_size,
+    filters_of,
+    find_chunks,
+    open_hdf5,
+    refuse_inflated,
+)
 from erlif.core.notes import list_some
 from erlif.io.readers.base import DEFLATED, SECONDS, Format, FrameFile, FrameKind, check_claim
 
@@ -60,6 +68,7 @@ class Hdf5Frames(FrameFile):
         try:
             with self._lock:
                 self._check_stored(index)
+                refuse_inflated(self._data, index if self._data.ndim == 3 else slice(None))
                 image = self._data[index] if self._data.ndim == 3 else self._data[()]
         except FrameError:
             raise
@@ -244,6 +253,7 @@ def _times(data: Any) -> Array | None:
             continue
 
         # nanoseconds since 1970 are whole numbers that floating point does not resolve
+        refuse_inflated(item)
         stamps = np.asarray(item[()])
         stamps = stamps.astype(np.int64 if stamps.dtype.kind in "iu" else np.float64)
         times.append(factor * (stamps - stamps[0]))

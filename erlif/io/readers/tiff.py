@@ -123,8 +123,6 @@ class TiffFrames(FrameFile):
                 import imagecodecs  # noqa: F401 -- its absence is named when the file is opened
 
             self.stack = _contiguous(first, self._file.byteorder)
-            if first.photometric == _INVERTED and _PHOTOMETRIC in first.tags:
-                self.warning = "the file is marked as inverted (MINISWHITE); counts are as stored."
             bits = int(first.bitspersample)
             self.bits = bits if 8 < bits < 16 else None
             text = first.description.encode("utf-8", "replace")
@@ -370,6 +368,12 @@ def _kind_of(page: tifffile.TiffPage, size: int) -> FrameKind:
     if page.photometric == _PALETTE:
         raise FrameError(
             "it is a palette image, whose values are no counts. Save the raw counts as grey TIFF."
+        )
+    if page.photometric == _INVERTED and _PHOTOMETRIC in page.tags:
+        raise FrameError(
+            "it is marked as inverted (MINISWHITE): its counts are, or its look-up table is. Save "
+            "the raw counts as grey TIFF in which black is zero; in ImageJ, Image > Lookup Tables "
+            "> Grays removes an inverted table."
         )
     if page.photometric == _MOSAIC or _MOSAIC_COLOURS in page.tags:
         raise colour_camera("image")

@@ -8,7 +8,7 @@ import re
 import tomllib
 from collections.abc import Callable, Collection, Iterator
 from pathlib import Path
-from typing import Any, TypeVar, get_args
+from typing import Any, NamedTuple, TypeVar, get_args
 
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails
@@ -186,20 +186,13 @@ def read_named(path: Path, kind: type[_Settings], *, holds: str, hint: str) -> _
 
 def _load(path: Path, kind: type[_Settings]) -> _Settings:
     """The tables of a file as settings; ConfigError with all gaps and faults."""
-    raw = _read_toml(path)
+    raw = read_toml(path)
     read_bore(raw, path.parent)
-    gaps = list(find_gaps(raw))
-    try:
-        settings = kind.model_validate(raw)
-    except ValidationError as error:
-        details: list[ErrorDetails] = error.errors()
-        faults = [fault for fault in details if _location(fault) not in gaps]
-    else:
-        if not gaps:
-            return settings
-        faults = []  # a gap in a text or a file name
+    gaps, faults = list(find_gaps(raw)), find_faults(raw, kind)
+    if not gaps and not faults:
+        return kind.model_validate(raw)
 
-    lines = [f"  {_explain(fault, kind)}" for fault in faults]
+    lines = [f"  {fault.text}" for fault in faults]
     if not gaps:
         listed = "\n".join(lines)
         raise ConfigError(f"Expected settings as documented in {path}; correct these:\n{listed}")
@@ -209,6 +202,51 @@ def _load(path: Path, kind: type[_Settings]) -> _Settings:
     raise ConfigError(
         f"Expected a value for every key of {path}; {count_gaps(gaps)}. Replace each ??:\n{listed}"
     )
+
+
+class Fault(NamedTuple):
+    """A key or value that cannot be used.
+
+    Attributes
+    ----------
+    place : tuple[str, ...]
+        Names of the tables around it, and of the key; of a contradiction, of the tables alone.
+    text : str
+        What was expected and what came, with the place.
+    """
+
+    place: tuple[str, ...]
+    text: str
+
+
+def find_faults(raw: dict[str, Any], kind: type[Settings]) -> list[Fault]:
+    """Find the keys and values that cannot be used, gaps left out.
+
+    Parameters
+    ----------
+    raw : dict
+        From TOML.
+    kind : type of Settings
+        Class of the file.
+
+    Returns
+    -------
+    list of Fault
+
+    Examples
+    --------
+    >>> from erlif.io.settings import OpticsSettings
+    >>> find_faults({"pixel_pitch": "75 V"}, OpticsSettings)[0].place
+    ('pixel_pitch',)
+    """
+    gaps = list(find_gaps(raw))
+    try:
+        kind.model_validate(raw)
+    except ValidationError as error:
+        details: list[ErrorDetails] = error.errors()
+        places = [(_location(fault), fault) for fault in details]
+        return [Fault(place, _explain(fault, kind)) for place, fault in places if place not in gaps]
+    return []
 
 
 def _read(directory: Path, name: str, kind: type[_Settings]) -> _Settings:
@@ -233,7 +271,7 @@ def _read(directory: Path, name: str, kind: type[_Settings]) -> _Settings:
     return _load(path, kind)
 
 
-def _read_toml(path: Path) -> dict[str, Any]:
+def read_toml(path: Path) -> dict[str, Any]:
     """The file as TOML has it; ConfigError where it is something else."""
     try:
         return tomllib.loads(read_bounded(path, largest=_LARGEST_FILE).decode("utf-8-sig"))

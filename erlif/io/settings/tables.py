@@ -384,7 +384,7 @@ class LightOptions(Settings):
     reported, or taken out of the ratio."""
     ratio: Literal["report", "correct"] = "report"
     """Scale of the ratio on the patch of [reference], and its change over the frames: reported, or
-    taken out of all frames."""
+    taken out of the films, as far as the widths of [systematics] allow."""
     errors: Literal["report", "correct"] | None = None
     """Errors of [systematics] that the gap of the joint shows: reported, or taken out of the curve
     of the calibration. Default: taken out where they lie within their widths."""
@@ -392,12 +392,12 @@ class LightOptions(Settings):
     @property
     def corrects(self) -> bool:
         """Whether any effect found in the frames is corrected."""
-        return self.corrects_light or self.errors == "correct"
+        return self.corrects_light or "correct" in (self.ratio, self.errors)
 
     @property
     def corrects_light(self) -> bool:
-        """Whether background, bleaching or the ratio of a patch is corrected."""
-        return "correct" in (self.background, self.bleaching, self.ratio)
+        """Whether background or bleaching is corrected."""
+        return "correct" in (self.background, self.bleaching)
 
     def faults(self) -> Iterator[str]:
         if self.ratio == "correct" and "correct" in (self.background, self.bleaching):
@@ -407,8 +407,8 @@ class LightOptions(Settings):
             )
         if self.errors == "correct" and self.corrects_light:
             yield (
-                "the errors that the gap shows hold background, bleaching and scale of the ratio: "
-                'with errors = "correct", remove those'
+                "the errors that the gap shows hold background and bleaching as well: with errors "
+                '= "correct", remove those'
             )
 
 

@@ -135,6 +135,7 @@ def endurance(
         old, new = ([failures[name] for name in design] for design in (one, other))
         compared = compare_designs(old, new, names=(first, second), model=model)
         click.echo(wrap("\n".join(describe_designs(compared))) + "\n")
+    output.mkdir(exist_ok=True)
     written = [write_test_table(results, table)]
     for result in results:
         written += write_endurance_figures(result, output, overview=overviews[result.name])

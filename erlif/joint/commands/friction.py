@@ -96,5 +96,6 @@ def friction(
     result = analyse_friction(read, shaft_radius=radius, vector=vector, **measured)
     click.echo(wrap("\n".join(describe_friction(result, torque_ratio=torque_ratio))))
     click.echo(wrap("\n".join(describe_reading(read))) + "\n")
+    output.mkdir(exist_ok=True)
     written = [write_friction_table(result, table), write_reversal_figure(result, picture)]
     click.echo(describe_written(written))

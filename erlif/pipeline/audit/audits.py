@@ -10,9 +10,9 @@ from erlif.pipeline.audit.columns import note_columns, without_single
 from erlif.pipeline.audit.crank import note_crank
 from erlif.pipeline.audit.evidence import Evidence
 from erlif.pipeline.audit.log import note_angles, note_conditions, note_speed
+from erlif.pipeline.audit.mechanism import note_mechanism
 from erlif.pipeline.audit.order import note_order
 from erlif.pipeline.audit.strangers import note_strangers
-from erlif.pipeline.audit.zero import note_zero
 from erlif.pipeline.engines.results import FrameResult
 
 
@@ -75,7 +75,7 @@ AUDITS = (
         "conditions",
         lambda one: note_conditions(without_single(one.run.log), one.run.settings),
     ),
-    Audit("zero of the angle", note_zero),
+    Audit("mechanism, and zero of its angle", note_mechanism),
     Audit("steps of the angle", lambda one: note_angles(one.run.log)),
 )
 

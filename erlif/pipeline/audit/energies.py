@@ -26,8 +26,9 @@ _PARTNERS = 8
 _SCATTER = 0.01
 
 # Share of the variance that the right order leaves, and gain in the logarithm of the likelihood
-# over the order as it is, from which another order is stated.
-_LEFT, _GAIN = 0.4, 20.0
+# over the order as it is, from which another order is stated; the share where the gain over all
+# others is as large.
+_LEFT, _GAIN, _LEFT_ALONE = 0.4, 20.0, 0.7
 
 # Pairs of a like film with which one is compared.
 _NEXT = 3
@@ -130,18 +131,18 @@ def compare_energies(
     back = seen - logged[::-1]
     noise = max(min(_quartile_noise(rest) for rest in (*moved.values(), back)), _SCATTER / 2)
     cost = {lag: _cost(rest, noise, spread) for lag, rest in moved.items()}
-    best, least = Order(0, 0, True, 0.0), float(_cost(back, noise, spread).sum())
+    orders = [(float(_cost(back, noise, spread).sum()), Order(0, 0, True, 0.0))]
     for lag in filter(None, cost):
         partners = np.cumsum(np.isfinite(moved[lag])[::-1])[::-1]
         since, total = _split_orders(cost[0], cost[lag], int((partners >= _PARTNERS).sum()))
-        if total < least:
-            best, least = Order(lag, since, False, 0.0), total
+        orders.append((total, Order(lag, since, False, 0.0)))
+    (least, best), (second, _) = sorted(orders)[:2]
     if float(cost[0].sum()) - least > _GAIN:
         rest = back if best.reverse else np.where(
             np.arange(seen.size) < best.since, moved[0], moved[best.lag]
         )  # fmt: skip
         left = 2 * _known_scatter(rest) ** 2 / (spread[0] ** 2 + spread[1] ** 2)
-        if left < _LEFT:
+        if left < (_LEFT_ALONE if second - least > _GAIN else _LEFT):
             return best._replace(left=left), np.array([], int)
     if _known_scatter(moved[0]) > spread[0]:
         return None  # the energies have nothing to do with the light

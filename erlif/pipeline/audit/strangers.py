@@ -1,4 +1,4 @@
-"""Frame pairs of other recordings, known by the form of their film.
+"""Frame pairs of other recordings, known by where light falls and by the form of their film.
 
 From pair to pair the film of a joint becomes thicker or thinner, and its form changes with its
 thickness in one way. Between a pair of the run and one of another run, or of the fixture, the form
@@ -13,7 +13,7 @@ from itertools import pairwise
 import numpy as np
 
 from erlif.core.arrays import AnyArray, Array
-from erlif.core.notes import Note, warn
+from erlif.core.notes import Note, list_some, warn
 from erlif.core.statistics import MAD_TO_STD
 from erlif.core.units import count_of
 from erlif.pipeline.audit.evidence import Evidence, median_by_frame
@@ -36,6 +36,10 @@ _AT_REST = 0.01  # range of the ratio of most frames below which the film is at 
 
 _STEADY = 1.2  # factor of load or speed beyond which a change of the film is one of the run
 
+# Counts of both cameras over their highest one, of pixels without light in other pairs, from which
+# these are lit; sound runs reach 0.01. Share of the pairs up to which lit ones are strangers.
+_LIT, _MOST_LIT = 0.2, 0.6
+
 
 def note_strangers(evidence: Evidence) -> Iterator[Note]:
     """Warn of pairs whose film is not that of the run.
@@ -48,6 +52,16 @@ def note_strangers(evidence: Evidence) -> Iterator[Note]:
     ------
     Note
     """
+    lit = find_lit(evidence)
+    if lit.size:
+        subject = f"pair {lit[0]} is" if lit.size == 1 else f"pairs {list_some(lit)} are"
+        yield warn(
+            "pairs",
+            f"{subject} of another run or of the fixture: pixels that are dark in the other pairs "
+            "are lit there, in both cameras. Compare the files with the recording, and leave them "
+            "out",
+        )
+        return
     change = form_changes(evidence.ratios)
     if change is None:
         return
@@ -73,6 +87,14 @@ def note_strangers(evidence: Evidence) -> Iterator[Note]:
             f"changes by {size:.0f} times what it does elsewhere. Compare the files of {count} "
             "with the recording, and leave them out",
         )
+
+
+def find_lit(evidence: Evidence) -> AnyArray:
+    """Numbers of pairs in which pixels that are dark in the other pairs are lit in both cameras."""
+    dark = np.array([[level for level, _ in one.dark] for one in evidence.frames])
+    peaks = np.array([one.peaks for one in evidence.frames])
+    lit = (dark > _LIT * peaks).all(axis=1)
+    return np.asarray(evidence.numbers[lit & (lit.mean() <= _MOST_LIT)])
 
 
 def _changes_itself(evidence: Evidence, row: int) -> bool:

@@ -23,11 +23,11 @@ from erlif.pipeline.chain import FrameChain
 from erlif.pipeline.engines.engine import Engine
 from erlif.pipeline.engines.results import FrameResult, TriggerResult, share_passed
 from erlif.pipeline.passes import FilmMaps, measure_film, measure_pulse
-from erlif.pipeline.physics.light import choose_frames
+from erlif.pipeline.physics.light import choose_frames, flag_thick_films
 from erlif.pipeline.plane import ObjectPlane
 from erlif.pipeline.recording.prepare import PreparedRun
 from erlif.ratio import PairRatio, RatioSum, smooth_ratio
-from erlif.thickness import FilmTables, flag_beyond_maximum, flag_steps, measure_pulse_energy
+from erlif.thickness import FilmTables, flag_steps, measure_pulse_energy
 from erlif.trend import FilmCurve, find_gap_minima, find_pin_in_blocks, summarise_blocks
 
 # Triggers after which a run is inspected for the first time.
@@ -105,11 +105,14 @@ class TriggerTask(PickledByFields):
         for frame in frames:
             pair = self.chain.measure(frame)
             total.add(pair)
+            if frame in self.sampled:
+                flag_thick_films(pair, self.curve.at(passed), self.plane.patch)
             energy = measure_pulse(pair, tables, model=model)
             kept.append(replace(self._keep(frame, pair), pulse_energy=energy))
         ratio = total.mean()
         if not frames:
             ratio.flags[:] = Flag.OUTSIDE_OVERLAP
+        flag_thick_films(ratio, self.curve.at(passed), self.plane.patch)
         film = self._measure_film(ratio, passed)
         return self._summarise(ratio, film, kept, passed)
 
@@ -134,6 +137,7 @@ class TriggerTask(PickledByFields):
         """
         smooth = self.plane.settings.thickness.smoothing is not None
         ratio = self.chain.measure(pair, with_fixed=smooth)
+        flag_thick_films(ratio, self.curve.at(passed), self.plane.patch)
         kept = self._keep(frame, ratio)  # the maps may take the place of the ratio
         film = self._measure_film(ratio, passed)
         energy = measure_pulse_energy(
@@ -143,7 +147,6 @@ class TriggerTask(PickledByFields):
 
     def _measure_film(self, ratio: PairRatio, passed: float) -> FilmMaps:
         """Film of a ratio, with the sums over the region."""
-        flag_beyond_maximum(ratio.log_ratio, ratio.flags, self.curve.at(passed))
         flag_steps(ratio.log_ratio, ratio.variance, ratio.flags)
         return measure_film(ratio, self._tables_at(passed), self.plane.region)
 

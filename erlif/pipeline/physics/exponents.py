@@ -17,11 +17,20 @@ from erlif.core.notes import Note, warn
 from erlif.core.variables import FILM
 from erlif.pipeline.engines.results import TriggerResult
 from erlif.pipeline.plane import ObjectPlane
-from erlif.trend import LARGEST_BEYOND, fit_exponent, mean_at_constant_minimum
+from erlif.trend import (
+    LARGEST_BEYOND,
+    LEAST_TRIGGERS,
+    fit_exponent,
+    mean_at_constant_minimum,
+)
 
 # Standard deviations of the exponent of the mean film that the moving place of the minimum may
 # change, and the change that never counts.
 _MOVED, _UNMOVED = 3.0, 0.01
+
+# Power of speed above which no film follows it, and share of the variance that it may leave. Theory
+# has 1 at most, and squeeze makes films less steep.
+_STEEPEST, _LEFT = 2.0, 0.1
 
 # The film of each exponent.
 _FILM_OF = {
@@ -106,6 +115,27 @@ def _moved_mean(film: xr.Dataset, plane: ObjectPlane) -> Array:
     line = float(film["pin_displacement"].attrs["load_line"])
     angle = (plane.along[plane.within] - line) / view.radius
     return mean_at_constant_minimum(film["pin_displacement"].values, view.clearance, angle)
+
+
+def note_steepness(film: xr.Dataset) -> list[Note]:
+    """Warn of a film that changes with the speed of a linkage, but more than any film does."""
+    name = speed_of_trend(film)
+    if "crank_angle" not in film or name not in film:
+        return []
+    speed, minimum = np.abs(film[name].values), film["film_min"].values
+    use = (speed > 0) & (minimum > 0)
+    if use.sum() < LEAST_TRIGGERS or not np.ptp(speed[use]) > 0:
+        return []
+    x, y = np.log(speed[use]), np.log(minimum[use])
+    power = np.polyfit(x, y, 1)
+    if power[0] < _STEEPEST or np.var(y - np.polyval(power, x)) > _LEFT * np.var(y):
+        return []
+    text = (
+        f"the minimum film changes by {math.expm1(np.ptp(y)):.0%} with {name}, which changes by "
+        f"{math.expm1(np.ptp(x)):.0%}: no film follows a speed with the power {power[0]:.1f}. "
+        "Correct the lengths of the links, or log the load that changes with the crank"
+    )
+    return [warn("mechanism", text)]
 
 
 def note_moved_mean(film: xr.Dataset) -> list[Note]:

@@ -36,6 +36,8 @@ class LightFindings:
         Dark levels that are not those of the dark frames.
     texture : Texture | None
         What stands still in the image; None where nothing is significant.
+    taken_out : bool
+        Whether the errors were taken out of the curve.
     """
 
     background: BackgroundEstimate | None = None
@@ -46,6 +48,7 @@ class LightFindings:
     errors: ErrorEstimate | None = None
     darks: tuple[DarkLevel, ...] = ()
     texture: Texture | None = None
+    taken_out: bool = False
 
     def complete(self, remaining: LightFindings, options: LightOptions) -> LightFindings:
         """Combine corrected effects, as found before, with those of the finished films."""
@@ -77,6 +80,6 @@ class LightFindings:
         LightFindings
         """
         errors = self.errors
-        if errors is not None and not calibration.follows_run:
+        if errors is not None and not self.taken_out:
             errors = errors if errors.exceeds_widths(calibration) else None
         return replace(self, errors=errors, course=None if errors is not None else self.course)

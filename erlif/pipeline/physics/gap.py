@@ -134,9 +134,12 @@ def with_errors(calibration: RunCurve, errors: ErrorEstimate, *, corrected: bool
     """
     covariance = errors.covariance if corrected else errors.second_moment
     value = errors.value if corrected else None
-    found = calibration.systematics.with_errors(
-        covariance, value, before=errors.prior, scatter=errors.scatter
-    )
+    before, scatter, known = errors.prior, errors.scatter, calibration.systematics
+    if known.value is not None and known.before is not None:  # by a patch
+        value = known.value if value is None else known.value + value
+        before = known.before
+        scatter = scatter if known.scatter is None else scatter + known.scatter
+    found = known.with_errors(covariance, value, before=before, scatter=scatter)
     curve = replace(calibration, systematics=found)
     return curve.where_it_rises() if corrected else curve
 

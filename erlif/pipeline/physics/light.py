@@ -29,11 +29,12 @@ from erlif.pipeline.physics.reference import (
 )
 from erlif.pipeline.physics.systematics import (
     with_background,
-    with_scale_of_patch,
+    with_patch,
 )
 from erlif.pipeline.physics.texture import describe_texture
 from erlif.pipeline.plane import ObjectPlane
-from erlif.ratio import LightCells, cell_places
+from erlif.ratio import LightCells, PairRatio, cell_places
+from erlif.thickness import flag_beyond_maximum
 from erlif.trend import (
     BackgroundEstimate,
     CourseChange,
@@ -68,14 +69,31 @@ def choose_frames(pairs: FramePairs, most: int | None = None) -> frozenset[int]:
     return frozenset(pairs.spread(_MOST_FRAMES if most is None else most))
 
 
+def flag_thick_films(pair: PairRatio, calibration: RunCurve, patch: Region | None) -> None:
+    """Flag films beyond the maximum of the ratio, but the known one of a reference patch.
+
+    Parameters
+    ----------
+    pair : PairRatio
+        Its flags receive `Flag.ABOVE_RANGE`.
+    calibration : RunCurve
+    patch : Region or None
+    """
+    at = (slice(0), slice(0)) if patch is None else (patch.rows, patch.columns)
+    known = pair.flags[at].copy()
+    flag_beyond_maximum(pair.log_ratio, pair.flags, calibration)
+    pair.flags[at] = known
+
+
 def measure_lights(
-    chain: FrameChain, patch: Region | None, *, most: int | None = None
+    chain: FrameChain, calibration: RunCurve, patch: Region | None, *, most: int | None = None
 ) -> dict[int, FrameResult]:
     """Measure the light of the frames that `choose_frames` names.
 
     Parameters
     ----------
     chain : FrameChain
+    calibration : RunCurve
     patch : Region or None
         Rows and columns of the reference patch.
     most : int, optional
@@ -86,11 +104,14 @@ def measure_lights(
     dict of int to FrameResult
     """
     lights: dict[int, FrameResult] = {}
-    Threads(None).compute(
-        lambda frame: FrameResult.of(frame, chain.measure(frame), patch=patch, with_cells=True),
-        sorted(choose_frames(chain.pairs, most)),
-        lights.__setitem__,
-    )
+
+    def measure(frame: int) -> FrameResult:
+        pair = chain.measure(frame)
+        flag_thick_films(pair, calibration, patch)
+        return FrameResult.of(frame, pair, patch=patch, with_cells=True)
+
+    frames = sorted(choose_frames(chain.pairs, most))
+    Threads(None).compute(measure, frames, lights.__setitem__)
     return lights
 
 
@@ -386,9 +407,15 @@ def find_light(
     errors = None
     # darks that are wrong are a background beyond its width
     beyond = bool(darks) or texture is not None
-    beyond |= is_beyond_widths(calibration, background, bleaching, course, triggers.size)
+    # the patch shows a drift of the ratio
+    drifts = (bleaching, course)
+    if scale is not None:
+        drifts = None, None if course is None or course.frame is None else course
+    beyond |= is_beyond_widths(calibration, background, *drifts, triggers.size)
     if not options.corrects_light and not beyond:
-        errors = find_errors(lights, calibration, plane, pairs=triggers.size)
+        # beside those that a patch shows
+        known = calibration if scale is None else with_patch(calibration, scale)
+        errors = find_errors(lights, known, plane, pairs=triggers.size)
     return LightFindings(
         background, bleaching, source, course, scale, errors, tuple(darks), texture
     )
@@ -467,8 +494,8 @@ def describe_course(course: CourseChange | None, calibration: RunCurve) -> list[
 
 def correct_light(
     chain: FrameChain, calibration: RunCurve, findings: LightFindings, options: LightOptions
-) -> tuple[FrameChain, RunCurve]:
-    """Apply the requested corrections to the chain and the calibration."""
+) -> tuple[FrameChain, RunCurve, LightFindings]:
+    """Apply the requested corrections to chain and calibration; findings without other errors."""
     if options.background == "correct" and findings.background is not None:
         chain = subtract(chain, findings.background)
         calibration = with_background(calibration, findings.background.error)
@@ -476,13 +503,15 @@ def correct_light(
         frames = np.arange(len(chain.pairs.pages[0]), dtype=float)
         chain = chain.without(findings.bleaching.log_ratio * frames)
     if options.ratio == "correct" and findings.scale is not None:
-        chain = chain.without(findings.scale.change(len(chain.pairs.pages[0])))
-        calibration = with_scale_of_patch(calibration, findings.scale)
-    if findings.errors is not None and (
-        options.errors == "correct" or not findings.errors.exceeds_widths(calibration)
+        calibration = with_patch(calibration, findings.scale)
+    errors = None if options.errors == "report" else findings.errors
+    if errors is not None and (
+        options.errors == "correct" or not errors.exceeds_widths(calibration)
     ):
-        calibration = with_errors(calibration, findings.errors, corrected=True)
-    return chain, calibration
+        calibration = with_errors(calibration, errors, corrected=True)
+        # a course within the widths is among these errors
+        return chain, calibration, replace(findings, course=None, taken_out=True)
+    return chain, calibration, replace(findings, errors=None)
 
 
 def describe_light(
@@ -509,7 +538,7 @@ def describe_light(
     parts.append((patch, describe_scale(findings.scale) or notes_on_patch))
     variables: dict[str, Any] = {}
     notes = describe_course(findings.course, calibration)
-    taken_out = options.errors == "correct" or calibration.follows_run
+    taken_out = options.errors == "correct" or findings.taken_out
     notes += describe_gap(findings.errors, calibration, corrected=taken_out)
     notes += describe_texture(findings.texture, calibration)
     for more, also in parts:

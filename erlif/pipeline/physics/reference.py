@@ -48,11 +48,6 @@ class PatchScale:
     film_std: float
     place: tuple[float, float] | None = None
 
-    def change(self, frames: int) -> Array:
-        """Change of the logarithm of the ratio, (frame,). [1]"""
-        start, rise = self.course
-        return np.asarray(start + rise * np.linspace(0.0, 1.0, frames))
-
 
 def fit_patch_scale(
     lights: Mapping[int, FrameResult],
@@ -112,7 +107,7 @@ def describe_scale(scale: PatchScale | None) -> list[Note]:
     std = float(np.sqrt(scale.covariance[0, 0]))
     text = (
         f"the ratio on the patch is {100 * first:+.2f} ± {100 * std:.2f} % from that of its film "
-        f"at the first frame and {100 * last:+.2f} % at the last; taken out of all frames"
+        f"at the first frame and {100 * last:+.2f} % at the last; taken out of the films"
     )
     return [remark("reference", text)]
 

@@ -21,12 +21,16 @@ from erlif.pipeline.physics.gap import with_errors
 from erlif.pipeline.physics.reference import PatchScale
 from erlif.pipeline.physics.temperature import error_of_warming
 from erlif.pipeline.recording.sample import Bands, ratios_of
-from erlif.trend import BackgroundEstimate, CourseChange, Trend
+from erlif.trend import BackgroundEstimate, CourseChange, Trend, of_curve
 
 # Terms of the curve between two fixtures.
 _OF_TWO = {key for key, term in TERMS.items() if term.of_two}
 
 _FILMS = 50  # of the range, at which two curves are compared
+
+# Standard deviations of all errors beyond which a patch shows a ratio that is none of theirs, and
+# the width that its scale has then. [1]
+_BEYOND, _UNKNOWN = 3.0, 10.0
 
 
 def add_systematics(
@@ -160,17 +164,18 @@ def with_background(calibration: RunCurve, measured: Systematics) -> RunCurve:
     return replace(calibration, systematics=systematics.with_background(measured))
 
 
-def with_scale_of_patch(calibration: RunCurve, scale: PatchScale) -> RunCurve:
-    """The calibration with the error of ratios that were set to the film of a patch.
+def with_patch(calibration: RunCurve, scale: PatchScale) -> RunCurve:
+    """The calibration with what a patch of known film shows of its errors.
 
-    What acts on all films alike is then zero. Of everything else the film of the patch has none,
-    and other films the difference to it: the scale of the ratio is correlated with all errors of
-    calibration and run.
+    Its ratio is two measurements of all errors together, of which each takes its part: at the first
+    frame, and what is added until the last. Where one is beyond their widths, the scale of the
+    ratio and its change during the run are as the patch shows them, whatever their widths.
 
     Parameters
     ----------
     calibration : RunCurve
-        With the systematics of the run.
+        With the systematics of the run. What its curve has of a patch already stays there, with the
+        error by which it differs.
     scale : PatchScale
 
     Returns
@@ -179,26 +184,27 @@ def with_scale_of_patch(calibration: RunCurve, scale: PatchScale) -> RunCurve:
         With the same parameters.
     """
     systematics = calibration.systematics
-    parameters = len(systematics.cross)
-    alike = parameters + np.flatnonzero([one in (CONSTANT, RISE) for one in systematics.parameters])
-    constant = parameters + systematics.place("ratio", CONSTANT)
-    rising = parameters + systematics.place("bleaching", RISE)
-
-    # change of the ratio of the patch with all other errors, at the first frame and until the last
     place = None if scale.place is None else tuple(np.array(at) for at in scale.place)
     first, last = (calibration.at(share).gradient(scale.film, place=place) for share in (0.0, 1.0))
-    acts = np.eye(len(first))
-    acts[alike] = 0.0
-    acts[constant], acts[rising] = -first, first - last
-    acts[:, alike] = 0.0
+    acts, noise = np.array([first, last - first]), scale.covariance.copy()
+    noise[0, 0] += (float(calibration.slope(scale.film)) * scale.film_std) ** 2
 
-    whole, places = acts @ calibration.full_covariance @ acts.T, np.ix_(*[[constant, rising]] * 2)
-    whole[places] += scale.covariance
-    whole[constant, constant] += (float(calibration.slope(scale.film)) * scale.film_std) ** 2
-    covariance, cross = whole[parameters:, parameters:], whole[:parameters, parameters:]
-    return replace(
-        calibration, systematics=replace(systematics, covariance=covariance, cross=cross)
-    )
+    prior = calibration.full_covariance.copy()
+    expected = acts @ prior @ acts.T + noise
+    if (np.abs(scale.course) > _BEYOND * np.sqrt(np.diag(expected))).any():
+        both = systematics.place("ratio", CONSTANT), systematics.place("bleaching", RISE)
+        alike = len(systematics.cross) + np.array(both)
+        prior[alike, alike] += _UNKNOWN**2
+        expected = acts @ prior @ acts.T + noise
+    gain = np.linalg.solve(expected, acts @ prior).T
+    covariance = prior - gain @ expected @ gain.T
+    value, covariance = of_curve(gain @ scale.course, covariance, systematics)
+    if systematics.value is not None:
+        missed = value - systematics.value
+        value, covariance = systematics.value, covariance + np.outer(missed, missed)
+    scatter = gain @ scale.covariance @ gain.T
+    found = systematics.with_errors(covariance, value, before=prior, scatter=scatter)
+    return replace(calibration, systematics=found).where_it_rises()
 
 
 def update_systematics(
@@ -233,19 +239,21 @@ def update_systematics(
         With the same parameters, and one more for a significant course, as the last.
     """
     systematics = calibration.systematics
-    if not systematics or calibration.follows_run:
+    if not systematics or findings.taken_out:
         return calibration
     if findings.errors is not None:
         return with_errors(calibration, findings.errors, corrected=False)
 
     background, bleaching, course = findings.background, findings.bleaching, findings.course
+    # what a patch has shown already is in the maps
+    systematics = replace(systematics.without_run, value=systematics.value)
     if background is None or options.background != "correct":
         if background is not None:
             systematics = _with_background_of_run(systematics, background)
         systematics = _with_darks(systematics, findings.darks)
     if findings.scale is not None:
-        scaled = with_scale_of_patch(replace(calibration, systematics=systematics), findings.scale)
-        systematics = scaled.systematics
+        known = with_patch(replace(calibration, systematics=systematics), findings.scale)
+        systematics = known.systematics
     # between two fixtures the curve follows the dyes, and the change of the ratio is no error
     elif calibration.later is None:
         if bleaching is not None:

@@ -82,11 +82,15 @@ def characterise_cameras(recording: Run | Fixture) -> Characterised:
         If darks or flats are missing, unreadable, or do not fit the frames.
     """
     looks = look_at_frames(recording.pairs)
-    measured = tuple(_measure_camera(recording, n, look) for n, look in enumerate(looks, 1))
+    flats = [np.zeros_like(look.histogram) for look in looks]
+    measured = tuple(
+        _measure_camera(recording, n, look, flat)
+        for n, (look, flat) in enumerate(zip(looks, flats, strict=True), 1)
+    )
     declared = tuple(DeclaredNoise(one.gain, one.read_noise) for one in recording.cameras)
     cameras = make_references(measured, declared=declared)
     faults = tuple(find_reference_faults(measured, cameras.references))
-    bits = tuple(note_bits(look.histogram for look in looks))
+    bits = tuple(note_bits([look.histogram for look in looks], flats))
     return Characterised(cameras, measured, declared, faults, bits)
 
 
@@ -122,7 +126,10 @@ def look_at_frames(pairs: FramePairs) -> list[FrameLook]:
     return [FrameLook(*all_of) for all_of in zip(counted, views, highest, strict=True)]
 
 
-def _measure_camera(recording: Run | Fixture, number: int, look: FrameLook) -> CameraMeasurement:
+def _measure_camera(
+    recording: Run | Fixture, number: int, look: FrameLook, flat_histogram: Histogram
+) -> CameraMeasurement:
+    """Darks and flats of a camera; the pixels of the flats are added to their histogram."""
     settings = recording.cameras[number - 1]
     camera, shape = f"camera{number}", recording.pairs.shape
 
@@ -136,11 +143,16 @@ def _measure_camera(recording: Run | Fixture, number: int, look: FrameLook) -> C
             selection=select_counts(settings, kind),
         )
 
+    def read_flats(pattern: str) -> Iterator[Counts]:
+        for counts in read(pattern, "flat"):
+            flat_histogram[:] += count_pixels(counts, flat_histogram.size - 1)
+            yield counts
+
     # the settings hold either a file of darks or a level
     level = settings.offset if settings.offset is not None else 0.0
     measured = measure_camera(
         darks=level if settings.dark is None else read(settings.dark, "dark"),
-        flats=() if settings.flat is None else read(settings.flat, "flat"),
+        flats=() if settings.flat is None else read_flats(settings.flat),
         histogram=look.histogram,
         shape=shape,
         camera=camera,

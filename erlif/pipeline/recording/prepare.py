@@ -324,10 +324,9 @@ def prepare_run(
         with stage("light", _logger):
             patch = run.settings.reference if options.ratio == "correct" else None
             most = None if options.corrects else _FRAMES_OF_GAP
-            findings = ready.find_light(measure_lights(chain, plane.patch, most=most), patch)
-        chain, curve = correct_light(chain, curve, findings, options)
-        if curve.follows_run:  # a course within the widths is among these errors
-            findings = replace(findings, course=None)
+            lights = measure_lights(chain, curve, plane.patch, most=most)
+            findings = ready.find_light(lights, patch)
+        chain, curve, findings = correct_light(chain, curve, findings, options)
         if options.corrects or curve.follows_run:
             ready = replace(ready, chain=chain, curve=curve, light=findings)
 

@@ -25,8 +25,9 @@ from erlif.io.files import settings_of
 # Entries of the cameras that change the ratio.
 _OF_CAMERAS = "band", "gain", "bit_depth"
 
-# Tables of the settings that make a rig.
+# Tables of the settings that make a rig, and what of them is the duty of a run.
 _OF_RIG = "optics", "joint", "contact"
+_OF_DUTY = {"load", "slide_to_roll"}
 
 
 @dataclass(frozen=True)
@@ -71,7 +72,9 @@ class RunErrors:
             camera = getattr(settings, table)
             rig |= {f"{name} of [{table}]": repr(getattr(camera, name)) for name in _OF_CAMERAS}
             rig[f"serial of [{table}]"] = serial
-        rig |= {f"[{name}]": repr(getattr(settings, name)) for name in _OF_RIG}
+        for name in _OF_RIG:
+            table = getattr(settings, name)
+            rig[f"[{name}]"] = repr(table.model_dump(exclude=_OF_DUTY)) if table else ""
 
         known = ", ".join(filter(None, serials))
         return cls(curve, fixture, rig, settings.systematics.shares, known, date, drift)

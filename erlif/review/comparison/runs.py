@@ -40,6 +40,7 @@ from erlif.review.comparison.difference import (
     difference_map,
 )
 from erlif.review.comparison.records import STATISTICS, RunRecord, read_run, refuse_unlike
+from erlif.review.comparison.settings import list_differing
 from erlif.trend import SLOWEST, Exponent, fit_exponent
 
 # Corrected probability below which two runs are stated to differ.
@@ -77,7 +78,7 @@ def compare(
         difference of each film statistic, its standard deviation, the probability of chance
         corrected for the number of tests, and whether the runs differ. On (map_y, map_x): the
         difference map. The control chart where films have a reference patch or several
-        calibrations. docs/compare.md describes all.
+        calibrations. On (setting, run): the settings that differ. docs/compare.md describes all.
 
     Raises
     ------
@@ -118,6 +119,15 @@ def compare(
         first, second = _check_pair(pair, len(records))
 
         comparison = _compare_pairs(records).merge(_compare_powers(records))
+        stated = list_differing([record.settings for record in records])
+        if stated:
+            keys, values = list(stated), np.array(list(stated.values()))
+            comparison = comparison.assign_coords(setting=keys)
+            comparison["stated"] = (
+                ("setting", "run"),
+                values,
+                {"long_name": "settings that differ"},
+            )
         one, other = opened[first], opened[second]
         triggers = _choose_triggers(one, other, crank_angle)
         mapped = difference_map(one, other, triggers=triggers, drift=drift)

@@ -49,6 +49,7 @@ def describe_comparison(comparison: xr.Dataset) -> list[str]:
         lines.append(f"note: {comparison.attrs['note']}")
     lines += _describe_map(comparison)
     lines += _describe_chart(comparison)
+    lines += _describe_settings(comparison)
     lines.append(f"conclusion: {_which_differ(comparison)}")
     return lines
 
@@ -135,6 +136,17 @@ def _describe_chart(comparison: xr.Dataset) -> list[str]:
             strict=True,
         ):
             lines.append(f"calibration of {date or 'unknown date'}: {verdict}")
+    return lines
+
+
+def _describe_settings(comparison: xr.Dataset) -> list[str]:
+    """The settings that differ, with the value of each run."""
+    if "stated" not in comparison:
+        return []
+    lines = ["settings that differ:"]
+    for setting, values in zip(comparison.setting.values, comparison.stated.values, strict=True):
+        runs = zip(comparison.run.values, values, strict=True)
+        lines.append(f"  {setting}: {', '.join(f'{run} {value}' for run, value in runs)}")
     return lines
 
 

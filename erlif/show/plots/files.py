@@ -485,6 +485,7 @@ def write_figures(
         if "calibration" in names:
             _ = source.calibration
 
+        stored.expect_folder(out_dir)
         # an existing file is found before the first figure is written, not after the ninth
         for name in names:
             for kind in formats:
@@ -493,6 +494,7 @@ def write_figures(
             if reason is not None:
                 logger.warning("figure %s left out: %s", name, reason)
 
+        out_dir.mkdir(exist_ok=True)
         for n, name in enumerate(names):
             report("figures", n, len(names))
             figure = DRAWN[name](source)

@@ -29,10 +29,14 @@ def print_remedies(table: xr.DataArray, which: str) -> str:
     >>> table = xr.DataArray(
     ...     [[0.2, 0.1], [0.02, 0.01]],
     ...     {"remedy": ["", "walls"], "target_film": [1.0, 4.0]},
-    ...     attrs={"target": [0.01, 0.04], "gap": [0, 0], "largest": "size", "largest_std": 0.01},
+    ...     attrs={
+    ...         "target": [0.01, 0.04], "within": 1.645, "gap": [0, 0], "largest": "size",
+    ...         "largest_std": 0.01,
+    ...     },
     ... )
     >>> print(print_remedies(table, "the median film of the run"))
-    Target: 1 % of 4 um, the median film of the run: 40 nm
+    Target: nine of ten runs within 1 % of 4 um, the median film of the run.
+    This is 40 nm, at a standard deviation of 24 nm.
     <BLANKLINE>
     standard deviation in nm        1 um  4 um
     as it is                         200   100
@@ -49,17 +53,22 @@ def print_remedies(table: xr.DataArray, which: str) -> str:
         cells = ("-" if np.isnan(one) else f"{1e3 * one:.0f}" for one in std)
         rows.append((title + " *" * gap, *cells))
 
-    left, wanted = table.values[-1], attrs["target"]
-    within = dict(zip(films, (left <= wanted).tolist(), strict=True))
+    left, allowed = table.values[-1], np.array(attrs["target"]) / attrs["within"]
+    within = dict(zip(films, (left <= allowed).tolist(), strict=True))
     met, missed = (", ".join(n for n in within if within[n] is each) for each in (True, False))
     columns = print_columns(rows, "<" + ">" * len(films))
-    share = f"{100 * wanted[-1] / table.target_film.values[-1]:.2g} %"
-    lines = [f"Target: {share} of {films[-1]}, {which}: {1e3 * wanted[-1]:.3g} nm", "", columns, ""]
+    wanted = float(attrs["target"][-1])
+    share = f"{100 * wanted / table.target_film.values[-1]:.2g} % of {films[-1]}, {which}"
+    target = f"Target: {share}: {1e3 * wanted:.3g} nm"
+    if attrs["within"] > 1:
+        target = f"Target: nine of ten runs within {share}.\nThis is {1e3 * wanted:.3g} nm, at a "
+        target += f"standard deviation of {1e3 * allowed[-1]:.2g} nm."
+    lines = [target, "", columns, ""]
     lines.append(f"Reached at {met or 'no film'}{f'; not at {missed}' if met and missed else ''}.")
-    if left[-1] > wanted[-1]:
+    if left[-1] > allowed[-1]:
         most = f"{SOURCES[attrs['largest']].what} ({1e3 * attrs['largest_std']:.0f} nm)"
         lines.append(f"No list reaches it: {1e3 * left[-1]:.0f} nm are left, most of it by {most}.")
     if any(attrs["gap"]):
-        lines.append("* With what the gap takes out. A patch or a later fixture takes its place.")
+        lines.append("* With what the gap takes out. A later fixture takes its place.")
     lines += [f"{n} {one.effort}. {one.why}" for n, one in enumerate(remedies, 1)]
     return "\n".join(lines)

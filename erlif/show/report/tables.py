@@ -11,7 +11,7 @@ from markupsafe import Markup
 
 from erlif.core.arrays import AnyArray, Array
 from erlif.core.flags import FLAG_COLOURS, Flag, describe_share
-from erlif.io.conversion import table_csv, trigger_columns
+from erlif.io.conversion import table_columns, table_csv
 from erlif.io.files import (
     applicable_theory,
     motion_of,
@@ -228,7 +228,7 @@ def trigger_csv(film: xr.Dataset, valid: Array, triggers: AnyArray) -> str:
     # covariances and other numbers with further dims are left to erlif export
     columns = {
         each.heading: each.values
-        for each in trigger_columns(film)
+        for each in table_columns(film)
         if each.name in film.variables and each.values.dtype.kind in "iufb"
     }
     columns["valid share [1]"] = valid

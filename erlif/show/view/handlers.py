@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, field
 from importlib.resources import files
-from typing import Any
+from typing import Any, TypeAlias
 
 import tornado.web
 from tornado.httpserver import HTTPServer
@@ -39,6 +39,11 @@ READING: dict[str, Callable[[queries.Request], queries.Found]] = {
     "export": queries.export,
 }
 
+# What a page can send, by its name in the address: the region is shown first, and written to
+# run.toml when it is confirmed.
+Write: TypeAlias = Callable[[Sequence[FilmReader], bytes], Mapping[str, Any]]
+WRITING: dict[str, Write] = {"settings": queries.change_region}
+
 
 @dataclass(frozen=True)
 class Shared:
@@ -56,6 +61,8 @@ class Shared:
         File of the page itself.
     reading : Mapping[str, Callable[[Request], Found]]
         What the page can ask for, by its name in the address.
+    writing : Mapping[str, Callable[[Sequence[FilmReader], bytes], Mapping[str, Any]]]
+        What the page can send, by its name in the address: functions of the films and the body.
     defects : set[tuple[type, str]]
         Those that were logged.
     """
@@ -67,6 +74,7 @@ class Shared:
     reading: Mapping[str, Callable[[queries.Request], queries.Found]] = field(
         default_factory=lambda: READING
     )
+    writing: Mapping[str, Write] = field(default_factory=lambda: WRITING)
     defects: set[tuple[type, str]] = field(default_factory=set)
 
 
@@ -105,7 +113,7 @@ class _Guarded(tornado.web.RequestHandler):
         refusal = self.shared.access.refusal(request.path, dict(request.headers.get_all()))
         if refusal:
             self.set_status(403)
-            self.finish(f"Refused: {refusal}. Open the address that erlif view has printed.")
+            self.finish(f"Refused: {refusal}. Open the address that erlif has printed.")
 
     def send(self, content: str | bytes, kind: str) -> None:
         """Send text or bytes of a kind."""
@@ -166,11 +174,12 @@ class _Reading(_Guarded):
             self.send(json.dumps(found, separators=(",", ":")), "application/json")
 
 
-class _Settings(_Guarded):
-    """The region of interest in run.toml: shown first, and written when it is confirmed."""
+class _Writing(_Guarded):
+    """Something that the page sends, as JSON."""
 
-    async def post(self) -> None:
-        self.finish(await self.run(queries.change_region, self.shared.films, self.request.body))
+    async def post(self, name: str) -> None:
+        write, films = self.shared.writing[name], self.shared.films
+        self.finish(await self.run(write, films, self.request.body))
 
 
 class _Missing(_Guarded):
@@ -204,7 +213,7 @@ def make_application(shared: Shared) -> tornado.web.Application:
     token = r"/[^/]*/"
     paths = {
         f"({'|'.join(shared.reading)})": _Reading,
-        "settings": _Settings,
+        f"({'|'.join(shared.writing)})": _Writing,
         r"([^/]*)": _PageFile,
     }
     return tornado.web.Application(

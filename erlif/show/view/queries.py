@@ -22,7 +22,7 @@ from erlif.show.view.exports import map_csv, map_tiff
 from erlif.show.view.films import FilmReader, axis_of, check_one_grid
 from erlif.show.view.layers import DIFFERENCE, LAYERS, SIGNIFICANCE, Layer, describe_layers
 from erlif.show.view.levels import choose_step, cover, reduce_map
-from erlif.show.view.run_settings import propose_region, write_region
+from erlif.show.view.run_settings import propose_region, write_change
 
 T = TypeVar("T")
 
@@ -410,8 +410,8 @@ def change_region(films: Sequence[FilmReader], body: bytes) -> dict[str, str]:
     find_region(reader.film.x.values, reader.film.y.values, roi=((x0, x1), (y0, y1)))
     change = propose_region(reader.run_dir, (x0, x1, y0, y1))
     if confirmed:
-        write_region(change, before=before)
-    return {"file": str(change.path), "change": change.lines, "before": change.before}
+        write_change(change, before=before)
+    return {"file": str(change.path), "change": change.lines, "before": change.digest}
 
 
 _TABLES = read_table("erlif.show.view", "page.toml")

@@ -1,14 +1,16 @@
-"""A drawn region written into run.toml, with all else as it stands there."""
+"""Values written into a settings file, with all else as it stands there: a drawn region."""
 
 from __future__ import annotations
 
 import difflib
 import hashlib
 import tomllib
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from erlif.core.bounded import read_bounded
 from erlif.core.errors import ConfigError, reason_of
 from erlif.io.files import replacing
 from erlif.show.view.measures import Rectangle
@@ -18,28 +20,37 @@ _DIGITS = 3  # decimals of a position in mm
 
 
 @dataclass(frozen=True)
-class RegionChange:
-    """A change of run.toml that is not written yet.
+class Change:
+    """A change of a settings file.
 
     Attributes
     ----------
     path : Path
         The file.
     before : str
-        SHA-256 of the file as it is.
-    content : bytes
-        The file as it would be.
-    lines : str
-        The lines that change, as a unified difference.
+        Its text; empty where it is not there.
+    after : str
+        Its text after the change.
     """
 
     path: Path
     before: str
-    content: bytes
-    lines: str
+    after: str
+
+    @property
+    def lines(self) -> str:
+        """The lines that change, as a unified difference without its head."""
+        texts = self.before.splitlines(), self.after.splitlines()
+        lines = [*difflib.unified_diff(*texts, lineterm="", n=0)][2:]
+        return "\n".join(line for line in lines if not line.startswith("@@"))
+
+    @property
+    def digest(self) -> str:
+        """SHA-256 of the file before the change."""
+        return hashlib.sha256(self.before.encode()).hexdigest()
 
 
-def propose_region(run_dir: Path | None, region: Rectangle) -> RegionChange:
+def propose_region(run_dir: Path | None, region: Rectangle) -> Change:
     """Work out how run.toml changes when a region becomes its [thickness] roi.
 
     Parameters
@@ -51,12 +62,12 @@ def propose_region(run_dir: Path | None, region: Rectangle) -> RegionChange:
 
     Returns
     -------
-    RegionChange
+    Change
 
     Raises
     ------
     ConfigError
-        If there is no run.toml, if it cannot be read, or if the change would touch another line.
+        If there is no run.toml, or as `propose_change`.
 
     Examples
     --------
@@ -65,71 +76,113 @@ def propose_region(run_dir: Path | None, region: Rectangle) -> RegionChange:
     >>> with TemporaryDirectory() as folder:
     ...     _ = Path(folder, "run.toml").write_text(before)
     ...     change = propose_region(Path(folder), (1.5, 9.0, 2.0, 8.25))
-    >>> print(change.content.decode(), end="")
-    [thickness]  # maps
-    roi = { x = [1.5, 9.0], y = [2.0, 8.25] }
+    >>> print(change.lines)
+    -roi = { x = [1, 2], y = [3, 4] }
+    +roi = { x = [1.5, 9.0], y = [2.0, 8.25] }
     """
     if run_dir is None or not (run_dir / "run.toml").is_file():
         raise ConfigError(
             "Expected a run.toml beside the film, to write the region to; there is none. Start "
             "erlif view with --run-dir."
         )
-    path = run_dir / "run.toml"
-    if path.stat().st_size > _LARGEST:
-        raise ConfigError(
-            f"Expected settings of at most {_LARGEST} bytes; {path} has more. Reduce it."
-        )
-    before = path.read_bytes()
-    after = _set_region(path, before, [round(value, _DIGITS) for value in region])
-    texts = before.decode().splitlines(), after.decode().splitlines()
-    names = "run.toml as it is", "run.toml with the region"
-    lines = difflib.unified_diff(*texts, *names, lineterm="", n=1)
-    return RegionChange(path, hashlib.sha256(before).hexdigest(), after, "\n".join(lines))
+    x0, x1, y0, y1 = (round(value, _DIGITS) for value in region)
+    wanted = {"x": [x0, x1], "y": [y0, y1]}
+    return propose_change(run_dir / "run.toml", {("thickness", "roi"): wanted})
 
 
-def _set_region(path: Path, before: bytes, region: list[float]) -> bytes:
-    """The file with another region."""
-    import tomlkit
-    from tomlkit.exceptions import TOMLKitError
-
-    # tomlkit keeps comments, order and spaces; the file is compared as a whole below
-    wanted = {"x": region[:2], "y": region[2:]}
-    try:
-        text = before.decode()
-        document: Any = tomlkit.parse(text)
-        expected = tomllib.loads(text)
-        if "thickness" not in document:
-            document = tomlkit.parse(f"{text.rstrip()}\n\n[thickness]\n".lstrip())
-        table = document["thickness"]
-        if "roi" not in table:
-            table["roi"] = tomlkit.inline_table()
-        table["roi"].update(wanted)
-        after = tomlkit.dumps(document).encode()
-        settings = tomllib.loads(after.decode())
-    except (TOMLKitError, ValueError, AttributeError, TypeError) as error:
-        raise ConfigError(
-            f"Expected {path} as a file of settings; it cannot be changed ({reason_of(error)}). "
-            "Write roi into [thickness] by hand."
-        ) from error
-
-    expected.setdefault("thickness", {})["roi"] = wanted
-    if settings != expected:
-        raise ConfigError(
-            f"Expected that roi alone changes in {path}; more would. Write roi = {{ x = "
-            f"{wanted['x']}, y = {wanted['y']} }} into [thickness] by hand."
-        )
-    return after
-
-
-def write_region(change: RegionChange, *, before: str) -> None:
-    """Write a change of run.toml that was confirmed.
+def propose_change(path: Path, values: Mapping[tuple[str, ...], Any]) -> Change:
+    """Work out how a settings file changes with values, as for `change_values`.
 
     Parameters
     ----------
-    change : RegionChange
-        From `propose_region`.
+    path : Path
+    values : mapping of tuple of str to value
+
+    Returns
+    -------
+    Change
+
+    Raises
+    ------
+    ConfigError
+        If the file cannot be read, or if the change would touch another line.
+    """
+    names = ", ".join(".".join(place) for place in values)
+    try:
+        before = read_bounded(path, largest=_LARGEST).decode("utf-8-sig")
+        return Change(path, before, change_values(before, values))
+    except (OSError, ValueError, AttributeError, TypeError) as error:
+        raise ConfigError(
+            f"Expected {path} as a file of settings; {names} cannot be changed in it "
+            f"({reason_of(error)}). Change it by hand."
+        ) from error
+
+
+def change_values(text: str, values: Mapping[tuple[str, ...], Any]) -> str:
+    """Change values of a settings file, and leave comments, order and spaces as they are.
+
+    Parameters
+    ----------
+    text : str
+        The file.
+    values : mapping of tuple of str to value
+        By the names of the tables around a key and its own; None takes the key out. Tables that
+        are not there are made.
+
+    Returns
+    -------
+    str
+        The file with these values.
+
+    Raises
+    ------
+    ValueError, TypeError, AttributeError
+        If the text is no such file, or more than these values would change.
+
+    Examples
+    --------
+    >>> before = "[optics]  # of April\\n"
+    >>> change_values(before, {("optics", "pixel_pitch"): "75 um"})
+    '[optics]  # of April\\npixel_pitch = "75 um"\\n'
+    """
+    import tomlkit
+
+    expected = tomllib.loads(text)
+    document: Any = tomlkit.parse(text)
+    for (*tables, key), value in values.items():
+        if tables and tables[0] not in document:
+            before = tomlkit.dumps(document)
+            document = tomlkit.parse(f"{before.rstrip()}\n\n[{tables[0]}]\n".lstrip())
+        part, wanted = document, expected
+        for name in tables:
+            if name not in part:
+                part[name] = tomlkit.inline_table()
+            part, wanted = part[name], wanted.setdefault(name, {})
+        if isinstance(value, dict):
+            part.setdefault(key, tomlkit.inline_table()).update(value)  # a comment behind it stays
+        elif value is not None:
+            part[key] = value
+        elif key in part:
+            del part[key]
+        wanted[key] = value
+        if value is None:
+            del wanted[key]
+
+    # the library keeps the rest of the file: the whole is compared all the same
+    after = tomlkit.dumps(document)
+    if tomllib.loads(after) != expected:
+        raise ValueError("more would change")
+    return after
+
+
+def write_change(change: Change, *, before: str) -> None:
+    """Write a change of a settings file that was confirmed, and keep its permissions.
+
+    Parameters
+    ----------
+    change : Change
     before : str
-        SHA-256 of the file when the change was shown.
+        Digest of the file when the change was shown.
 
     Raises
     ------
@@ -145,21 +198,21 @@ def write_region(change: RegionChange, *, before: str) -> None:
     ...     file = Path(folder, "run.toml")
     ...     _ = file.write_text("# no region yet\\n")
     ...     change = propose_region(Path(folder), (1.0, 2.0, 3.0, 4.0))
-    ...     write_region(change, before=change.before)
+    ...     write_change(change, before=change.digest)
     ...     print(file.read_text(), end="")
     # no region yet
     <BLANKLINE>
     [thickness]
     roi = {x = [1.0, 2.0], y = [3.0, 4.0]}
     """
-    if change.before != before:
+    if change.digest != before:
         raise ConfigError(
             f"Expected {change.path} as it was when the change was shown; it is another one now. "
-            "Write the region again."
+            "Make the change again."
         )
     # a link keeps its place: the file behind it changes
     path = change.path.resolve()
     mode = path.stat().st_mode
     with replacing(path) as scratch:
-        scratch.write_bytes(change.content)
+        scratch.write_bytes(change.after.encode())
         scratch.chmod(mode)

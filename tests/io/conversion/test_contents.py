@@ -4,7 +4,13 @@ import numpy as np
 import pytest
 
 from erlif.core.errors import ErlifError
-from erlif.io.conversion.contents import choose_trigger, describe_units, trigger_columns
+from erlif.core.variables import FILM
+from erlif.io.conversion.contents import (
+    choose_trigger,
+    describe_units,
+    table_columns,
+    trigger_columns,
+)
 
 
 def test_every_number_of_a_trigger_has_one_column(film):
@@ -38,6 +44,20 @@ def test_counts_of_flags_are_named_by_the_flag(film):
     )
     columns = {column.name: column for column in trigger_columns(counted)}
     np.testing.assert_array_equal(columns["flagged_pixels_no_film"].values, counts[:, 7])
+
+
+def test_a_table_has_at_most_forty_columns_of_what_erlif_writes(film):
+    """A full run of a crank-rocker has all but what ball on disc and torque logs add."""
+    full = film.assign_coords(flag=("flag", 2 ** np.arange(8)))
+    others = ("film_central", "rotation_speed", "position", "torque_")
+    for name, known in FILM.items():
+        if name not in full and known.dims in (("trigger",), ("trigger", "flag")):
+            full[name] = known.dims, np.zeros([full.sizes[dim] for dim in known.dims])
+    full = full.drop_vars([name for name in full if str(name).startswith(others)])
+    names = [column.name for column in table_columns(full)]
+    assert len(trigger_columns(full)) > 60
+    assert len(names) <= 40
+    assert {"film_min", "film_mean_std", "rocker_speed", "film_over_theory_std"} <= set(names)
 
 
 def test_a_crank_angle_counts_over_the_full_turn(film):

@@ -5,15 +5,24 @@ import os
 import resource
 import shutil
 import time
+import zlib
 
 import h5py
+import numcodecs
 import numpy as np
 import pytest
 import xarray as xr
 import zarr
 
 from erlif.core.errors import OutputError
-from erlif.io.files import MapVariable, PartialFilm, open_film, refuse_existing, write_film
+from erlif.io.files import (
+    MapVariable,
+    PartialFilm,
+    open_film,
+    reading_film,
+    refuse_existing,
+    write_film,
+)
 from erlif.io.files.headers import check_netcdf, check_zarr
 from erlif.show.plots import example_film
 
@@ -148,7 +157,9 @@ def add_unknown(path, number, length, **options):
             file.create_dataset(f"u{number}", (length,), "f8", **options)
 
 
-@pytest.mark.parametrize(("count", "length", "chunk"), [(8, 2**27, 2**24), (1, 2**26, 1)])
+@pytest.mark.parametrize(
+    ("count", "length", "chunk"), [(8, 2**27, 2**24), (3, 2**24, 2**20), (1, 2**26, 1)]
+)
 def test_unknown_variables_are_bounded_together_and_in_chunks(path, count, length, chunk):
     for number in range(count):
         add_unknown(path, number, length - 1, chunks=(chunk,))
@@ -169,3 +180,65 @@ def test_texts_count_with_their_size_in_memory(tmp_path, kind, length):
     describe(path, "u0", data_type=kind)
     with pytest.raises(OutputError, match=r"claims .* GB of u0"):
         open_film(path)
+
+
+def deflated_zeros(size, wbits):
+    """Compressed zeros: one block over and over."""
+    stream = zlib.compressobj(9, zlib.DEFLATED, wbits)
+    start = stream.compress(bytes(2**20)) + stream.flush(zlib.Z_FULL_FLUSH)
+    block = stream.compress(bytes(2**20)) + stream.flush(zlib.Z_FULL_FLUSH)
+    return start + block * (size >> 20)
+
+
+BOMB = 2**30
+
+# settings and bytes of a chunk that holds a gigabyte
+BOMBS = {
+    "gzip": ({"level": 5}, lambda: deflated_zeros(BOMB, 31)),
+    "zstd": ({"level": 1, "checksum": False}, lambda: numcodecs.Zstd(1).encode(bytes(BOMB))),
+    "blosc": (
+        {"typesize": 1, "cname": "lz4", "clevel": 1, "shuffle": "noshuffle", "blocksize": 0},
+        lambda: numcodecs.Blosc("lz4", 1).encode(np.zeros(BOMB, np.uint8)),
+    ),
+}
+
+
+def plant(path, name, codec):
+    """Put chunks that hold a gigabyte in the place of those of a variable."""
+    if path.is_dir():
+        settings, make = BOMBS[codec]
+        content = make()
+        codecs = json.loads((path / name / "zarr.json").read_text())["codecs"][:1]
+        describe(path, name, codecs=[*codecs, {"name": codec, "configuration": settings}])
+        for chunk in (path / name).rglob("*"):
+            if chunk.is_file() and chunk.name != "zarr.json":
+                chunk.write_bytes(content)
+        return
+    with h5py.File(path, "r+") as file:
+        old = file[name]
+        shape, kind, unit = old.shape, old.dtype, old.attrs["units"]
+        scales = [dict(one) for one in old.dims]
+        chunk = (1, *shape[1:]) if len(shape) == 3 else shape
+        del file[name]
+        new = file.create_dataset(name, shape, kind, chunks=chunk, compression="gzip")
+        new.attrs["units"] = unit
+        for dim, scale in zip(new.dims, scales, strict=True):
+            dim.attach_scale(*scale.values())
+        for k in range(0, shape[0], chunk[0]):
+            new.id.write_direct_chunk((k, 0, 0)[: len(shape)], deflated_zeros(BOMB, 15))
+
+
+@pytest.mark.parametrize("name", ["joint_load", "thickness"])
+@pytest.mark.parametrize("codec", [*BOMBS, "deflate"])
+def test_a_chunk_that_holds_more_than_it_states_is_not_decompressed(tmp_path, codec, name):
+    path = store(tmp_path / ("film.nc" if codec == "deflate" else "film.zarr"))
+    plant(path, name, codec)
+    began, before = time.monotonic(), resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    with (
+        pytest.raises(OutputError, match=rf"{name}.* holds more than the \d+ bytes"),
+        reading_film(path),
+        open_film(path) as film,
+    ):
+        film.thickness[0].load()
+    assert time.monotonic() - began < 5
+    assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 2e5  # kB

@@ -51,9 +51,10 @@ def test_work_of_the_same_key_is_resumed_and_of_another_key_removed(output, capl
 
 def test_nothing_is_left_where_no_trigger_was_finished(output, tmp_path):
     folder = tmp_path / "films" / "may"
+    folder.mkdir(parents=True)
     with pytest.raises(OutputError, match="refused"), begin(folder / output.name):
         raise OutputError("refused")
-    assert list(tmp_path.iterdir()) == []
+    assert list(folder.iterdir()) == []
 
 
 def test_a_second_process_is_refused_while_the_first_works(output):

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 from erlif.core.errors import ConfigError
 from erlif.io.settings import RunSettings, read_fixture_settings, read_run_settings
+from erlif.io.settings.reading import find_faults
 
 
 def edited(lab, *changes):
@@ -96,3 +97,17 @@ def test_gaps_and_faults_come_in_one_message(lab):
     places += ["[camera1] bit_depth", "[mechanism] crank_speed"]
     for line, place in zip(lines[1:], places, strict=True):
         assert place in line
+
+
+def test_faults_have_the_place_of_their_key_and_gaps_are_none(small_rig):
+    values = tomllib.loads((small_rig.run / "run.toml").read_text())
+    assert find_faults(values, RunSettings) == []
+    values["optics"]["pixel_pitch"], values["camera1"]["band"] = "75 V", "?? nm"
+    values["joint"]["pin"]["poissons_ratio"] = 3.0
+    values["mechanism"]["crank"] = "5 s"
+    places = [fault.place for fault in find_faults(values, RunSettings)]
+    assert places == [
+        ("optics", "pixel_pitch"),
+        ("mechanism", "crank"),
+        ("joint", "pin", "poissons_ratio"),
+    ]

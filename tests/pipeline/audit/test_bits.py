@@ -51,3 +51,27 @@ def test_a_fault_is_a_warning_that_names_the_camera():
     (note,) = note_bits((sound, stuck))
     assert note.level == "warning"
     assert note.text.startswith("camera2: bit 6 (value 64) is never set")
+
+
+def photographed(scale=1.0, *, border=0, seed=1):
+    """Pixels by count of shot noise and light, scaled by software, with a border without light."""
+    rng = np.random.default_rng(seed)
+    light = np.rint(rng.normal(rng.uniform(600, 2400, 200_000), 20))
+    counts = np.append(light, np.rint(rng.normal(0, 0.5, border)) + 64)
+    return np.bincount(np.rint(scale * counts).astype(int), minlength=4096)
+
+
+@pytest.mark.parametrize("scale", [0.9, 0.95, 1.02, 1.05, 1.1, 1.37])
+def test_counts_that_software_scaled_are_named_where_the_flat_is_not(scale):
+    frames, raw = photographed(scale), photographed(seed=2)
+    (note,) = note_bits([raw, frames], [raw, raw])
+    assert note.text.startswith("camera2: ")
+    assert "scaled after the exposure" in note.text
+    assert not list(note_bits([raw, frames], [raw, photographed(scale, seed=3)]))
+
+
+@pytest.mark.parametrize("border", [0, 5000, 100_000])
+@pytest.mark.parametrize("seed", range(5))
+def test_counts_as_they_are_and_a_dark_border_are_not_scaled(seed, border):
+    raw = photographed(seed=seed, border=border)
+    assert not list(note_bits([raw, raw], [raw, photographed(seed=9)]))

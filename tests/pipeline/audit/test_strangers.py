@@ -8,6 +8,8 @@ import xarray as xr
 
 from erlif.pipeline.audit.evidence import Evidence
 from erlif.pipeline.audit.strangers import find_groups, form_changes, note_strangers
+from erlif.pipeline.engines.results import FrameResult
+from erlif.ratio import NO_DARK, NO_PULSE
 
 PLACES = np.linspace(-1, 1, 64)
 
@@ -22,9 +24,16 @@ def wedge(count):
     return np.tile(np.log1p(1.5 + PLACES), (count, 1))
 
 
-def evidence(found, **log):
+def evidence(found, *, border=None, **log):
+    """Frames with these ratios, and light [DN] of both cameras on pixels at their border."""
     frames = [
-        SimpleNamespace(frame=k, pulse=SimpleNamespace(log_ratio=row))
+        FrameResult(
+            frame=k,
+            drift=(0.0, 0.0),
+            peaks=(3000, 2500),
+            pulse=NO_PULSE._replace(log_ratio=row),
+            dark=NO_DARK if border is None else tuple((light, 9.0) for light in border[k]),
+        )
         for k, row in enumerate(found)
     ]
     table = xr.Dataset({name: ("frame", one) for name, one in log.items()})
@@ -60,6 +69,24 @@ def test_pairs_of_a_wedge_are_found_where_the_film_is_at_rest(rows, words):
     found[rows] = wedge(len(rows))
     (note,) = note_strangers(evidence(found))
     assert words in note.text
+
+
+@pytest.mark.parametrize(
+    ("rows", "light", "words"),
+    [
+        ([7], (1800, 1700), "pair 7 is of another run"),
+        (list(range(5, 15)), (1800, 1700), "pairs 5, 6"),
+        (list(range(20)), (1800, 1700), ""),  # an offset of all frames
+        ([7, 8], (60, 55), ""),  # a lamp in the room
+        ([7, 8], (1800, 0), ""),  # one camera
+    ],
+)
+def test_pairs_with_light_where_the_others_have_none_are_named(rows, light, words):
+    border = np.random.default_rng(2).normal(0, 2, (20, 2))
+    border[rows] += light
+    found = [note.text for note in note_strangers(evidence(ratios(20), border=border))]
+    assert len(found) == bool(words)
+    assert all(text.startswith(words) and "in both cameras" in text for text in found)
 
 
 def test_places_without_film_do_not_count():

@@ -9,7 +9,11 @@ import xarray as xr
 from scenes.film import run_settings
 from scenes.results import make_result
 
-from erlif.pipeline.physics.exponents import describe_exponents, note_moved_mean
+from erlif.pipeline.physics.exponents import (
+    describe_exponents,
+    note_moved_mean,
+    note_steepness,
+)
 from erlif.pipeline.plane import ObjectPlane
 
 
@@ -116,3 +120,28 @@ def test_central_film_has_an_exponent_where_there_is_one(power_law, calibration)
     film = film.assign(film_central=("trigger", films))
     found = xr.Dataset(describe_exponents(film, changed, calibration))
     npt.assert_allclose([found.speed_exponent_central, found.speed_exponent], [0.67, 0.62], 1e-6)
+
+
+def pin_speed(crank, angle):
+    """Of the pin of a crank [cm] on a rod of 44 cm, over the speed of the crank."""
+    ratio = crank / 44
+    return 1 + ratio * np.cos(angle) / np.sqrt(1 - (ratio * np.sin(angle)) ** 2)
+
+
+@pytest.mark.parametrize(
+    ("stated", "steep"), [(16.0, False), (15.0, False), (8.0, False), (3.0, True), (1.6, True)]
+)
+def test_a_film_steeper_than_its_speed_allows_is_of_other_links(stated, steep):
+    """Films follow the power 0.62 of the speed of a crank of 16 cm."""
+    angle = np.linspace(0, 2 * np.pi, 40, endpoint=False)
+    columns = {
+        "rocker_speed": pin_speed(stated, angle),
+        "crank_angle": np.degrees(angle),
+        "film_min": 5 * pin_speed(16.0, angle) ** 0.62,
+    }
+    film = xr.Dataset({name: ("trigger", values) for name, values in columns.items()})
+    found = note_steepness(film)
+    assert len(found) == steep
+    assert all("lengths of the links" in note.text for note in found)
+    assert not note_steepness(film.drop_vars("crank_angle"))
+    assert not note_steepness(film.assign(film_min=film.film_min[::-1].copy() * np.nan))

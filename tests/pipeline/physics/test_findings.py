@@ -33,7 +33,7 @@ def test_a_shift_counts_from_two_widths_on_and_contains_the_course(change, count
 
 
 def test_a_shift_that_is_taken_out_counts_whatever_its_size():
-    findings = LightFindings(errors=estimate(0.001), course=COURSE)
+    findings = LightFindings(errors=estimate(0.001), course=COURSE, taken_out=True)
     taken_out = with_errors(CALIBRATION, findings.errors, corrected=True)
     found = findings.for_error_bars(taken_out, LightOptions())
     assert found.errors is findings.errors

@@ -21,7 +21,7 @@ from erlif.pipeline.physics.systematics import (
     add_systematics,
     follow_course,
     update_systematics,
-    with_scale_of_patch,
+    with_patch,
 )
 from erlif.show.plots import example_calibration
 from erlif.trend import BackgroundEstimate, CourseChange, FittedNumbers, PinPosition, Trend
@@ -214,15 +214,17 @@ def test_at_the_end_of_a_run_the_less_certain_of_two_fixtures_counts(scale):
 
 @pytest.mark.parametrize("std", [None, 0.004, 0.0005])
 def test_films_of_the_patch_have_the_error_of_its_scale_whatever_else_a_run_shows(std):
-    """0.1 % by the scatter of the frames, and 0.05 um of the patch through the slope."""
+    """0.1 % by the scatter of the frames, and 0.05 um of the patch through the slope; its ratio is
+    beyond the widths.
+    """
     before = calibration_of()
-    scale = PatchScale(np.zeros(2), 0.001**2 * np.diag([1.0, 0.0]), film=6.0, film_std=0.05)
+    scale = PatchScale(np.array([0.2, 0.0]), 0.001**2 * np.diag([1.0, 0.0]), 6.0, film_std=0.05)
     dark = DarkLevel(1, 20.0, 1.0, 1000.0)
     background = None
     if std is not None:  # K, p, q, and what neither the patch nor the background is
-        background = replace(estimate(std=std), cross=np.zeros((9, 2)))
+        background = replace(estimate(std=std), cross=np.zeros((12, 2)))
     findings = LightFindings(background=background, scale=scale, darks=(dark,))
-    measuring = with_scale_of_patch(before, scale)
+    measuring = with_patch(before, scale)
     found = update_systematics(measuring, findings, LightOptions(ratio="correct"), pulses=50)
     expected = np.hypot(0.001, 0.05 * PLAIN.slope(6.0))
     for share in (0.0, 0.5, 1.0):

@@ -129,6 +129,17 @@ def test_runs_with_other_cameras_are_not_of_one_rig(film):
     assert rig_of(["11", "12"]) != rig_of(["", ""])
 
 
+def test_the_load_of_a_run_makes_no_other_rig(film):
+    def rig_with(*change):
+        return read_run(
+            film.assign_attrs(settings=film.attrs["settings"].replace(*change))
+        ).errors.rig
+
+    assert "50 lbf" in film.attrs["settings"]
+    assert rig_with("50 lbf", "100 lbf") == read_run(film).errors.rig
+    assert rig_with("33.59 mm", "33.60 mm") != read_run(film).errors.rig
+
+
 def test_a_difference_of_runs_of_one_rig_covers_the_true_one():
     """Rigs drawn by their widths, both runs by what changes; films of exact curves, 3 and 6 um."""
     run, rng, count = run_with(**WIDTHS), np.random.default_rng(7), 4000

@@ -156,7 +156,7 @@ def test_a_region_is_shown_before_it_is_written(film, tmp_path):
     shown = send()
     assert "roi" not in file.read_text()
     assert "+roi = {x = [1.0, 6.5], y = [0.0, 5.0]}" in shown["change"]
-    with pytest.raises(ErlifError, match="Write the region again"):
+    with pytest.raises(ErlifError, match="Make the change again"):
         send(confirmed=True)
     with pytest.raises(ErlifError, match="32 x 32 pixels"):
         send(confirmed=True, before=shown["before"], region=[1, 1.2, 0, 5])

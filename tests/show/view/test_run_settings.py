@@ -6,7 +6,7 @@ import tomllib
 import pytest
 
 from erlif.core.errors import ConfigError
-from erlif.show.view.run_settings import propose_region, write_region
+from erlif.show.view.run_settings import change_values, propose_region, write_change
 
 REGION = (1.25, 9.0, 2.0, 8.12345)
 WANTED = {"x": [1.25, 9.0], "y": [2.0, 8.123]}
@@ -35,7 +35,7 @@ def test_the_region_changes_and_all_else_stays(tmp_path, form):
     path = write(tmp_path, FORMS[form])
     change = propose_region(tmp_path, REGION)
     assert path.read_bytes() == FORMS[form].encode()  # nothing is written yet
-    write_region(change, before=change.before)
+    write_change(change, before=change.digest)
 
     old, new = tomllib.loads(FORMS[form]), tomllib.loads(path.read_bytes().decode())
     assert new["thickness"].pop("roi") == WANTED
@@ -57,8 +57,8 @@ def test_a_file_that_has_changed_meanwhile_is_left_alone(tmp_path):
     path = write(tmp_path, FORMS["inline"])
     shown = propose_region(tmp_path, REGION)
     path.write_text("[run]\nname = 'edited'\n")
-    with pytest.raises(ConfigError, match="Write the region again"):
-        write_region(propose_region(tmp_path, REGION), before=shown.before)
+    with pytest.raises(ConfigError, match="Make the change again"):
+        write_change(propose_region(tmp_path, REGION), before=shown.digest)
     assert path.read_text() == "[run]\nname = 'edited'\n"
 
 
@@ -69,7 +69,7 @@ def test_links_and_permissions_stay(tmp_path):
     run.mkdir()
     (run / "run.toml").symlink_to(path)
     change = propose_region(run, REGION)
-    write_region(change, before=change.before)
+    write_change(change, before=change.digest)
     assert (run / "run.toml").is_symlink()
     assert tomllib.loads(path.read_text())["thickness"]["roi"] == WANTED
     assert os.stat(path).st_mode & 0o777 == 0o640
@@ -85,3 +85,27 @@ def test_a_file_that_cannot_be_changed_is_refused(tmp_path):
         with pytest.raises(ConfigError, match="by hand"):
             propose_region(tmp_path, REGION)
         assert path.read_text() == text
+
+
+def test_values_of_any_depth_are_written_and_taken_out():
+    before = "# first\n[run]  # of May\nname = 'a'\n\n[joint.pin] # steel\nyoungs_modulus = '??'\n"
+    after = change_values(
+        before,
+        {
+            ("calibration",): "../fixture/calibration.nc",
+            ("run", "name"): None,
+            ("joint", "pin", "youngs_modulus"): "206 GPa",
+            ("thickness", "exclude"): [[[1.5, 2], [3, 2], [2, 4]], "mask.png"],
+            ("reference", "region", "x"): [1, 2],
+        },
+    )
+    assert tomllib.loads(after) == {
+        "calibration": "../fixture/calibration.nc",
+        "run": {},
+        "joint": {"pin": {"youngs_modulus": "206 GPa"}},
+        "thickness": {"exclude": [[[1.5, 2], [3, 2], [2, 4]], "mask.png"]},
+        "reference": {"region": {"x": [1, 2]}},
+    }
+    for kept in ("# first", "[run]  # of May", "[joint.pin] # steel"):
+        assert kept in after
+    assert change_values(after, {("run", "name"): None}) == after

@@ -12,7 +12,14 @@ import numpy as np
 from erlif.core.arrays import AnyArray
 from erlif.core.errors import EncoderError, reason_of
 from erlif.core.guarded import read_matlab
-from erlif.core.hdf5 import SIGNATURE, chunk_size, find_chunks, open_hdf5, refuse_elsewhere
+from erlif.core.hdf5 import (
+    SIGNATURE,
+    chunk_size,
+    find_chunks,
+    open_hdf5,
+    refuse_elsewhere,
+    refuse_inflated,
+)
 from erlif.io.ingest.logs.table import LARGEST_FILE, LogColumn, LogTable, check_cells, split_unit
 from erlif.io.ingest.logs.tdms import read_tdms
 
@@ -188,6 +195,7 @@ def _read_hdf5(path: Path) -> _Found:
                     raise ValueError(f"numbers of {name} are in {held}")
                 if item.size and not find_chunks(item).all():
                     raise ValueError(f"numbers of {name} are not in the file")
+                refuse_inflated(item)
                 yield from _vectors(name, item[()], _unit(item.attrs))
 
 

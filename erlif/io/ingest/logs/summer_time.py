@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
+from datetime import datetime, timedelta
+from zoneinfo import ZoneInfo, available_timezones
+
 import numpy as np
 
 from erlif.core.arrays import AnyArray, Array
 
-_DAY, _HOUR = 86400.0, 3600.0
-
-# Summer time begins on a Sunday before this hour; days are counted from 2000, a Saturday.
-_SUNDAY, _EARLY = 1, 4 * _HOUR
+_HOUR = 3600.0
 
 # Longest usual step of a log in which a change of the clock differs from a pause. [s]
 _LONGEST_STEP = 900.0
@@ -51,5 +51,17 @@ def put_forward(local: Array, *, dated: bool) -> Array:
         return np.asarray((step > 0) & (step <= max(2 * usual, _DWELL)) & over)
 
     # a pause of an hour looks alike but on the day of the change
-    summer = (before // _DAY % 7 == _SUNDAY) & (before % _DAY < _EARLY) & dated
-    return np.append(0.0, np.cumsum(_HOUR * (1.0 * (put(_HOUR) & summer) - put(-_HOUR))))
+    ahead = -1.0 * put(-_HOUR)
+    for row in np.flatnonzero(put(_HOUR)) if dated else ():
+        ahead[row] += _begins_summer(before[row], after[row])
+    return np.append(0.0, np.cumsum(_HOUR * ahead))
+
+
+def _begins_summer(before: float, after: float) -> bool:
+    """Whether clocks anywhere in the world are put forward between two local times since 2000."""
+    one, two = (datetime(2000, 1, 1) + timedelta(seconds=time) for time in (before, after))
+    elapsed = (
+        two.replace(tzinfo=zone).timestamp() - one.replace(tzinfo=zone).timestamp()
+        for zone in map(ZoneInfo, sorted(available_timezones()))
+    )
+    return any(abs(after - before - _HOUR - seconds) < 1 for seconds in elapsed)

@@ -211,6 +211,7 @@ export class MapPanel {
   drawOver(pen) {
     const { line, region, mark } = this.use.state;
     const stroke = (path) => strokeOver(pen, path);
+    this.use.over?.(stroke, (x, y) => this.toScreen(x, y), pen);
     if (region) {
       const [x0, y0] = this.toScreen(region[0], region[2]);
       const [x1, y1] = this.toScreen(region[1], region[3]);
@@ -330,8 +331,8 @@ export class MapPanel {
     const moved = Math.hypot(event.clientX - from.clientX, event.clientY - from.clientY) > 3;
     if (!moved && phase === "going") return;
     const to = this.fromScreen(event);
+    if (!moved && (state.tool === "move" || this.use.clicks)) return this.use.clicked?.(to);
     if (state.tool === "move") {
-      if (!moved) return this.use.clicked?.(to);
       const [l, t, r, b] = from.window;
       const across = ((event.clientX - from.clientX) / this.width) * (r - l);
       const down = ((event.clientY - from.clientY) / this.height) * (b - t);

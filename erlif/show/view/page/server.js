@@ -14,6 +14,17 @@ async function refusal(response) {
   }
 }
 
+// sends values as JSON, and returns the reply
+export async function post(name, values) {
+  const response = await fetch(name, {
+    method: "POST",
+    headers: { "Content-Type": "application/json" },
+    body: JSON.stringify(values),
+  });
+  if (!response.ok) throw new Error(await refusal(response));
+  return response.json();
+}
+
 const read = (name) => async (values) => (await get(name, values)).json();
 
 export const ask = {
@@ -21,14 +32,5 @@ export const ask = {
     [name, read(name)])),
   map: async (values) => (await get("map", values)).arrayBuffer(),
   export: async (values) => (await get("export", values)).blob(),
-
-  async settings(values) {
-    const response = await fetch("settings", {
-      method: "POST",
-      headers: { "Content-Type": "application/json" },
-      body: JSON.stringify(values),
-    });
-    if (!response.ok) throw new Error(await refusal(response));
-    return response.json();
-  },
+  settings: (values) => post("settings", values),
 };

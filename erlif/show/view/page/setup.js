@@ -1,6 +1,6 @@
 // The page of `erlif watch --setup`: both cameras, their histograms, and what to turn.
 import { MapPanel } from "./map.js";
-import { Chart, axis, ink } from "./charts.js";
+import { Histogram } from "./histogram.js";
 import { byId, element } from "./draw.js";
 import { fixed, follow, listIn, percent, showAge, showFaults } from "./news.js";
 import { get } from "./server.js";
@@ -9,30 +9,6 @@ const about = await (await get("run")).json();
 const views = [1, 2].map(() => ({ window: null, limits: {}, tool: "move" }));
 let film = null;
 let news = {};
-
-class Histogram extends Chart {
-  constructor(place) {
-    super(place);
-    this.tall = 150;
-  }
-
-  show({ histogram, full_scale }) {
-    const places = histogram.map((_, n) => (n * full_scale) / histogram.length);
-    const data = [places, histogram.map((count) => Math.max(count, 0.5))];
-    if (this.plot) {
-      this.plot.setData(data);
-      return;
-    }
-    this.make({
-      scales: { x: { time: false, range: [0, full_scale] }, y: { distr: 3 } },
-      series: [{ label: "count" }, { label: "pixels", stroke: ink("--first"), width: 1.5,
-        paths: uPlot.paths.stepped({ align: 1 }), points: { show: false } }],
-      axes: [{ ...axis("count [DN]"), size: 34 }, { ...axis("pixels"), size: 52 }],
-      legend: { show: false },
-      cursor: { show: false },
-    }, data);
-  }
-}
 
 const histograms = [1, 2].map((n) => new Histogram(byId(`histogram-${n}`)));
 const panels = [1, 2].map((n) => new MapPanel(byId(`panel-${n}`), {

@@ -28,6 +28,11 @@ def local_clock(zone, start, *, step=10.0, rows=1200, form="%d.%m.%Y %H:%M:%S"):
         ("America/New_York", "2026-11-01T05:48"),
         ("Australia/Sydney", "2026-10-03T15:48"),
         ("Australia/Sydney", "2026-04-04T15:48"),
+        ("Asia/Jerusalem", "2026-03-26T23:48"),  # a Friday
+        ("Africa/Cairo", "2026-04-23T21:48"),  # a Friday
+        ("Asia/Amman", "2022-02-24T21:48"),  # a Friday
+        ("Asia/Tehran", "2021-03-21T20:18"),  # a Monday
+        ("America/Nuuk", "2026-03-29T00:48"),  # a Saturday at ten in the evening
         ("Asia/Shanghai", "2026-03-29T00:48"),
     ],
 )
@@ -63,6 +68,9 @@ def test_a_clock_without_a_date_is_counted_on_where_it_is_put_back():
     ("start", "pause"),
     [
         ("2026-03-30T01:59:00", 3600),  # a Monday
+        ("2026-05-03T01:59:00", 3600),  # a Sunday without a change
+        ("9999-12-31T01:59:00", 3600),
+        ("0001-01-01T01:59:00", 3600),
         ("2026-03-29T12:59:00", 3600),  # noon
         ("2026-03-29T01:59:00", 3900),
         ("2026-03-29T01:20:00", 3600),  # within the hour

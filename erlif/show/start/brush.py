@@ -1,0 +1,74 @@
+"""A mask image from the strokes of a brush."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from PIL import Image as Picture
+from PIL import ImageDraw
+
+from erlif.core.errors import ConfigError
+from erlif.io.files import replacing
+
+# Sides of an image on which is drawn: those of any camera. [px]
+_LARGEST = 2**15
+
+
+def write_mask(
+    directory: Path,
+    strokes: Sequence[Sequence[tuple[float, float]]],
+    *,
+    width: float,
+    shape: tuple[int, int],
+) -> str:
+    """Write a mask that is white under the strokes of a brush.
+
+    Parameters
+    ----------
+    directory : Path
+    strokes : sequence of sequence of (float, float)
+        Pixels (x, y) on the way of each stroke.
+    width : float
+        Diameter of the brush. [px]
+    shape : (rows, columns)
+        Shape of a frame. [px]
+
+    Returns
+    -------
+    str
+        Name of the file in the directory, which no file had before.
+
+    Raises
+    ------
+    ConfigError
+        If the image is larger than that of any camera.
+    OutputError
+        If it cannot be written.
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> with TemporaryDirectory() as folder:
+    ...     name = write_mask(Path(folder), [[(2, 4), (9, 4)]], width=3, shape=(10, 12))
+    ...     name, Picture.open(Path(folder, name)).getpixel((5, 4))
+    ('mask_1.png', 255)
+    """
+    rows, columns = shape
+    if not (0 < rows <= _LARGEST and 0 < columns <= _LARGEST):
+        raise ConfigError(
+            f"Expected a frame of at most {_LARGEST} pixels a side; got {columns} x {rows}. Draw "
+            "the mask with an image editor."
+        )
+    picture = Picture.new("L", (columns, rows))
+    pen, reach = ImageDraw.Draw(picture), width / 2
+    for stroke in strokes:
+        pen.line([tuple(point) for point in stroke], fill=255, width=max(1, round(width)))
+        for x, y in stroke:
+            pen.ellipse((x - reach, y - reach, x + reach, y + reach), fill=255)
+
+    free = (n for n in range(1, 10_000) if not (directory / f"mask_{n}.png").exists())
+    name = f"mask_{next(free)}.png"
+    with replacing(directory / name) as scratch:
+        picture.save(scratch, format="PNG")
+    return name

@@ -1,0 +1,379 @@
+"""The page of `erlif start` in Chromium: from folders of frames to a film."""
+
+import shutil
+import tomllib
+from pathlib import Path
+
+import pytest
+import tifffile
+import xarray as xr
+from scenes import browser
+from scenes.rig import small_rig
+from scenes.start import OF_THE_SAMPLE, at, drag, take, type_in
+
+import erlif
+from erlif.rig import simulate
+from erlif.show.start import start_page
+
+pytestmark = browser.MARKS
+
+ROOT = Path(__file__).parents[3]
+
+FIXTURE_BY_HAND = """
+[fixture]
+name = "lab"
+profile = "profile.csv"
+origin = [0.0, 104.0]
+[camera1]
+files = "camera1/*.tif"
+band = "580 nm"
+bit_depth = 12
+dark = "camera1_dark.tif"
+flat = "camera1_flat.tif"
+[camera2]
+files = "camera2/*.tif"
+band = "610 nm"
+bit_depth = 12
+dark = "camera2_dark.tif"
+flat = "camera2_flat.tif"
+[optics]
+pixel_pitch = "75 um"
+x_axis = "sliding"
+"""
+
+DISC_BY_HAND = """
+calibration = "../fixture/calibration.nc"
+[run]
+name = "lab"
+[camera1]
+files = "camera1/*.tif"
+band = "580 nm"
+bit_depth = 12
+dark = "camera1_dark.tif"
+flat = "camera1_flat.tif"
+[camera2]
+files = "camera2/*.tif"
+band = "610 nm"
+bit_depth = 12
+dark = "camera2_dark.tif"
+flat = "camera2_flat.tif"
+[optics]
+pixel_pitch = "150 um"
+x_axis = "sliding"
+[encoder]
+file = "encoder.csv"
+[mechanism]
+kind = "rotation"
+radius = "20 mm"
+"""
+
+RUN_BY_HAND = """
+calibration = "../fixture/calibration.nc"
+[run]
+name = "lab"
+[camera1]
+files = "camera1/*.tif"
+band = "580 nm"
+bit_depth = 12
+dark = "camera1_dark.tif"
+flat = "camera1_flat.tif"
+background = "camera1_background.tif"
+[camera2]
+files = "camera2/*.tif"
+band = "610 nm"
+bit_depth = 12
+dark = "camera2_dark.tif"
+flat = "camera2_flat.tif"
+background = "camera2_background.tif"
+[optics]
+pixel_pitch = "75 um"
+x_axis = "sliding"
+[encoder]
+file = "encoder.csv"
+mounted_on = "rocker"
+triggers_per_cycle = 50
+[mechanism]
+kind = "crank-rocker"
+crank = "5.5 cm"
+coupler = "44 cm"
+rocker = "26 cm"
+ground = "0.51 m"
+crank_speed = "114 rpm"
+[joint]
+pin_radius = "33.36 mm"
+bushing_radius = "33.59 mm"
+length = "237 mm"
+pin = { youngs_modulus = "2.7 GPa", poissons_ratio = 0.37 }
+bushing = { youngs_modulus = "2.7 GPa", poissons_ratio = 0.37 }
+[oil]
+viscosity = "0.12 Pa s"
+pressure_viscosity = "20 1/GPa"
+[thickness]
+roi = { x = [3.75, 15], y = [2.25, 13.5] }
+"""
+
+
+@pytest.fixture(scope="module")
+def chromium():
+    with browser.chromium() as started:
+        yield started
+
+
+@pytest.fixture
+def visit(chromium):
+    """Open the page of a folder; errors and requests to other machines fail."""
+    with browser.pages(chromium, own=("http://127.0.0.1:", "data:")) as new_page:
+
+        def start(address, *, width=1400, **options):
+            page = new_page(viewport={"width": width, "height": 900}, **options)
+            page.set_default_timeout(60_000)
+            page.goto(address)
+            page.wait_for_selector("body[data-ready]")
+            return page
+
+        yield start
+
+
+@pytest.fixture(scope="module")
+def sample(tmp_path_factory):
+    """Frames of the sample and of its fixture, without settings."""
+    lab = tmp_path_factory.mktemp("sample") / "lab"
+    shutil.copytree(ROOT / "data_samples/straight_bushing", lab / "run")
+    shutil.copytree(ROOT / "calibration/wedge", lab / "fixture")
+    for file in lab.glob("*/*.toml"):
+        file.unlink()
+    return lab
+
+
+def work(page, task, name):
+    """Start a task and wait for its end."""
+    page.click(f'.task[data-task="{task}"][data-name="{name}"]')
+    page.wait_for_selector(f'body[data-work="{task}"], body[data-work="failed"]')
+    return page.inner_text("#notes")
+
+
+def by_hand(folder, frames, run, fixture):
+    """The same frames with settings that were written by hand, processed by the command line."""
+    for name, text in (("run", run), ("fixture", fixture)):
+        shutil.copytree(frames / name, folder / "lab" / name)
+        for file in ("run.toml", "fixture.toml", "film.nc", "calibration.nc"):
+            (folder / "lab" / name / file).unlink(missing_ok=True)
+        (folder / "lab" / name / f"{name}.toml").write_text(text)
+    return folder / "lab" / "run"
+
+
+def assert_same_film(one, two):
+    with erlif.open_film(one) as found, erlif.open_film(two) as expected:
+        xr.testing.assert_identical(found.drop_attrs(), expected.drop_attrs())
+        assert found.attrs["settings"] == expected.attrs["settings"]
+
+
+def test_from_the_frames_of_the_sample_to_the_film_of_the_command_line(
+    visit, sample, tmp_path, command
+):
+    with start_page(sample) as address:
+        page = visit(address)
+        take(page, "fixture")
+
+        # the scale by two marks 150 pixels apart, and the origin by a click
+        page.check("input[value=scale]")
+        drag(page, (50, 20), (200, 20))
+        page.fill("#distance", "11.25")
+        page.click("#apply")
+        page.wait_for_selector('#changes >> text="fixture.toml: optics.pixel_pitch"')
+        page.check("input[value=origin]")
+        page.mouse.click(*at(page, 0, 104))
+        page.wait_for_selector('#changes >> text="fixture.toml: fixture.origin"')
+        type_in(page, "fixture", {"camera1.band": "580", "camera2.band": "610"})
+        assert page.inner_text("#left") == "Nothing is asked for any more."
+
+        take(page, "run")
+        page.click('[data-place="optics.pixel_pitch"] >> text="75 um, as in fixture.toml"')
+        page.wait_for_selector('.field:not(.gap)[data-place="optics.pixel_pitch"]')
+        type_in(page, "run", OF_THE_SAMPLE)
+        page.check("input[value=roi]")
+        drag(page, (50, 30), (200, 180))
+        page.wait_for_selector('#changes >> text="run.toml: thickness.roi"')
+
+        for name, text in (("run", RUN_BY_HAND), ("fixture", FIXTURE_BY_HAND)):
+            written = tomllib.loads((sample / name / f"{name}.toml").read_text())
+            assert written == tomllib.loads(text)
+
+        assert "camera1" in work(page, "check", "run")
+        assert "calibrated range" in work(page, "calibrate", "fixture")
+        assert "50 triggers" in work(page, "process", "run")
+        with page.context.expect_page() as opened:
+            page.click("#film a")
+        opened.value.wait_for_selector("#panel-a canvas[data-text^='trigger']")
+
+    run = by_hand(tmp_path, sample, RUN_BY_HAND, FIXTURE_BY_HAND)
+    command("process", run)
+    assert_same_film(sample / "run/film.nc", run / "film.nc")
+
+
+@pytest.fixture
+def disc(tmp_path):
+    """Frames of a pin on disc and of its fixture, without settings."""
+    simulate(tmp_path / "lab", seed=3, rig=small_rig(mechanism="rotation", pictures=8))
+    for file in tmp_path.glob("lab/*/*.toml"):
+        file.unlink()
+    return tmp_path / "lab"
+
+
+def reach(page, selector):
+    """Go to an element by the Tab key alone, in at most one turn around the page."""
+    for _ in range(400):
+        if page.evaluate("selector => document.activeElement?.matches(selector)", selector):
+            return
+        page.keyboard.press("Tab")
+    raise AssertionError(f"no way to {selector} by the keyboard")
+
+
+def press(page, *keys):
+    for key in keys:
+        page.keyboard.press(key)
+
+
+def test_a_pin_on_disc_by_the_keyboard_alone_on_a_narrow_dark_screen(
+    visit, disc, tmp_path, command
+):
+    with start_page(disc) as address:
+        page = visit(address, width=390, color_scheme="dark")
+        assert page.evaluate("getComputedStyle(document.body).backgroundColor") == "rgb(22, 24, 27)"
+        reach(page, "#card-fixture .take")
+        press(page, "Enter")
+        page.wait_for_selector("#panel-1 canvas[data-text*='image 1 of']")
+
+        # 96 pixels of the scale are 14.4 mm; the cursor begins in the middle of 128 x 96 pixels
+        reach(page, "input[name=tool]")
+        press(page, "ArrowRight")
+        reach(page, "#panel-1 canvas")
+        press(page, *["Shift+ArrowLeft"] * 5, "Enter", *["Shift+ArrowRight"] * 9)
+        press(page, *["ArrowRight"] * 6, "Enter")
+        page.wait_for_selector("#distance:focus")
+        page.keyboard.type("14.4")
+        press(page, "Enter")
+        page.wait_for_selector('#changes >> text="fixture.toml: optics.pixel_pitch"')
+        typed = {"fixture.origin": "[0, 48]", "camera1.band": "580", "camera2.band": "610"}
+        for place, value in typed.items():
+            reach(page, f'[id="fixture.{place}"]')
+            page.keyboard.type(value)
+        press(page, "Tab")
+        page.wait_for_selector('#left:text("Nothing is asked for")')
+
+        reach(page, "#kind")
+        page.keyboard.type("rotation")
+        reach(page, "#card-run .take")
+        press(page, "Enter")
+        page.wait_for_selector('#file:text-is("run.toml")')
+        for place in ("camera1.band", "camera2.band", "optics.pixel_pitch"):
+            reach(page, f'[data-place="{place}"] .other')
+            press(page, "Enter")
+            page.wait_for_selector(f'.field:not(.gap)[data-place="{place}"]')
+        reach(page, '[id="run.mechanism.radius"]')
+        page.keyboard.type("20")
+        reach(page, ".task[data-task=process]")
+        press(page, "Enter")
+        page.wait_for_selector("body[data-work=process], body[data-work=failed]")
+        assert "8 triggers" in page.inner_text("#notes")
+        assert page.evaluate("document.documentElement.scrollWidth") <= 390
+        reach(page, "#film a")
+
+    fixture = FIXTURE_BY_HAND.replace("75 um", "150 um").replace("[0.0, 104.0]", "[0, 48]")
+    for name, text in (("run", DISC_BY_HAND), ("fixture", fixture)):
+        assert tomllib.loads((disc / name / f"{name}.toml").read_text()) == tomllib.loads(text)
+    run = by_hand(tmp_path / "again", disc, DISC_BY_HAND, fixture)
+    command("process", run)
+    assert_same_film(disc / "run/film.nc", run / "film.nc")
+
+
+HOSTILE = '<img src=x onerror="alert(1)">'
+
+
+def test_a_hostile_name_a_huge_image_and_a_folder_without_rights_are_named(
+    visit, disc, monkeypatch
+):
+    root = disc.parent
+    (root / HOSTILE).mkdir()
+    (root / "private").mkdir()
+    (disc / "run").rename(root / HOSTILE / "run")
+    (root / HOSTILE / "run" / "camera1" / HOSTILE.replace("/", "_")).write_bytes(b"II*\0")
+    listed = Path.iterdir
+
+    def refuse(path):  # as for any user but root
+        if path.name == "private":
+            raise PermissionError(13, "Permission denied")
+        return listed(path)
+
+    monkeypatch.setattr(Path, "iterdir", refuse)
+    with start_page(root) as address:
+        page = visit(address)
+        page.click("#card-run .choose")
+        page.click('#picker-folders >> text="private"')
+        page.wait_for_selector("#picker-refusal:text('private may not (Permission denied)')")
+        page.click(f"#picker-folders button:text-is({HOSTILE!r})")
+        page.click("#picker-folders button:text-is('run')")
+        page.wait_for_selector(f"#picker-path:text({HOSTILE + '/run'!r})")
+        page.click("#picker-take")
+        page.wait_for_selector("#card-run .anew:visible")
+        assert page.inner_text("#card-run .folder") == f"{HOSTILE}/run"
+        assert page.locator("img").count() == 0
+
+        # a header that claims 60000 x 60000 pixels
+        huge = root / HOSTILE / "run" / "camera1" / "frame_0001.tif"
+        content = bytearray(huge.read_bytes())
+        with tifffile.TiffFile(huge) as file:
+            for name in ("ImageWidth", "ImageLength"):
+                tag = file.pages[0].tags[name]
+                content[tag.valueoffset : tag.valueoffset + 2] = (60000).to_bytes(2, "little")
+        huge.write_bytes(content)
+        page.click("#card-run .anew")
+        page.wait_for_selector("#changes li:nth-child(2)")
+        page.focus("#number")
+        page.keyboard.press("ArrowRight")
+        page.wait_for_selector("#status.bad:text('frame_0001.tif')")
+
+
+def test_a_value_is_checked_while_it_is_typed_and_each_change_is_undone(visit, lab):
+    before = (lab.run / "run.toml").read_bytes()
+    with start_page(lab.directory) as address:
+        page = visit(address)
+        take(page, "run")
+        page.click("text='All other settings'")
+        field = page.locator('[id="run.optics.pixel_pitch"]')
+        row = '#others [data-place="optics.pixel_pitch"]'
+        field.fill("75 V")
+        page.wait_for_selector(f"{row} .bad:text('75 V')")
+        field.press("Tab")  # refused, and not written
+        assert (lab.run / "run.toml").read_bytes() == before
+        field.fill("151")
+        page.wait_for_selector(f"{row} pre .added:text('pixel_pitch = \"151 um\"')")
+        assert (lab.run / "run.toml").read_bytes() == before
+        field.press("Tab")
+        page.wait_for_selector('#changes >> text="run.toml: optics.pixel_pitch"')
+        assert b'"151 um"' in (lab.run / "run.toml").read_bytes()
+
+        page.select_option("#orientation", "mirrored_x")
+        page.wait_for_selector('#changes >> text="run.toml: registration.orientation"')
+        page.check("input[value=brush]")
+        drag(page, (20, 20), (60, 30))
+        page.click("#apply")
+        page.wait_for_selector("#key li:has-text('masked')")
+        for left in (2, 1, 0):
+            page.click("#undo")
+            page.wait_for_selector(
+                f"#changes:not(:has(li:nth-child({left + 1})))", state="attached"
+            )
+        assert (lab.run / "run.toml").read_bytes() == before
+        page.wait_for_selector("#undo:disabled")
+
+
+def test_work_is_cancelled_and_leaves_no_film(visit, lab):
+    with start_page(lab.directory) as address:
+        page = visit(address)
+        take(page, "run")
+        page.click(".task[data-task=process]")
+        page.click("#cancel")
+        page.wait_for_selector("body[data-work=failed]")
+        assert "Cancelled" in page.inner_text("#notes")
+        assert not lab.film.exists()
