@@ -122,11 +122,13 @@ def write_motion(path: Path, true: xr.Dataset) -> None:
 
 
 def split_settings(home: Path) -> None:
-    """Settings of a user who states nothing in run/, of a laboratory in laboratory/."""
+    """Settings of a user who states nothing in run/, of a laboratory in laboratory/.
+
+    Both name the patch of known film: it is no part of the joint. The laboratory alone uses it.
+    """
     run = home / "run" / "run.toml"
     whole = run.read_text(encoding="utf-8")
-    plain, _, _ = whole.partition("[reference]")
-    plain = plain.replace(f"[{BOTH}]", BOTH.partition(",")[0])
+    plain = whole.replace(f"[{BOTH}]", BOTH.partition(",")[0])
     lines = [line for line in plain.splitlines() if not line.startswith("background =")]
     run.write_text("\n".join(lines) + "\n", encoding="utf-8")
 

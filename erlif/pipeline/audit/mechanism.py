@@ -95,9 +95,11 @@ def note_mechanism(evidence: Evidence) -> Iterator[Note]:
     weight = np.ones(angle.size) if load is None else np.median(load) / load
     radians, weight = np.radians(angle[:MOST]), weight[:MOST]
 
-    found = fit_zero(radians, weight, levels, own)
-    if found is None:
+    found, alone = (fit_zero(radians, one, levels, own) for one in (weight, np.ones_like(weight)))
+    if found is None or alone is None:
         return
+    # not every film follows the load of its log
+    found = found._replace(plain=min(found.plain, alone.plain))
     others = () if found.plain < _FOLLOWED else describe_others(settings)
     fits = [fit for one in others if (fit := fit_zero(radians, weight, levels, one))]
     best = min(fits, key=lambda fit: fit.left, default=found)

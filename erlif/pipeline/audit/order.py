@@ -14,7 +14,13 @@ from erlif.core.notes import Note, list_some, warn
 from erlif.core.units import count_of
 from erlif.pipeline.audit.energies import Order
 from erlif.pipeline.audit.evidence import MOST, Evidence
-from erlif.pipeline.audit.film_order import compare_film, find_other_films
+from erlif.pipeline.audit.film_order import (
+    compare_film,
+    find_other_films,
+    is_better,
+    rest_share,
+    speed_terms,
+)
 
 
 def note_order(evidence: Evidence) -> Iterator[Note]:
@@ -51,9 +57,11 @@ def _note_by_film(evidence: Evidence, numbers: AnyArray, *, known: bool) -> Iter
     if speed is None:
         return
     load = evidence.logged("joint_load")
-    drive = np.abs(speed[:MOST]) / (1.0 if load is None else load[:MOST] / np.median(load))
+    size = np.abs(speed[:MOST])
+    drive = size if load is None else size * np.median(load) / load[:MOST]
     found = None if known else compare_film(drive, levels)
-    if found is not None:
+    # not every film follows the load of its log
+    if found is not None and is_better(levels, rest_share(speed_terms(size), levels), found.left):
         yield _note_other_order(found, numbers, "the film follows the speed")
         return
     odd = find_other_films(drive, levels)

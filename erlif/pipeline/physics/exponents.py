@@ -32,6 +32,9 @@ _MOVED, _UNMOVED = 3.0, 0.01
 # has 1 at most, and squeeze makes films less steep.
 _STEEPEST, _LEFT = 2.0, 0.1
 
+# Change of the speed over itself up to which it is constant: that of a disc is, but for rounding.
+_CONSTANT = 1e-6
+
 # The film of each exponent.
 _FILM_OF = {
     "speed_exponent": "film_min",
@@ -124,7 +127,7 @@ def note_steepness(film: xr.Dataset) -> list[Note]:
         return []
     speed, minimum = np.abs(film[name].values), film["film_min"].values
     use = (speed > 0) & (minimum > 0)
-    if use.sum() < LEAST_TRIGGERS or not np.ptp(speed[use]) > 0:
+    if use.sum() < LEAST_TRIGGERS or not np.ptp(speed[use]) > _CONSTANT * np.max(speed[use]):
         return []
     x, y = np.log(speed[use]), np.log(minimum[use])
     power = np.polyfit(x, y, 1)

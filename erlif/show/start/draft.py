@@ -143,13 +143,13 @@ class Draft:
             If there is no such key, or the file cannot be changed.
         """
         path, known = self.path(name), self._keys(name)
+        tables = {table for place in known for table in _prefixes(place)}
         values = {}
-        for place, value in typed.items():
-            key = known.get(tuple(place.split(".")))
-            if key is None and isinstance(value, str):
-                raise ConfigError(f"Expected a key of {path.name}; got {place!a}. Reload the page.")
-            read = read_typed(key, value) if key and isinstance(value, str) else value
-            values[tuple(place.split("."))] = read
+        for text, value in typed.items():
+            place = tuple(text.split("."))
+            if place not in tables or (place not in known and isinstance(value, str)):
+                raise ConfigError(f"Expected a key of {path.name}; got {text!a}. Reload the page.")
+            values[place] = read_typed(known[place], value) if isinstance(value, str) else value
 
         change = propose_change(path, values)
         earlier = {fault.text for fault in self.faults(name, tomllib.loads(change.before))}

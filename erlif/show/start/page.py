@@ -318,8 +318,8 @@ def start_page(root: Path, *, port: int = 0) -> Iterator[str]:
     Examples
     --------
     >>> from urllib.request import urlopen
-    >>> with start_page(Path("calibration")) as address:
-    ...     json.load(urlopen(f"{address}state"))["suggested"]
+    >>> with start_page(Path("calibration")) as address, urlopen(f"{address}state") as reply:
+    ...     json.load(reply)["suggested"]
     {'fixture': 'wedge'}
     """
     require_library()

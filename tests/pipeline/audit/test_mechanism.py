@@ -67,14 +67,14 @@ SLIDER_CRANK = SliderCrankSettings(kind="slider-crank", **LINKS)
 ROCKER = CrankRockerSettings(kind="crank-rocker", **LINKS, rocker="60 cm", ground="65 cm")
 
 
-def notes_of(angle, film, stated, *, mounted_on="crank", ordered=True):
+def notes_of(angle, film, stated, *, mounted_on="crank", ordered=True, load=None):
     """Warnings about a film and the angles in its log, with the encoder on the crank."""
     encoder = EncoderSettings(mounted_on=mounted_on)
     settings = RunSettings.model_construct(mechanism=stated, encoder=encoder)
     one = SimpleNamespace(
         order=(None, np.array([], int)) if ordered else None,
         levels=film,
-        logged={"crank_angle": np.degrees(angle)}.get,
+        logged={"crank_angle": np.degrees(angle), "joint_load": load}.get,
         run=SimpleNamespace(settings=settings),
     )
     return [note.text for note in note_mechanism(one)]
@@ -86,6 +86,15 @@ def test_a_crank_that_is_half_a_turn_off_is_named(off):
     found = notes_of(angle + np.radians(off), pin_film(angle), SLIDER_CRANK)
     assert len(found) == (off > 0)
     assert all("a crank angle -180 deg off" in text for text in found)
+
+
+@pytest.mark.parametrize(
+    "load", [np.linspace(0.4, 1.8, 40), np.repeat([1.0, 2.0, 0.7], 14)[:40]], ids=["ramp", "steps"]
+)
+def test_a_film_that_does_not_follow_its_load_has_no_other_zero(load):
+    angle = np.linspace(0.1, 2 * np.pi, 40)
+    assert not notes_of(angle, pin_film(angle), SLIDER_CRANK, load=222 * load)
+    assert notes_of(angle + np.pi, pin_film(angle), SLIDER_CRANK, load=np.full(40, 222.0))
 
 
 def rocker_film(angle, memory=0.0):

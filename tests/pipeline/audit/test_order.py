@@ -38,3 +38,20 @@ def test_an_order_is_named_with_its_pairs(light, words):
 def test_rows_in_order_and_a_log_without_energies_bring_no_note():
     assert list(note_order(evidence(ENERGIES))) == []
     assert list(note_order(evidence(ENERGIES, energies=None))) == []
+
+
+@pytest.mark.parametrize("ramp", [True, False])
+def test_a_film_that_ignores_its_load_has_no_other_order(ramp):
+    """Some films of a crank pin fit a shifted log of speed over load by chance."""
+    load = np.linspace(0.4, 1.8, 40) if ramp else np.repeat([1.0, 2.0, 0.7], 14)[:40]
+    for seed in range(40):
+        rng = np.random.default_rng(seed)
+        speed = 1 + 0.36 * np.cos(np.linspace(0.1, 2 * np.pi * rng.uniform(0.6, 1.4), 40))
+        logged = {"rocker_speed": speed, "joint_load": load}
+        one = SimpleNamespace(
+            numbers=np.arange(40),
+            order=None,
+            levels=speed**0.6 + 0.02 * rng.normal(size=40),
+            logged=logged.get,
+        )
+        assert not list(note_order(one))

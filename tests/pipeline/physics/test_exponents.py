@@ -145,3 +145,5 @@ def test_a_film_steeper_than_its_speed_allows_is_of_other_links(stated, steep):
     assert all("lengths of the links" in note.text for note in found)
     assert not note_steepness(film.drop_vars("crank_angle"))
     assert not note_steepness(film.assign(film_min=film.film_min[::-1].copy() * np.nan))
+    rounded = 2.0 + 4e-16 * np.arange(film.sizes["trigger"])  # of a disc
+    assert not note_steepness(film.assign(rocker_speed=("trigger", rounded)))

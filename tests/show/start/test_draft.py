@@ -90,6 +90,8 @@ def test_a_value_that_cannot_be_used_is_refused_and_nothing_is_written(lab, draf
         ("joint.pin.poissons_ratio", "0.6", "0.5"),
         ("thickness.roi.x", "[3, one]", "thickness.roi"),
         ("no.such", "1", "Expected a key"),
+        ("no.such", [1], "Expected a key"),
+        ("thickness", "1", "Expected a key"),
     ):
         with pytest.raises(ConfigError, match=reason):
             draft.change("run", {place: text})

@@ -1,8 +1,11 @@
 """The page of `erlif start` in Chromium: from folders of frames to a film."""
 
+import json
 import shutil
 import tomllib
 from pathlib import Path
+from urllib.error import HTTPError
+from urllib.request import Request, urlopen
 
 import pytest
 import tifffile
@@ -377,3 +380,39 @@ def test_work_is_cancelled_and_leaves_no_film(visit, lab):
         page.wait_for_selector("body[data-work=failed]")
         assert "Cancelled" in page.inner_text("#notes")
         assert not lab.film.exists()
+
+
+NONSENSE = [
+    *("", "[]", "3", '{"name": "run"}', '{"name": "x", "values": {}}', '{"values": [1]}'),
+    *('{"name": "run", "values": {"a.b": [1]}}', '{"name": "run", "folder": "..", "kind": "x"}'),
+    '{"name": "run", "strokes": [[[1, "a"]]], "width": 5, "shape": [10, 10]}',
+]
+
+
+POSTED = ("open", "try", "change", "brush", "start")
+ASKED = (
+    *("name=fixture&purpose=frames", "name=no&purpose=frames", "name=run&purpose=no"),
+    "name=run&purpose=frames&camera=9",
+)
+
+
+def test_what_no_page_sends_is_refused_in_a_sentence(lab):
+    before = (lab.run / "run.toml").read_bytes()
+    with start_page(lab.directory) as address:
+
+        def send(name, body=None):
+            return urlopen(Request(address + name, body))
+
+        def refused(name, body=None):
+            with pytest.raises(HTTPError) as caught, send(name, body):
+                pass
+            with caught.value as reply:
+                return reply.code, json.load(reply)["message"]
+
+        send("open", b'{"name": "run", "folder": "run", "kind": "static"}').close()
+        cases = [(name, body.encode()) for name in POSTED for body in NONSENSE]
+        cases += [(f"frame?number=0&camera=1&window=0,0,9,9&room=9,9&{one}", None) for one in ASKED]
+        for name, body in cases:
+            code, message = refused(name, body)
+            assert (code, message[:8]) == (400, "Expected"), (name, body, message)
+    assert (lab.run / "run.toml").read_bytes() == before

@@ -104,6 +104,17 @@ export function strokeOver(pen, path) {
   pen.lineWidth = 1;
 }
 
+// a circle around a point, visible on every colour
+export function circle(pen, [x, y], radius) {
+  pen.beginPath();
+  pen.arc(x, y, radius, 0, 7);
+  for (const [wide, colour] of [[4, "#ffffff"], [2, "#000000"]]) {
+    pen.lineWidth = wide;
+    pen.strokeStyle = colour;
+    pen.stroke();
+  }
+}
+
 // a bar of 256 colours beside a map, with the values at its ticks
 export function drawBar(pen, colours, [low, high], { left, top, height, most, size = 12 }) {
   for (let n = 0; n < 256; n++) {

@@ -1,7 +1,7 @@
 // Images of both cameras as they are read, and what is drawn on those of camera 1.
 import { MapPanel } from "./map.js";
 import { Histogram } from "./histogram.js";
-import { byId, element, latest, showKey } from "./draw.js";
+import { byId, circle, element, latest, showKey } from "./draw.js";
 import { fixed, percent } from "./news.js";
 import { get, post } from "./server.js";
 
@@ -255,16 +255,7 @@ function drawShapes(stroke, at, pen) {
   strokes.forEach((path) => outline(path, false));
   if (points.length) outline(points.length === 2 && ["roi", "patch"].includes(tool)
     ? frame({ x: interval(0), y: interval(1) }) : points, tool === "polygon");
-  points.forEach((point) => drawPoint(pen, at(...point)));
-}
-
-function drawPoint(pen, [x, y]) {
-  for (const [radius, colour] of [[5, "#ffffff"], [3, "#000000"]]) {
-    pen.beginPath();
-    pen.arc(x, y, radius, 0, 7);
-    pen.fillStyle = colour;
-    pen.fill();
-  }
+  points.forEach((point) => circle(pen, at(...point), 3));
 }
 
 function label(pen, text, [x, y]) {
@@ -281,13 +272,13 @@ function drawProfile([x, y], outline, at, pen) {
   const [cos, sin] = [Math.cos(direction), Math.sin(direction)];
   const placed = (a, b) => [x + cos * a - sin * b, y + sin * a + cos * b];
   if (Array.isArray(profile[0])) {
-    profile.forEach((point) => drawPoint(pen, at(...placed(...point))));
+    profile.forEach((point) => circle(pen, at(...placed(...point)), 3));
     return;
   }
   const tall = (0.3 * films[0].height * file.pitch) / Math.max(...thickness);
   outline(profile.map((a) => placed(a, 0)), false);
   outline(profile.map((a, n) => placed(a, -tall * thickness[n])), false);
-  drawPoint(pen, at(x, y));
+  circle(pen, at(x, y), 3);
   label(pen, "x = 0 of the profile", at(x, y));
 }
 

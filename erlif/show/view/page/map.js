@@ -1,6 +1,6 @@
 // A map on a canvas: colours, axes, colour bar, and what is drawn over it.
 import {
-  css, drawBar, latest, lengthOf, signed, strokeOver, ticks, triples, write, writeUpwards,
+  circle, css, drawBar, latest, lengthOf, signed, strokeOver, ticks, triples, write, writeUpwards,
 } from "./draw.js";
 
 const EDGE = { left: 50, right: 82, top: 8, bottom: 38 }; // for axes and colour bar
@@ -225,16 +225,7 @@ export class MapPanel {
         pen.lineTo(x1, y1);
       });
     }
-    if (mark) {
-      const [x, y] = this.toScreen(...mark);
-      pen.beginPath();
-      pen.arc(x, y, 6, 0, 7);
-      for (const [wide, colour] of [[4, "#ffffff"], [2, "#000000"]]) {
-        pen.lineWidth = wide;
-        pen.strokeStyle = colour;
-        pen.stroke();
-      }
-    }
+    if (mark) circle(pen, this.toScreen(...mark), 6);
   }
 
   drawAxes(pen) {
