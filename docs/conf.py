@@ -180,6 +180,8 @@ NAVIGATION = {
         "decisions/index",
         "performance",
         "container",
+        "stability",
+        "Release <release>",
         "cite",
     ),
 }

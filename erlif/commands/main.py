@@ -38,7 +38,7 @@ from erlif.core.version import version_and_sources
 
 # The commands in the order of their use, by what they serve.
 COMMANDS = {
-    "Measure": ("start", "init", "check", "calibrate", "watch", "process"),
+    "Measure": ("sample", "start", "init", "check", "calibrate", "watch", "process"),
     "Look": ("view", "figures", "report", "movie", "export", "compare"),
     "Explain": ("budget", "predict", "pressure"),
     "Plan a rig": ("simulate", "plan"),
@@ -176,9 +176,8 @@ def main() -> None:
 
     \b
     Example:
-      erlif simulate rehearsal
-      erlif process rehearsal/run
-      erlif figures rehearsal/run/film.nc
+      erlif sample first
+      erlif process first/run
     """
     show_log(verbosity())
 

@@ -448,7 +448,7 @@ class RigSettings:
             return {}
         dark = (*self.dark_drift, self.dark_step[1])
         found = {
-            "ratio": self.brightness != (1, 1) or self.gain_step[1] != 1,
+            "ratio": self.brightness != (1.0, 1.0) or self.gain_step[1] != 1,
             "background": any((self.background, self.background_beam, self.glare, *dark)),
             "energy": not self.background_pages or self.background_energy != 1,
             "field": any(self.shading),

@@ -138,11 +138,9 @@ def open_film(path: str | Path, *, group: str | None = None) -> xr.Dataset:
     erlif.core.errors.OutputError: Expected a film file; no such film.nc does not exist. ...
     """
     if not isinstance(path, str | PathLike):
-        kind = kind_of(path)
-        given = KINDS[kind].words if kind in KINDS else type(path).__name__
         raise OutputError(
-            f"Expected the path of a film, got {given}. Name its file; a film in memory is open "
-            "already."
+            f"Expected the path of a film, got {_name_of(path)}. Name its file; a film in memory "
+            "is open already."
         )
     path = Path(path)
     if not path.exists():
@@ -159,6 +157,12 @@ def open_film(path: str | Path, *, group: str | None = None) -> xr.Dataset:
         raise
     except Exception as error:  # damaged bytes raise exceptions of many kinds in HDF5 and zarr
         raise _damaged(path, error) from error
+
+
+def _name_of(thing: object) -> str:
+    """What was given in place of a path."""
+    kind = kind_of(thing)
+    return KINDS[kind].words if kind in KINDS else type(thing).__name__
 
 
 def _open_checked(path: Path, group: str | None) -> xr.Dataset:

@@ -36,6 +36,9 @@ class PngPicture(FrameFile):
     """A PNG picture."""
 
     def __init__(self, path: Path) -> None:
+        import imagecodecs  # takes a tenth of a second to load
+
+        self._decode = imagecodecs.png_decode
         self.path = path
         with Source(path) as source:
             head = source.read(0, 33)
@@ -58,10 +61,8 @@ class PngPicture(FrameFile):
 
     def read(self, index: int) -> AnyArray:
         """As `FrameFile.read`."""
-        import imagecodecs  # takes a tenth of a second to load
-
         try:
-            counts = np.asarray(imagecodecs.png_decode(self.path.read_bytes()))
+            counts = np.asarray(self._decode(self.path.read_bytes()))
         except Exception as error:  # it raises several types on damaged bytes
             raise FrameError(f"the picture is damaged ({reason_of(error)})") from error
         shape, dtype = self.kinds[index]
@@ -132,7 +133,13 @@ def open_pgm(path: Path) -> FrameFile:
     return RawFrames(path, layout, places, bits=most.bit_length())
 
 
-PNG = Format("PNG", (".png",), lambda path, head: head[:8] == _PNG_START, PngPicture)
+PNG = Format(
+    "PNG",
+    (".png",),
+    lambda path, head: head[:8] == _PNG_START,
+    PngPicture,
+    extra="formats",
+)
 BMP = Format(
     "BMP",
     (".bmp", ".dib"),

@@ -1,8 +1,8 @@
 """TIFF files: images, stacks, BigTIFF, OME and ImageJ, whatever their suffix.
 
-tifffile reads the pages, libtiff decompresses LZW, and imagecodecs all else. Before them go the
-checks without which a damaged or hostile file would take minutes or gigabytes: of the chain of
-directories, and of the sizes that each of them claims.
+tifffile reads the pages and deflate, libtiff decompresses LZW, and imagecodecs all else; tifffile
+needs it for LZW as well. Before them go the checks without which a damaged or hostile file would
+take minutes or gigabytes: of the chain of directories, and of the sizes that each of them claims.
 """
 
 from __future__ import annotations
@@ -68,6 +68,9 @@ _SEPARATE = 2
 # Values of the tag Compression with which the tag Predictor has no meaning.
 _NONE, _PACKBITS = 1, 32773
 
+# Compressions that need no other package: none, deflate by both of its numbers, and PackBits.
+_OF_TIFFFILE = (_NONE, 8, 32946, _PACKBITS)
+
 # Value of the tag Compression for LZW.
 _LZW = 5
 
@@ -116,6 +119,9 @@ class TiffFrames(FrameFile):
                 self._file = tifffile.TiffFile(path)
             self.kinds = self._read_kinds(directories, size)
             first = self._page(0)
+            if not _is_plain(first):
+                import imagecodecs  # noqa: F401 -- its absence is named when the file is opened
+
             self.stack = _contiguous(first, self._file.byteorder)
             bits = int(first.bitspersample)
             self.bits = bits if 8 < bits < 16 else None
@@ -129,7 +135,7 @@ class TiffFrames(FrameFile):
             if whole and self.description.frames in (0, len(self.kinds)):
                 self.channels, self.times = self.description.channels, self.description.times
                 self.serial = self.description.serial
-        except (OSError, FrameError):
+        except (OSError, FrameError, ModuleNotFoundError):
             self.close()
             raise
         except Exception as error:  # tifffile raises exceptions of many types on damaged bytes
@@ -226,6 +232,11 @@ class TiffFrames(FrameFile):
         return page
 
 
+def _is_plain(page: tifffile.TiffPage) -> bool:
+    """Whether tifffile reads a page by itself."""
+    return page.compression in _OF_TIFFFILE and page.bitspersample in (8, 16, 32, 64)
+
+
 def _is_plain_lzw(page: tifffile.TiffPage) -> bool:
     """Whether the counts of a page are compressed by LZW, in whole bytes of the usual order."""
     return (
@@ -268,6 +279,7 @@ TIFF = Format(
     (".tif", ".tiff", ".btf", ".tf8", ".tf2"),
     lambda path, head: head[:4] in _STARTS,
     open_tiff,
+    extra="formats",
 )
 
 

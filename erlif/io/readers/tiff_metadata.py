@@ -169,8 +169,8 @@ def _divide(number: int, sizes: Sequence[int]) -> list[int]:
     return places
 
 
-def _plain(tag: str) -> str:
-    """Name of an element without its namespace."""
+def _plain(tag: object) -> str:
+    """Name of an element without its namespace; empty for a comment."""
     return tag.rpartition("}")[2] if isinstance(tag, str) else ""
 
 

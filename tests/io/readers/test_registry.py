@@ -4,6 +4,7 @@ import functools
 import gzip
 import os
 import re
+import subprocess
 import sys
 import tomllib
 from concurrent.futures import ThreadPoolExecutor
@@ -14,6 +15,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import tifffile
+from PIL import Image
 
 from erlif.core.errors import FrameError
 from erlif.io.readers import Format, FrameFile, FrameKind, borrow_frames, open_frames, registry
@@ -214,3 +216,31 @@ def test_a_file_that_took_the_name_of_an_open_one_is_opened_anew(tmp_path):
 def test_a_file_that_is_gone_when_it_is_borrowed_is_a_fault(tmp_path):
     with pytest.raises(FrameError, match="No such file"), borrow_frames(tmp_path / "a.tif"):
         pass
+
+
+@pytest.mark.parametrize(
+    "options", [{"compression": "zstd"}, {"compression": "lzw"}, {"bitspersample": 12}, None]
+)
+def test_frames_that_need_imagecodecs_name_the_extra_that_has_it(tmp_path, monkeypatch, options):
+    path = tmp_path / ("a.png" if options is None else "a.tif")
+    if options is None:
+        Image.fromarray(GREY[0]).save(path)
+    else:
+        tifffile.imwrite(path, GREY[0], photometric="minisblack", **options)
+    monkeypatch.setitem(sys.modules, "imagecodecs", None)
+    with pytest.raises(FrameError, match=r"imagecodecs.*pip install 'erlif\[formats\]'"):
+        open_frames(path)
+
+
+@pytest.mark.parametrize("compression", [None, "zlib", "packbits"])
+def test_usual_tiff_needs_no_imagecodecs(tmp_path, compression):
+    """In a process of its own, as tifffile has loaded it here."""
+    path = tmp_path / "a.tif"
+    tifffile.imwrite(path, GREY, photometric="minisblack", compression=compression)
+    code = (
+        "import sys; sys.modules['imagecodecs'] = None\n"
+        "from pathlib import Path; from erlif.io.readers import open_frames\n"
+        f"print(int(open_frames(Path({str(path)!r})).read(2).sum()))"
+    )
+    shown = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert int(shown.stdout) == GREY[2].sum()
