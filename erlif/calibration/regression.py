@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -63,7 +64,7 @@ _DISPLACEMENT_BOUND = 5.0  # mm
 _ITERATIONS = 200
 _CONVERGED = 1e-10  # relative change of chi-square or of the unknowns
 _NEAREST = 10  # steps to the place of the curve that is nearest to a point; four are enough
-_SETTLED = 1e-12  # relative change of a film
+_SETTLED = 1e-9  # relative change of a film; distances change by its square
 _MORE = 2  # parameters of a reflecting wall
 _BENDS = 6  # degree of the smooth curve through the residuals
 _REFLECTANCES = (0.5, 0.1)  # starting points of R
@@ -349,19 +350,17 @@ class _Distances:
                 break
         return curve, stated, film
 
-    def __call__(self, unknowns: Array) -> Array:
+    def distances(self, curve: Reabsorption, stated: Array, film: Array) -> Array:
         """Distance of each point, with the sign of what the ratio has above the curve."""
-        curve, stated, film = self.nearest(unknowns)
         miss = (self.log_ratio - curve.predict(film)) / self.log_ratio_std
         return np.copysign(np.hypot(miss, (film - stated) / self.thickness_std), miss)
 
-    def jacobian(self, unknowns: Array) -> Array:
+    def jacobian(self, curve: Reabsorption, film: Array) -> Array:
         """Derivatives of the distances, (point, unknown); the nearest place stays the nearest."""
-        curve, _, film = self.nearest(unknowns)
-        K, p, q, *_ = curve.parameters
+        K, p, q, *wall = curve.parameters
         by_K, by_p, by_q, *by_wall = curve.gradient(film)
         if by_wall:
-            by_q, by_wall[0] = by_q + unknowns[BLACK] * by_wall[0], q * by_wall[0]
+            by_q, by_wall[0] = by_q + wall[0] / q * by_wall[0], q * by_wall[0]
         slope = curve.slope(film)
 
         columns = [K * by_K, (p - q) * by_p, q * (by_p + by_q), *by_wall]
@@ -390,11 +389,16 @@ class _Distances:
             changed[free] = searched
             return changed
 
+        @lru_cache(maxsize=1)  # distances and their derivatives are asked for in turn
+        def nearest(searched: bytes) -> tuple[Reabsorption, Array, Array]:
+            return self.nearest(complete(np.frombuffer(searched)))
+
         def distances(searched: Array) -> Array:
-            return self(complete(searched))
+            return self.distances(*nearest(searched.tobytes()))
 
         def derivatives(searched: Array) -> Array:
-            return self.jacobian(complete(searched))[:, free]
+            curve, _, film = nearest(searched.tobytes())
+            return self.jacobian(curve, film)[:, free]
 
         found = least_squares(
             distances,
