@@ -107,6 +107,8 @@ class Draft:
         ErlifError
             As `erlif.init`, or if the file cannot be read.
         """
+        if name not in KINDS:
+            raise ConfigError(f"Expected {' or '.join(KINDS)}; got {name!a}. Reload the page.")
         path = directory / f"{name}.toml"
         before = _text_of(path)
         notes = self.notes.get(name, []) if self.directories.get(name) == directory else []
@@ -210,7 +212,8 @@ class Draft:
             return
         last.path.unlink()
         last.path.with_suffix(".schema.json").unlink(missing_ok=True)
-        del self.directories[name]
+        if self.directories.get(name) == last.path.parent:  # and not another one since
+            del self.directories[name]
 
     def link(self) -> None:
         """Name the calibration of the open fixture in the run that names none."""
@@ -227,7 +230,8 @@ class Draft:
 
     def fields(self, name: str) -> Iterator[dict[str, Any]]:
         """Describe the keys of the file: value, form, unit, meaning, and the fault or remark."""
-        values, gaps = self.values(name), set(find_gaps(self.values(name)))
+        values = self.values(name)
+        gaps = set(find_gaps(values))
         other = self.values("fixture" if name == "run" else "run")
         faults = {fault.place: fault.text for fault in self.faults(name, values)}
         remarks = find_remarks(self.path(name).read_text(encoding="utf-8-sig"))
