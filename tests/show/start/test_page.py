@@ -3,6 +3,7 @@
 import json
 import shutil
 import tomllib
+from contextlib import closing
 from pathlib import Path
 from urllib.error import HTTPError
 from urllib.request import Request, urlopen
@@ -10,13 +11,16 @@ from urllib.request import Request, urlopen
 import pytest
 import tifffile
 import xarray as xr
+from PIL import Image
 from scenes import browser
 from scenes.rig import small_rig
 from scenes.start import OF_THE_SAMPLE, at, drag, take, type_in
 
 import erlif
+from erlif.core.errors import ErlifError
 from erlif.rig import simulate
 from erlif.show.start import start_page
+from erlif.show.start.page import StartPage
 
 pytestmark = browser.MARKS
 
@@ -382,10 +386,62 @@ def test_work_is_cancelled_and_leaves_no_film(visit, lab):
         assert not lab.film.exists()
 
 
+def test_an_earlier_film_stays_open_where_the_work_fails(lab, film, monkeypatch):
+    shutil.copy(film, lab.film)
+
+    def fail(*given, **options):
+        raise ErlifError("Cancelled.")
+
+    monkeypatch.setattr("erlif.show.start.page.process", fail)
+    with closing(StartPage(lab.directory)) as page:
+        send = page.writing()
+        send["open"]([], b'{"name": "run", "folder": "run", "kind": "static"}')
+        send["start"]([], b'{"task": "process", "name": "run"}')
+        page.wait()
+        state = page.describe()["work"]
+        assert state["failed"]
+        assert state["film"] == "run/film.nc"
+    assert page.films == []
+
+
+def test_settings_of_any_form_are_described_with_their_faults(lab):
+    with closing(StartPage(lab.directory)) as page:
+        page.writing()["open"]([], b'{"name": "run", "folder": "run", "kind": "static"}')
+        for text in (
+            *("camera1 = 3", "camera1.files = 3", "camera2 = []", "registration = 'x'"),
+            *("thickness.roi = 1", "thickness.exclude = [[1]]", "fixture.profile = 3"),
+            *("fixture = {direction = 3}", "optics.pixel_pitch = [75]", "joint = [{bore = 1}]"),
+            *("fixture.origin = []", "reference.region = 'all'", "mechanism = true"),
+        ):
+            (lab.run / "run.toml").write_text(text)
+            assert page.describe()["files"]["run"]["faults"], text
+
+
+def test_a_list_with_a_fault_is_not_drawn(lab):
+    lab.edit("fixture/fixture.toml", ("origin = [", "origin = ['left', "))
+    with closing(StartPage(lab.directory)) as page:
+        page.writing()["open"]([], b'{"name": "fixture", "folder": "fixture", "kind": "static"}')
+        assert page.describe()["files"]["fixture"]["shapes"]["origin"] is None
+
+
+def test_a_long_way_of_the_brush_is_one_mask(lab):
+    way = [[column % 128, column // 128] for column in range(9_000)]  # more than 64 KiB
+    with start_page(lab.directory) as address:
+        for name, given in (
+            ("open", {"folder": "run", "kind": "static"}),
+            ("brush", {"strokes": [way], "width": 3}),
+        ):
+            urlopen(Request(address + name, json.dumps({"name": "run", **given}).encode())).close()
+    with Image.open(lab.run / "mask_1.png") as mask:
+        assert (mask.size, mask.getpixel((100, 60))) == ((128, 96), 255)
+
+
 NONSENSE = [
     *("", "[]", "3", '{"name": "run"}', '{"name": "x", "values": {}}', '{"values": [1]}'),
     *('{"name": "run", "values": {"a.b": [1]}}', '{"name": "run", "folder": "..", "kind": "x"}'),
-    '{"name": "run", "strokes": [[[1, "a"]]], "width": 5, "shape": [10, 10]}',
+    '{"name": "run", "strokes": [[[1, "a"]]], "width": 5}',
+    '{"name": "run", "strokes": [[[1, 1]]], "width": Infinity}',
+    '{"name": "x", "folder": "run", "kind": "static"}',
 ]
 
 

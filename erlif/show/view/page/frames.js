@@ -219,18 +219,22 @@ function valuesOf() {
   }
 }
 
-async function finish() {
+// sends a change; a refusal leaves what is drawn
+async function send(action, values) {
   try {
-    const state = tool === "brush"
-      ? await post("brush", { name, strokes: strokes.map((stroke) =>
-        stroke.map((point) => point.map(inPixels))), width: byId("width").valueAsNumber,
-      shape: [films[0].height, films[0].width] })
-      : await post("change", { name, values: valuesOf() });
+    const state = await post(action, { name, ...values });
     clear();
     changed(state);
   } catch (error) {
     report(error.message, true);
   }
+}
+
+function finish() {
+  if (tool !== "brush") return send("change", { values: valuesOf() });
+  const ways = strokes.map((stroke) =>
+    stroke.map((point) => point.map((value) => Math.round(inPixels(value)))));
+  return send("brush", { strokes: ways, width: byId("width").valueAsNumber });
 }
 
 // shapes of the settings, and those that are being drawn
@@ -288,10 +292,9 @@ function connect() {
     count();
     load();
   });
-  byId("orientation").addEventListener("change", async () => {
+  byId("orientation").addEventListener("change", () => {
     const { value } = byId("orientation");
-    const values = { "registration.orientation": value === "normal" ? "" : value };
-    changed(await post("change", { name, values }));
+    send("change", { values: { "registration.orientation": value === "normal" ? "" : value } });
   });
   byId("flicker").addEventListener("change", () => {
     flickering = +byId("flicker").checked;
