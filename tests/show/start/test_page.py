@@ -2,6 +2,7 @@
 
 import json
 import shutil
+import time
 import tomllib
 from contextlib import closing
 from pathlib import Path
@@ -386,6 +387,19 @@ def test_work_is_cancelled_and_leaves_no_film(visit, lab):
         assert not lab.film.exists()
 
 
+def test_a_change_that_cannot_be_made_and_a_server_that_has_ended_are_named(visit, lab):
+    with start_page(lab.directory) as address:
+        page = visit(address)
+        take(page, "run")
+        (lab.run / "run.toml").write_text("no settings")
+        page.select_option("#orientation", "mirrored_x")
+        page.wait_for_selector("#status.bad:text('Expected valid TOML')")
+        # as fetch fails where nobody listens
+        page.evaluate("() => { window.fetch = () => Promise.reject(new TypeError('fetch')); }")
+        page.click("#card-run .choose")
+        page.wait_for_selector("#picker-refusal:text('does not run any more')")
+
+
 def test_an_earlier_film_stays_open_where_the_work_fails(lab, film, monkeypatch):
     shutil.copy(film, lab.film)
 
@@ -397,7 +411,8 @@ def test_an_earlier_film_stays_open_where_the_work_fails(lab, film, monkeypatch)
         send = page.writing()
         send["open"]([], b'{"name": "run", "folder": "run", "kind": "static"}')
         send["start"]([], b'{"task": "process", "name": "run"}')
-        page.wait()
+        while page.describe()["work"]["running"]:
+            time.sleep(0.01)
         state = page.describe()["work"]
         assert state["failed"]
         assert state["film"] == "run/film.nc"

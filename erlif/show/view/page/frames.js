@@ -1,8 +1,8 @@
 // Images of both cameras as they are read, and what is drawn on those of camera 1.
 import { MapPanel } from "./map.js";
-import { Histogram } from "./histogram.js";
-import { byId, circle, element, latest, showKey } from "./draw.js";
-import { fixed, percent } from "./news.js";
+import { fitToWindow, showCameras } from "./cameras.js";
+import { byId, circle, element, latest, report, showKey } from "./draw.js";
+import { percent } from "./news.js";
 import { get, post } from "./server.js";
 
 const TOGGLE = 600; // time for which each camera is shown, in milliseconds
@@ -26,7 +26,7 @@ const TOOLS = {
 };
 const IN_MM = ["roi", "patch", "polygon"]; // tools that need the scale
 
-let [name, file, changed, report] = ["", null, null, null];
+let [name, file, changed] = ["", null, null];
 let tool = "move";
 let points = []; // x and y in mm, of the tool that is used
 let strokes = []; // of the brush: lists of points
@@ -35,10 +35,10 @@ let flickering = 0; // camera that the first panel shows while it flickers, 0 wh
 const films = [null, null];
 const states = [0, 1].map(() => ({ window: WHOLE, limits: {}, tool: "move", mark: null }));
 let panels = [];
-const histograms = [1, 2].map((n) => new Histogram(byId(`histogram-${n}`)));
 
+// `use` receives the state after a change
 export function makeFrames(about, use) {
-  [changed, report] = [use.changed, use.report];
+  changed = use;
   panels = [1, 2].map((n) => new MapPanel(byId(`panel-${n}`), {
     about, state: states[n - 1], clicks: true,
     film: () => films[n - 1] ?? { x: [0, 1], y: [0, 1], width: WHOLE[2], height: WHOLE[3],
@@ -113,23 +113,12 @@ const load = latest(async () => {
   try {
     await Promise.all(panels.map((panel) => panel.refresh()));
     const { cameras } = await (await get("levels", query())).json();
-    cameras.forEach((camera, n) => histograms[n].show(camera));
-    showChecks(cameras);
+    showCameras(cameras);
     report("");
   } catch (error) {
     report(error.message, true);
   }
 });
-
-function showChecks(cameras) {
-  const rows = [["", () => ""], ["mean count", (one) => `${fixed(one.mean, 0)} DN`],
-    ["brightest 0.1 %", (one) =>
-      `${fixed(100 * one.highest, 0)} % of ${one.full_scale} DN`],
-    ["saturated", (one) => percent(one.saturated)]];
-  byId("checks").replaceChildren(...rows.map(([title, text], row) => element("tr",
-    element("th", title), ...cameras.map((one, n) => (row ? element("td", text(one))
-      : element("th", `camera ${n + 1}`))))));
-}
 
 // tools
 
@@ -314,10 +303,7 @@ function connect() {
   });
   byId("again").addEventListener("click", clear);
   panels[0].canvas.addEventListener("keydown", pressed);
-  addEventListener("resize", () => {
-    panels.forEach((panel) => panel.resize());
-    histograms.forEach((chart) => chart.resize());
-  });
+  fitToWindow(panels);
   choose("move");
 }
 
