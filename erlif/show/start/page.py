@@ -278,10 +278,6 @@ class StartPage:
             while self.films:
                 self.films.pop().close()
 
-    def wait(self) -> None:
-        """Wait for the end of the work."""
-        self._work.wait()
-
     def close(self) -> None:
         """Cancel the work, wait for its end, and release the film."""
         self._work.cancel()

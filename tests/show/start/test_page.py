@@ -387,6 +387,25 @@ def test_work_is_cancelled_and_leaves_no_film(visit, lab):
         assert not lab.film.exists()
 
 
+def test_a_value_that_is_being_typed_stays_while_others_change(visit, lab):
+    with start_page(lab.directory) as address:
+        page = visit(address)
+        take(page, "run")
+        page.click("text='All other settings'")
+        field = page.locator('[id="run.optics.pixel_pitch"]')
+        field.fill("151")
+        page.evaluate("""() => {
+            const choice = document.getElementById("orientation");
+            choice.value = "mirrored_x";
+            choice.dispatchEvent(new Event("change"));
+        }""")
+        page.wait_for_selector('#changes >> text="run.toml: registration.orientation"')
+        assert field.input_value() == "151"
+        field.press("Enter")
+        page.wait_for_selector('#changes >> text="run.toml: optics.pixel_pitch"')
+        assert field.input_value() == "151 um"
+
+
 def test_a_change_that_cannot_be_made_and_a_server_that_has_ended_are_named(visit, lab):
     with start_page(lab.directory) as address:
         page = visit(address)
