@@ -144,7 +144,7 @@ class Draft:
         ConfigError
             If there is no such key, or the file cannot be changed.
         """
-        path, known = self.path(name), self._keys(name)
+        path, known = self.path(name), self._keys(name, self.values(name))
         tables = {table for place in known for table in _prefixes(place)}
         values = {}
         for text, value in typed.items():
@@ -235,7 +235,7 @@ class Draft:
         other = self.values("fixture" if name == "run" else "run")
         faults = {fault.place: fault.text for fault in self.faults(name, values)}
         remarks = find_remarks(self.path(name).read_text(encoding="utf-8-sig"))
-        for place, key in self._keys(name).items():
+        for place, key in self._keys(name, values).items():
             gap, value = place in gaps, _value_at(values, place)
             there = _value_at(other, place)
             yield {
@@ -255,9 +255,9 @@ class Draft:
                 else "",
             }
 
-    def _keys(self, name: str) -> dict[Place, Key]:
+    def _keys(self, name: str, values: Mapping[str, Any]) -> dict[Place, Key]:
         """Keys of the file in its order; of [mechanism] those of its kind."""
-        kind = _value_at(self.values(name), ("mechanism", "kind"))
+        kind = _value_at(values, ("mechanism", "kind"))
         return {
             place: key
             for place, form, key in _all_keys(KINDS[name])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import logging
 import time
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
@@ -41,6 +42,8 @@ from erlif.show.view.handlers import READING, WRITING
 from erlif.show.view.layers import LAYERS, describe_layers
 from erlif.show.view.queries import Found, Request, pack_values
 from erlif.show.view.serving import require_library, serving
+
+_logger = logging.getLogger(__name__)
 
 _THREADS = 4  # that read frames and settings
 
@@ -106,6 +109,8 @@ class StartPage:
                 with self._lock:
                     return actions[name](given) or self.describe()
             except (ValueError, TypeError, KeyError, AttributeError, *_TOO_MUCH) as error:
+                # a defect of erlif, if the page itself has sent this
+                _logger.warning("%s has ended with an error", name, exc_info=error)
                 raise ErlifError(f"Expected what the page sends to {name}. Reload it.") from error
 
         return WRITING | {name: lambda films, body, name=name: act(name, body) for name in actions}

@@ -486,7 +486,7 @@ ASKED = (
 )
 
 
-def test_what_no_page_sends_is_refused_in_a_sentence(lab):
+def test_what_no_page_sends_is_refused_in_a_sentence(lab, caplog):
     before = (lab.run / "run.toml").read_bytes()
     with start_page(lab.directory) as address:
 
@@ -506,3 +506,4 @@ def test_what_no_page_sends_is_refused_in_a_sentence(lab):
             code, message = refused(name, body)
             assert (code, message[:8]) == (400, "Expected"), (name, body, message)
     assert (lab.run / "run.toml").read_bytes() == before
+    assert "open has ended with an error" in caplog.messages  # with its details, for defects
