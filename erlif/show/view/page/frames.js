@@ -30,15 +30,16 @@ let [name, file, changed] = ["", null, null];
 let tool = "move";
 let points = []; // x and y in mm, of the tool that is used
 let strokes = []; // of the brush: lists of points
+let brushing = false; // within a stroke
 let hover = null; // under the pointer, for the profile
 let flickering = 0; // camera that the first panel shows while it flickers, 0 where it does not
 const films = [null, null];
 const states = [0, 1].map(() => ({ window: WHOLE, limits: {}, tool: "move", mark: null }));
 let panels = [];
 
-// `use` receives the state after a change
-export function makeFrames(about, use) {
-  changed = use;
+// `receive` gets the state after a change
+export function makeFrames(about, receive) {
+  changed = receive;
   panels = [1, 2].map((n) => new MapPanel(byId(`panel-${n}`), {
     about, state: states[n - 1], clicks: true,
     film: () => films[n - 1] ?? { x: [0, 1], y: [0, 1], width: WHOLE[2], height: WHOLE[3],
@@ -98,12 +99,12 @@ export function showFrames(given, about) {
       || (IN_MM.includes(value) && !about.pitch);
     if (input.disabled && value === tool) choose("move");
   }
-  count();
+  limitNumber();
   showTool();
   load();
 }
 
-function count() {
+function limitNumber() {
   const most = Math.max(...(file.images[byId("purpose").value] ?? [1]));
   byId("number").max = most - 1; // a number beyond it becomes the last one
 }
@@ -163,10 +164,10 @@ function addPoint({ x, y }) {
 function dragged(phase) {
   const { line, region } = states[0];
   if (tool === "brush") {
-    if (!dragged.going) strokes.push([[line[0], line[1]]]);
+    if (!brushing) strokes.push([[line[0], line[1]]]);
     strokes.at(-1).push([line[2], line[3]]);
     states[0].line = null;
-    dragged.going = phase === "going";
+    brushing = phase === "going";
   } else points = line ? [line.slice(0, 2), line.slice(2)]
     : [[region[0], region[2]], [region[1], region[3]]];
   [states[0].line, states[0].region] = [null, null];
@@ -278,7 +279,7 @@ function drawProfile([x, y], outline, at, pen) {
 function connect() {
   byId("number").addEventListener("input", load);
   byId("purpose").addEventListener("change", () => {
-    count();
+    limitNumber();
     load();
   });
   byId("orientation").addEventListener("change", () => {
