@@ -406,6 +406,20 @@ def test_a_value_that_is_being_typed_stays_while_others_change(visit, lab):
         assert field.input_value() == "151 um"
 
 
+def test_a_closed_way_of_the_brush_is_not_joined_to_the_next_one(visit, lab):
+    with start_page(lab.directory) as address:
+        page = visit(address)
+        take(page, "run")
+        page.check("input[value=brush]")
+        drag(page, (20, 20), (60, 20), (60, 50), (20, 50), (20, 20))
+        drag(page, (100, 70), (110, 70))
+        page.click("#apply")
+        page.wait_for_selector("#key li:has-text('masked')")
+    with Image.open(lab.run / "mask_1.png") as mask:
+        values = [mask.getpixel(place) for place in ((60, 35), (105, 70), (85, 56))]
+    assert values == [255, 255, 0]  # the last one is between both
+
+
 def test_a_change_that_cannot_be_made_and_a_server_that_has_ended_are_named(visit, lab):
     with start_page(lab.directory) as address:
         page = visit(address)

@@ -30,7 +30,7 @@ let [name, file, changed] = ["", null, null];
 let tool = "move";
 let points = []; // x and y in mm, of the tool that is used
 let strokes = []; // of the brush: lists of points
-let brushing = false; // within a stroke
+let brushing = false; // since the pointer is down
 let hover = null; // under the pointer, for the profile
 let flickering = 0; // camera that the first panel shows while it flickers, 0 where it does not
 const films = [null, null];
@@ -53,6 +53,9 @@ export function makeFrames(about, receive) {
         found.shares[k] && `${flag}: ${percent(found.shares[k])}`));
     },
     over: (stroke, at, pen) => n === 1 && drawShapes(stroke, at, pen),
+    pressed: () => {
+      brushing = false;
+    },
     clicked: (place) => n === 1 && addPoint(place),
     drawn: (phase) => n === 1 && dragged(phase),
     pointed: (place) => n === 1 && pointed(place),
@@ -167,7 +170,7 @@ function dragged(phase) {
     if (!brushing) strokes.push([[line[0], line[1]]]);
     strokes.at(-1).push([line[2], line[3]]);
     states[0].line = null;
-    brushing = phase === "going";
+    brushing = true;
   } else points = line ? [line.slice(0, 2), line.slice(2)]
     : [[region[0], region[2]], [region[1], region[3]]];
   [states[0].line, states[0].region] = [null, null];
