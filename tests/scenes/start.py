@@ -48,9 +48,10 @@ def at(page, column, row):
     )
 
 
-def drag(page, start, end):
+def drag(page, start, *way):
     page.locator("#panel-1 canvas").scroll_into_view_if_needed()
     page.mouse.move(*at(page, *start))
     page.mouse.down()
-    page.mouse.move(*at(page, *end), steps=4)
+    for place in way:
+        page.mouse.move(*at(page, *place), steps=4)
     page.mouse.up()

@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import count
 from pathlib import Path
 
 from PIL import Image as Picture
 from PIL import ImageDraw
 
-from erlif.core.errors import ConfigError
 from erlif.io.files import replacing
-
-# Sides of an image on which is drawn: those of any camera. [px]
-_LARGEST = 2**15
 
 
 def write_mask(
@@ -41,8 +38,6 @@ def write_mask(
 
     Raises
     ------
-    ConfigError
-        If the image is larger than that of any camera.
     OutputError
         If it cannot be written.
 
@@ -55,11 +50,6 @@ def write_mask(
     ('mask_1.png', 255)
     """
     rows, columns = shape
-    if not (0 < rows <= _LARGEST and 0 < columns <= _LARGEST):
-        raise ConfigError(
-            f"Expected a frame of at most {_LARGEST} pixels a side; got {columns} x {rows}. Draw "
-            "the mask with an image editor."
-        )
     picture = Picture.new("L", (columns, rows))
     pen, reach = ImageDraw.Draw(picture), width / 2
     for stroke in strokes:
@@ -67,8 +57,8 @@ def write_mask(
         for x, y in stroke:
             pen.ellipse((x - reach, y - reach, x + reach, y + reach), fill=255)
 
-    free = (n for n in range(1, 10_000) if not (directory / f"mask_{n}.png").exists())
-    name = f"mask_{next(free)}.png"
+    names = (f"mask_{n}.png" for n in count(1))
+    name = next(name for name in names if not (directory / name).exists())
     with replacing(directory / name) as scratch:
         picture.save(scratch, format="PNG")
     return name

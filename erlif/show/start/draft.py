@@ -107,6 +107,8 @@ class Draft:
         ErlifError
             As `erlif.init`, or if the file cannot be read.
         """
+        if name not in KINDS:
+            raise ConfigError(f"Expected {' or '.join(KINDS)}; got {name!a}. Reload the page.")
         path = directory / f"{name}.toml"
         before = _text_of(path)
         notes = self.notes.get(name, []) if self.directories.get(name) == directory else []
@@ -142,7 +144,7 @@ class Draft:
         ConfigError
             If there is no such key, or the file cannot be changed.
         """
-        path, known = self.path(name), self._keys(name)
+        path, known = self.path(name), self._keys(name, self.values(name))
         tables = {table for place in known for table in _prefixes(place)}
         values = {}
         for text, value in typed.items():
@@ -210,7 +212,8 @@ class Draft:
             return
         last.path.unlink()
         last.path.with_suffix(".schema.json").unlink(missing_ok=True)
-        del self.directories[name]
+        if self.directories.get(name) == last.path.parent:  # and not another one since
+            del self.directories[name]
 
     def link(self) -> None:
         """Name the calibration of the open fixture in the run that names none."""
@@ -227,11 +230,12 @@ class Draft:
 
     def fields(self, name: str) -> Iterator[dict[str, Any]]:
         """Describe the keys of the file: value, form, unit, meaning, and the fault or remark."""
-        values, gaps = self.values(name), set(find_gaps(self.values(name)))
+        values = self.values(name)
+        gaps = set(find_gaps(values))
         other = self.values("fixture" if name == "run" else "run")
         faults = {fault.place: fault.text for fault in self.faults(name, values)}
         remarks = find_remarks(self.path(name).read_text(encoding="utf-8-sig"))
-        for place, key in self._keys(name).items():
+        for place, key in self._keys(name, values).items():
             gap, value = place in gaps, _value_at(values, place)
             there = _value_at(other, place)
             yield {
@@ -251,9 +255,9 @@ class Draft:
                 else "",
             }
 
-    def _keys(self, name: str) -> dict[Place, Key]:
+    def _keys(self, name: str, values: Mapping[str, Any]) -> dict[Place, Key]:
         """Keys of the file in its order; of [mechanism] those of its kind."""
-        kind = _value_at(self.values(name), ("mechanism", "kind"))
+        kind = _value_at(values, ("mechanism", "kind"))
         return {
             place: key
             for place, form, key in _all_keys(KINDS[name])

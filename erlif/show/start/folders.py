@@ -36,7 +36,7 @@ def inside(root: Path, name: str) -> Path:
     try:
         folder = (root / name).resolve()
         allowed = folder.is_relative_to(root) and folder.is_dir()
-    except (OSError, ValueError) as error:
+    except (OSError, ValueError, RuntimeError) as error:  # the last one: links in a circle
         raise ErlifError(
             f"Expected a folder below {root}; {name!a} cannot be opened ({reason_of(error)}). "
             "Choose another one."

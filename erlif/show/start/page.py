@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import json
+import logging
 import time
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import contextmanager, suppress
+from contextlib import closing, contextmanager, suppress
 from dataclasses import asdict
 from pathlib import Path
 from threading import RLock
@@ -32,9 +33,9 @@ from erlif.review.check import examine
 from erlif.show.plots import write_calibration_figure
 from erlif.show.report import describe_calibration, summarise_briefly
 from erlif.show.start.brush import write_mask
-from erlif.show.start.draft import Draft
+from erlif.show.start.draft import KINDS, Draft
 from erlif.show.start.folders import inside, list_folder, suggest
-from erlif.show.start.frames import FrameSource, Photograph, pitch_of
+from erlif.show.start.frames import FrameSource, pitch_of
 from erlif.show.start.work import Work
 from erlif.show.view.films import FilmReader, open_films
 from erlif.show.view.handlers import READING, WRITING
@@ -42,7 +43,12 @@ from erlif.show.view.layers import LAYERS, describe_layers
 from erlif.show.view.queries import Found, Request, pack_values
 from erlif.show.view.serving import require_library, serving
 
+_logger = logging.getLogger(__name__)
+
 _THREADS = 4  # that read frames and settings
+
+# Numbers and brackets without end.
+_TOO_MUCH = OverflowError, RecursionError
 
 _MOST_POINTS = 400  # of a profile that is drawn over an image
 
@@ -102,7 +108,9 @@ class StartPage:
                 given = json.loads(body)
                 with self._lock:
                     return actions[name](given) or self.describe()
-            except (ValueError, TypeError, KeyError, AttributeError, RecursionError) as error:
+            except (ValueError, TypeError, KeyError, AttributeError, *_TOO_MUCH) as error:
+                # a defect of erlif, if the page itself has sent this
+                _logger.warning("%s has ended with an error", name, exc_info=error)
                 raise ErlifError(f"Expected what the page sends to {name}. Reload it.") from error
 
         return WRITING | {name: lambda films, body, name=name: act(name, body) for name in actions}
@@ -169,16 +177,17 @@ class StartPage:
         return shapes
 
     def _usable(self, name: str) -> dict[str, Any]:
-        """Values of the file without gaps and faults."""
+        """Values of the file without gaps, faults, and tables of other files."""
         values = self._draft.values(name)
         faults = [fault.place for fault in self._draft.faults(name, values)]
-        for *tables, key in (*find_gaps(values), *(place for place in faults if place)):
-            part: Any = values
-            for table in tables:
-                part = part.get(table, {})
-            if tables or not isinstance(part.get(key), dict):  # keys of a table may contradict
-                part.pop(key, None)
-        return values
+        for place in (*find_gaps(values), *faults):
+            part, inner = values, place
+            while len(inner) > 1 and isinstance(part.get(inner[0]), dict):
+                part, inner = part[inner[0]], inner[1:]
+            # keys of a table may contradict; of a list with a fault nothing is used
+            if inner and (len(place) > 1 or not isinstance(part.get(inner[0]), dict)):
+                part.pop(inner[0], None)
+        return {table: values[table] for table in values.keys() & KINDS[name].model_fields.keys()}
 
     def _open(self, given: Mapping[str, Any]) -> None:
         name, directory = str(given["name"]), inside(self.root, str(given["folder"]))
@@ -187,7 +196,7 @@ class StartPage:
         self._sources[name] = FrameSource(directory)
         self._draft.link()
         if name == "run":
-            self._open_film()
+            self._open_film(directory / "film.nc")
 
     def _try(self, given: Mapping[str, Any]) -> dict[str, Any]:
         """What a change would do: its lines, and what cannot be used."""
@@ -196,53 +205,42 @@ class StartPage:
 
     def _brush(self, given: Mapping[str, Any]) -> None:
         """Write a mask from strokes, and exclude what is white in it."""
-        name, (rows, columns) = str(given["name"]), given["shape"]
+        name, width = str(given["name"]), float(given["width"])
         strokes = [[(float(x), float(y)) for x, y in stroke] for stroke in given["strokes"]]
-        exclude = self._usable(name).get("thickness", {}).get("exclude", [])
         directory = self._draft.path(name).parent
-        mask = write_mask(
-            directory, strokes, width=float(given["width"]), shape=(int(rows), int(columns))
-        )
+        values = self._usable(name)
+        shape = self._sources[name].read(values, 1, "frames", 0).counts.shape
+        mask = write_mask(directory, strokes, width=width, shape=shape)
+        exclude = values.get("thickness", {}).get("exclude", [])
         self._draft.change(name, {"thickness.exclude": [*exclude, mask]})
 
     # images
 
-    def _photograph(self, request: Request, camera: int) -> Photograph:
-        name, purpose = request.text("name"), request.text("purpose")
+    def _opened(self, request: Request) -> tuple[FrameSource, dict[str, Any]]:
+        """The images that the page names, by its settings as they are now."""
+        name = request.text("name")
         with self._lock:
             self._draft.path(name)  # refused where it is not open
-            values, source = self._usable(name), self._sources[name]
-        return source.read(values, camera, purpose, request.whole("number"))
+            return self._sources[name], self._usable(name)
 
     def _pack_frame(self, request: Request) -> Found:
         """Counts of an image, flagged where they are at full scale; as `pack_map` packs them."""
+        source, values = self._opened(request)
         camera = request.whole("camera")
-        found = self._photograph(request, camera)
+        found = source.read(values, camera, request.text("purpose"), request.whole("number"))
         layer, (height, width) = LAYERS[f"camera{camera}"], found.counts.shape
         flags = np.where(found.counts >= found.full_scale, Flag.SATURATED, 0).astype(np.uint16)
         if camera == 1:
-            flags[self._excluded(request, (height, width))] = Flag.MASKED
+            flags[_find_excluded(source.directory, values, (height, width))] = Flag.MASKED
         about = {"text": found.title, "height": height, "width": width}
         return pack_values(request, layer, found.counts.astype(np.float32), flags, **about)
 
-    def _excluded(self, request: Request, shape: tuple[int, int]) -> Mask:
-        """Pixels of camera 1 that the settings exclude; none where a part cannot be used."""
-        name = request.text("name")
-        values = self._usable(name)
-        parts, pitch = values.get("thickness", {}).get("exclude", []), pitch_of(values)
-        directory = self._draft.directories[name]
-        with suppress(ErlifError):
-            # polygons in mm wait for the scale
-            parts = [one for one in parts if pitch or isinstance(one, str)]
-            refuse_outside(directory, [one for one in parts if isinstance(one, str)])
-            return fill_parts(directory, parts, shape, pitch=pitch or np.nan)
-        return np.zeros(shape, bool)
-
     def _levels(self, request: Request) -> dict[str, Any]:
         """Histogram, mean and saturation of an image of both cameras."""
+        source, values = self._opened(request)
         levels = []
         for camera in (1, 2):
-            found = self._photograph(request, camera)
+            found = source.read(values, camera, request.text("purpose"), request.whole("number"))
             levels.append(as_plain(check_counts(found.counts, found.full_scale)))
         return {"cameras": levels}
 
@@ -258,27 +256,49 @@ class StartPage:
 
     def _process(self, run_dir: Path, progress: Progress, options: dict[str, Any]) -> list[Note]:
         output = run_dir / "film.nc"
-        self._close_films()
-        with process(run_dir, output=output, overwrite=True, progress=progress, **options) as film:
-            text = summarise_briefly(film)
-        self._open_film()
+        self._close_film()  # some systems replace no file that is open
+        try:
+            with process(
+                run_dir, output=output, overwrite=True, progress=progress, **options
+            ) as film:
+                text = summarise_briefly(film)
+        finally:
+            self._open_film(output)  # an earlier one where the work has failed
         return [remark("", text), remark("written", str(output.relative_to(self.root)))]
 
     def _describe_work(self) -> dict[str, Any]:
         films = [str(film.path.relative_to(self.root)) for film in self.films]
         return self._work.describe() | {"film": next(iter(films), None)}
 
-    def _open_film(self) -> None:
-        """Show the film of the run in the viewer, where there is one."""
-        self._close_films()
-        path = self._draft.path("run").with_name("film.nc")
-        if path.exists():
-            with suppress(ErlifError):
-                self.films += open_films([path], [])
+    def _open_film(self, path: Path) -> None:
+        """Show a film in the viewer, where there is one, in place of any other."""
+        with self._lock:
+            self._close_film()
+            if path.exists():
+                with suppress(ErlifError):
+                    self.films += open_films([path], [])
 
-    def _close_films(self) -> None:
-        while self.films:
-            self.films.pop().close()
+    def _close_film(self) -> None:
+        with self._lock:
+            while self.films:
+                self.films.pop().close()
+
+    def close(self) -> None:
+        """Cancel the work, wait for its end, and release the film."""
+        self._work.cancel()
+        self._work.wait()
+        self._close_film()
+
+
+def _find_excluded(directory: Path, values: Mapping[str, Any], shape: tuple[int, int]) -> Mask:
+    """Pixels of camera 1 that the settings exclude; none where a part cannot be used."""
+    parts, pitch = values.get("thickness", {}).get("exclude", []), pitch_of(values)
+    with suppress(ErlifError):
+        # polygons in mm wait for the scale
+        parts = [one for one in parts if pitch or isinstance(one, str)]
+        refuse_outside(directory, [one for one in parts if isinstance(one, str)])
+        return fill_parts(directory, parts, shape, pitch=pitch or np.nan)
+    return np.zeros(shape, bool)
 
 
 def _check(directory: Path, progress: Progress, options: dict[str, Any]) -> list[Note]:
@@ -326,6 +346,7 @@ def start_page(root: Path, *, port: int = 0) -> Iterator[str]:
     page = StartPage(root)
     shared = {"page": "start.html", "reading": page.reading(), "writing": page.writing()}
     with (
+        closing(page),
         ThreadPoolExecutor(_THREADS) as executor,
         serving(port=port, films=page.films, executor=executor, **shared) as address,
     ):

@@ -17,10 +17,6 @@ _logger = logging.getLogger(__name__)
 Task = Callable[[Progress], list[Note]]
 
 
-class _CancelledError(ErlifError):
-    """The user has cancelled the work."""
-
-
 class Work:
     """One piece of work at a time.
 
@@ -85,7 +81,7 @@ class Work:
 
     def _report(self, step: str, done: int, total: int) -> None:
         if self._cancelled:
-            raise _CancelledError("Cancelled. Earlier results are as they were.")
+            raise ErlifError("Cancelled. Earlier results are as they were.")
         with self._lock:
             self._state |= {"step": step, "done": done, "total": total}
 

@@ -128,7 +128,7 @@ def serving(*, port: int, **shared: Any) -> Iterator[str]:
 
     server = PageServer(
         make_application(Shared(access, **shared)),
-        max_body_size=2**16,
+        max_body_size=2**20,  # strokes of a brush, a point for each movement of the mouse
         idle_connection_timeout=_IDLE,
         body_timeout=_IDLE,
     )

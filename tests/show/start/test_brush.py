@@ -1,10 +1,8 @@
 """A mask from strokes."""
 
 import numpy as np
-import pytest
 from PIL import Image
 
-from erlif.core.errors import ConfigError
 from erlif.io.ingest.exclusions import exclude_pixels
 from erlif.io.settings import read_fixture_settings
 from erlif.show.start.brush import write_mask
@@ -30,10 +28,3 @@ def test_what_lies_under_the_brush_is_excluded_and_earlier_masks_stay(lab):
 
     settings = read_fixture_settings(lab.fixture)
     np.testing.assert_array_equal(exclude_pixels(lab.fixture, settings, shape), mask)
-
-
-def test_an_image_beyond_any_camera_is_refused(tmp_path):
-    for shape in ((0, 5), (5, 2**16)):
-        with pytest.raises(ConfigError, match="image editor"):
-            write_mask(tmp_path, [[(1, 1)]], width=3, shape=shape)
-    assert not list(tmp_path.iterdir())

@@ -1,5 +1,6 @@
 """Settings that are drafted, changed and undone: the files are what a user reads."""
 
+import shutil
 import tomllib
 
 import pytest
@@ -45,6 +46,17 @@ def test_settings_are_drafted_where_there_are_none_and_drafting_is_undone(lab):
     assert "run" not in draft.directories
     assert not list(lab.run.glob("*.toml"))
     assert not list(lab.run.glob("*.schema.json"))
+
+
+def test_undoing_a_draft_leaves_another_run_open(lab, tmp_path):
+    shutil.copytree(lab.run, tmp_path / "other")
+    (lab.run / "run.toml").unlink()
+    draft = Draft()
+    draft.open("run", lab.run, kind="static")
+    draft.open("run", tmp_path / "other")
+    draft.undo()
+    assert draft.directories["run"] == tmp_path / "other"
+    assert not (lab.run / "run.toml").exists()
 
 
 def test_a_fixture_elsewhere_is_named_as_the_calibration(lab, draft, tmp_path):

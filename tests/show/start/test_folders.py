@@ -19,6 +19,7 @@ def root(tmp_path):
     (tmp_path / "beyond").mkdir()
     (root / "link").symlink_to(tmp_path / "beyond")
     (root / "own").symlink_to(root / "Keil")
+    (root / "circle").symlink_to(root / "circle")
     return root
 
 
@@ -30,7 +31,7 @@ def test_folders_are_listed_without_hidden_ones_and_links_that_lead_out(root):
 
 
 @pytest.mark.parametrize(
-    "name", ["..", "link", "/etc", "none", "run 7/run.toml", "a\0b", "x" * 999]
+    "name", ["..", "link", "circle", "/etc", "none", "run 7/run.toml", "a\0b", "x" * 999]
 )
 def test_nothing_beyond_is_opened(root, name):
     with pytest.raises(ErlifError, match="Expected a folder below"):

@@ -2,7 +2,9 @@
 
 import json
 import shutil
+import time
 import tomllib
+from contextlib import closing
 from pathlib import Path
 from urllib.error import HTTPError
 from urllib.request import Request, urlopen
@@ -10,13 +12,16 @@ from urllib.request import Request, urlopen
 import pytest
 import tifffile
 import xarray as xr
+from PIL import Image
 from scenes import browser
 from scenes.rig import small_rig
 from scenes.start import OF_THE_SAMPLE, at, drag, take, type_in
 
 import erlif
+from erlif.core.errors import ErlifError
 from erlif.rig import simulate
 from erlif.show.start import start_page
+from erlif.show.start.page import StartPage
 
 pytestmark = browser.MARKS
 
@@ -382,10 +387,109 @@ def test_work_is_cancelled_and_leaves_no_film(visit, lab):
         assert not lab.film.exists()
 
 
+def test_a_value_that_is_being_typed_stays_while_others_change(visit, lab):
+    with start_page(lab.directory) as address:
+        page = visit(address)
+        take(page, "run")
+        page.click("text='All other settings'")
+        field = page.locator('[id="run.optics.pixel_pitch"]')
+        field.fill("151")
+        page.evaluate("""() => {
+            const choice = document.getElementById("orientation");
+            choice.value = "mirrored_x";
+            choice.dispatchEvent(new Event("change"));
+        }""")
+        page.wait_for_selector('#changes >> text="run.toml: registration.orientation"')
+        assert field.input_value() == "151"
+        field.press("Enter")
+        page.wait_for_selector('#changes >> text="run.toml: optics.pixel_pitch"')
+        assert field.input_value() == "151 um"
+
+
+def test_a_closed_way_of_the_brush_is_not_joined_to_the_next_one(visit, lab):
+    with start_page(lab.directory) as address:
+        page = visit(address)
+        take(page, "run")
+        page.check("input[value=brush]")
+        drag(page, (20, 20), (60, 20), (60, 50), (20, 50), (20, 20))
+        drag(page, (100, 70), (110, 70))
+        page.click("#apply")
+        page.wait_for_selector("#key li:has-text('masked')")
+    with Image.open(lab.run / "mask_1.png") as mask:
+        values = [mask.getpixel(place) for place in ((60, 35), (105, 70), (85, 56))]
+    assert values == [255, 255, 0]  # the last one is between both
+
+
+def test_a_change_that_cannot_be_made_and_a_server_that_has_ended_are_named(visit, lab):
+    with start_page(lab.directory) as address:
+        page = visit(address)
+        take(page, "run")
+        (lab.run / "run.toml").write_text("no settings")
+        page.select_option("#orientation", "mirrored_x")
+        page.wait_for_selector("#status.bad:text('Expected valid TOML')")
+        # as fetch fails where nobody listens
+        page.evaluate("() => { window.fetch = () => Promise.reject(new TypeError('fetch')); }")
+        page.click("#card-run .choose")
+        page.wait_for_selector("#picker-refusal:text('does not run any more')")
+
+
+def test_an_earlier_film_stays_open_where_the_work_fails(lab, film, monkeypatch):
+    shutil.copy(film, lab.film)
+
+    def fail(*given, **options):
+        raise ErlifError("Cancelled.")
+
+    monkeypatch.setattr("erlif.show.start.page.process", fail)
+    with closing(StartPage(lab.directory)) as page:
+        send = page.writing()
+        send["open"]([], b'{"name": "run", "folder": "run", "kind": "static"}')
+        send["start"]([], b'{"task": "process", "name": "run"}')
+        while page.describe()["work"]["running"]:
+            time.sleep(0.01)
+        state = page.describe()["work"]
+        assert state["failed"]
+        assert state["film"] == "run/film.nc"
+    assert page.films == []
+
+
+def test_settings_of_any_form_are_described_with_their_faults(lab):
+    with closing(StartPage(lab.directory)) as page:
+        page.writing()["open"]([], b'{"name": "run", "folder": "run", "kind": "static"}')
+        for text in (
+            *("camera1 = 3", "camera1.files = 3", "camera2 = []", "registration = 'x'"),
+            *("thickness.roi = 1", "thickness.exclude = [[1]]", "fixture.profile = 3"),
+            *("fixture = {direction = 3}", "optics.pixel_pitch = [75]", "joint = [{bore = 1}]"),
+            *("fixture.origin = []", "reference.region = 'all'", "mechanism = true"),
+        ):
+            (lab.run / "run.toml").write_text(text)
+            assert page.describe()["files"]["run"]["faults"], text
+
+
+def test_a_list_with_a_fault_is_not_drawn(lab):
+    lab.edit("fixture/fixture.toml", ("origin = [", "origin = ['left', "))
+    with closing(StartPage(lab.directory)) as page:
+        page.writing()["open"]([], b'{"name": "fixture", "folder": "fixture", "kind": "static"}')
+        assert page.describe()["files"]["fixture"]["shapes"]["origin"] is None
+
+
+def test_a_long_way_of_the_brush_is_one_mask(lab):
+    way = [[column % 128, column // 128] for column in range(9_000)]  # more than 64 KiB
+    with start_page(lab.directory) as address:
+        for name, given in (
+            ("open", {"folder": "run", "kind": "static"}),
+            ("brush", {"strokes": [way], "width": 3}),
+        ):
+            urlopen(Request(address + name, json.dumps({"name": "run", **given}).encode())).close()
+    with Image.open(lab.run / "mask_1.png") as mask:
+        assert (mask.size, mask.getpixel((100, 60))) == ((128, 96), 255)
+
+
 NONSENSE = [
     *("", "[]", "3", '{"name": "run"}', '{"name": "x", "values": {}}', '{"values": [1]}'),
     *('{"name": "run", "values": {"a.b": [1]}}', '{"name": "run", "folder": "..", "kind": "x"}'),
-    '{"name": "run", "strokes": [[[1, "a"]]], "width": 5, "shape": [10, 10]}',
+    '{"name": "run", "strokes": [[[1, "a"]]], "width": 5}',
+    '{"name": "run", "strokes": [[[1, 1]]], "width": Infinity}',
+    '{"name": "x", "folder": "run", "kind": "static"}',
 ]
 
 
@@ -396,7 +500,7 @@ ASKED = (
 )
 
 
-def test_what_no_page_sends_is_refused_in_a_sentence(lab):
+def test_what_no_page_sends_is_refused_in_a_sentence(lab, caplog):
     before = (lab.run / "run.toml").read_bytes()
     with start_page(lab.directory) as address:
 
@@ -416,3 +520,4 @@ def test_what_no_page_sends_is_refused_in_a_sentence(lab):
             code, message = refused(name, body)
             assert (code, message[:8]) == (400, "Expected"), (name, body, message)
     assert (lab.run / "run.toml").read_bytes() == before
+    assert "open has ended with an error" in caplog.messages  # with its details, for defects

@@ -7,6 +7,11 @@ export function element(kind, ...parts) {
   return made;
 }
 
+export function report(text, bad = false) {
+  byId("status").textContent = text;
+  byId("status").classList.toggle("bad", bad);
+}
+
 // colours of flags with a text each; one without a text is left out
 export function showKey(flags, texts) {
   byId("key").replaceChildren(...flags.flatMap((flag, n) => {

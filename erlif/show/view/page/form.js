@@ -61,7 +61,10 @@ class Field {
         this.fault.textContent = error.message;
       }
     });
-    this.input.addEventListener("input", () => attempt());
+    this.input.addEventListener("input", () => {
+      this.typing = true;
+      attempt();
+    });
     this.input.addEventListener("change", () => this.write(this.input.value));
     this.other.addEventListener("click", () => this.write(this.about.other));
     this.without.addEventListener("click", () => this.write(""));
@@ -76,6 +79,7 @@ class Field {
   }
 
   async write(value) {
+    this.typing = false;
     try {
       const state = await post("change", this.change(value));
       this.lines.replaceChildren();
@@ -87,7 +91,7 @@ class Field {
 
   show(about, other) {
     this.about = about;
-    if (document.activeElement !== this.input || about.value) this.input.value = about.value;
+    if (!this.typing) this.input.value = about.value;
     this.row.className = `field${about.gap ? " gap" : ""}`;
     this.unit.textContent = about.value ? "" : about.unit;
     this.input.placeholder = about.gap ? this.example : "";

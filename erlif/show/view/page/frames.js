@@ -1,8 +1,8 @@
 // Images of both cameras as they are read, and what is drawn on those of camera 1.
 import { MapPanel } from "./map.js";
-import { Histogram } from "./histogram.js";
-import { byId, circle, element, latest, showKey } from "./draw.js";
-import { fixed, percent } from "./news.js";
+import { fitToWindow, showCameras } from "./cameras.js";
+import { byId, circle, element, latest, report, showKey } from "./draw.js";
+import { percent } from "./news.js";
 import { get, post } from "./server.js";
 
 const TOGGLE = 600; // time for which each camera is shown, in milliseconds
@@ -26,19 +26,20 @@ const TOOLS = {
 };
 const IN_MM = ["roi", "patch", "polygon"]; // tools that need the scale
 
-let [name, file, changed, report] = ["", null, null, null];
+let [name, file, changed] = ["", null, null];
 let tool = "move";
 let points = []; // x and y in mm, of the tool that is used
 let strokes = []; // of the brush: lists of points
+let brushing = false; // since the pointer is down
 let hover = null; // under the pointer, for the profile
 let flickering = 0; // camera that the first panel shows while it flickers, 0 where it does not
 const films = [null, null];
 const states = [0, 1].map(() => ({ window: WHOLE, limits: {}, tool: "move", mark: null }));
 let panels = [];
-const histograms = [1, 2].map((n) => new Histogram(byId(`histogram-${n}`)));
 
-export function makeFrames(about, use) {
-  [changed, report] = [use.changed, use.report];
+// `receive` gets the state after a change
+export function makeFrames(about, receive) {
+  changed = receive;
   panels = [1, 2].map((n) => new MapPanel(byId(`panel-${n}`), {
     about, state: states[n - 1], clicks: true,
     film: () => films[n - 1] ?? { x: [0, 1], y: [0, 1], width: WHOLE[2], height: WHOLE[3],
@@ -52,6 +53,9 @@ export function makeFrames(about, use) {
         found.shares[k] && `${flag}: ${percent(found.shares[k])}`));
     },
     over: (stroke, at, pen) => n === 1 && drawShapes(stroke, at, pen),
+    pressed: () => {
+      brushing = false;
+    },
     clicked: (place) => n === 1 && addPoint(place),
     drawn: (phase) => n === 1 && dragged(phase),
     pointed: (place) => n === 1 && pointed(place),
@@ -98,12 +102,12 @@ export function showFrames(given, about) {
       || (IN_MM.includes(value) && !about.pitch);
     if (input.disabled && value === tool) choose("move");
   }
-  count();
+  limitNumber();
   showTool();
   load();
 }
 
-function count() {
+function limitNumber() {
   const most = Math.max(...(file.images[byId("purpose").value] ?? [1]));
   byId("number").max = most - 1; // a number beyond it becomes the last one
 }
@@ -113,23 +117,12 @@ const load = latest(async () => {
   try {
     await Promise.all(panels.map((panel) => panel.refresh()));
     const { cameras } = await (await get("levels", query())).json();
-    cameras.forEach((camera, n) => histograms[n].show(camera));
-    showChecks(cameras);
+    showCameras(cameras);
     report("");
   } catch (error) {
     report(error.message, true);
   }
 });
-
-function showChecks(cameras) {
-  const rows = [["", () => ""], ["mean count", (one) => `${fixed(one.mean, 0)} DN`],
-    ["brightest 0.1 %", (one) =>
-      `${fixed(100 * one.highest, 0)} % of ${one.full_scale} DN`],
-    ["saturated", (one) => percent(one.saturated)]];
-  byId("checks").replaceChildren(...rows.map(([title, text], row) => element("tr",
-    element("th", title), ...cameras.map((one, n) => (row ? element("td", text(one))
-      : element("th", `camera ${n + 1}`))))));
-}
 
 // tools
 
@@ -174,10 +167,10 @@ function addPoint({ x, y }) {
 function dragged(phase) {
   const { line, region } = states[0];
   if (tool === "brush") {
-    if (!dragged.going) strokes.push([[line[0], line[1]]]);
+    if (!brushing) strokes.push([[line[0], line[1]]]);
     strokes.at(-1).push([line[2], line[3]]);
     states[0].line = null;
-    dragged.going = phase === "going";
+    brushing = true;
   } else points = line ? [line.slice(0, 2), line.slice(2)]
     : [[region[0], region[2]], [region[1], region[3]]];
   [states[0].line, states[0].region] = [null, null];
@@ -219,18 +212,22 @@ function valuesOf() {
   }
 }
 
-async function finish() {
+// sends a change; a refusal leaves what is drawn
+async function send(action, values) {
   try {
-    const state = tool === "brush"
-      ? await post("brush", { name, strokes: strokes.map((stroke) =>
-        stroke.map((point) => point.map(inPixels))), width: byId("width").valueAsNumber,
-      shape: [films[0].height, films[0].width] })
-      : await post("change", { name, values: valuesOf() });
+    const state = await post(action, { name, ...values });
     clear();
     changed(state);
   } catch (error) {
     report(error.message, true);
   }
+}
+
+function finish() {
+  if (tool !== "brush") return send("change", { values: valuesOf() });
+  const ways = strokes.map((stroke) =>
+    stroke.map((point) => point.map((value) => Math.round(inPixels(value)))));
+  return send("brush", { strokes: ways, width: byId("width").valueAsNumber });
 }
 
 // shapes of the settings, and those that are being drawn
@@ -285,13 +282,12 @@ function drawProfile([x, y], outline, at, pen) {
 function connect() {
   byId("number").addEventListener("input", load);
   byId("purpose").addEventListener("change", () => {
-    count();
+    limitNumber();
     load();
   });
-  byId("orientation").addEventListener("change", async () => {
+  byId("orientation").addEventListener("change", () => {
     const { value } = byId("orientation");
-    const values = { "registration.orientation": value === "normal" ? "" : value };
-    changed(await post("change", { name, values }));
+    send("change", { values: { "registration.orientation": value === "normal" ? "" : value } });
   });
   byId("flicker").addEventListener("change", () => {
     flickering = +byId("flicker").checked;
@@ -311,10 +307,7 @@ function connect() {
   });
   byId("again").addEventListener("click", clear);
   panels[0].canvas.addEventListener("keydown", pressed);
-  addEventListener("resize", () => {
-    panels.forEach((panel) => panel.resize());
-    histograms.forEach((chart) => chart.resize());
-  });
+  fitToWindow(panels);
   choose("move");
 }
 

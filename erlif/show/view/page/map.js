@@ -278,6 +278,7 @@ export class MapPanel {
       from = { ...place, window: [...this.use.state.window], clientX: event.clientX,
         clientY: event.clientY };
       spread = this.spread(fingers);
+      this.use.pressed?.();
     });
     canvas.addEventListener("pointermove", (event) => {
       if (!fingers.has(event.pointerId)) {

@@ -20,7 +20,7 @@ export async function follow(known, show) {
     try {
       news = await (await get("news", { version, ...known() })).json();
     } catch (error) {
-      state(`erlif watch does not run any more (${error.message}).`, true);
+      state(error.message, true);
       return;
     }
     clock = news.now - Date.now() / 1000;

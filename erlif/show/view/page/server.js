@@ -1,6 +1,12 @@
 // What the server of the page sends; within a report replies.js stands in its place.
 export async function get(name, values = {}) {
-  const response = await fetch(`${name}?${new URLSearchParams(values)}`);
+  return reach(`${name}?${new URLSearchParams(values)}`);
+}
+
+async function reach(address, options) {
+  const response = await fetch(address, options).catch(() => {
+    throw new Error("The server of this page does not run any more. Start its command again.");
+  });
   if (!response.ok) throw new Error(await refusal(response));
   return response;
 }
@@ -16,12 +22,11 @@ async function refusal(response) {
 
 // sends values as JSON, and returns the reply
 export async function post(name, values) {
-  const response = await fetch(name, {
+  const response = await reach(name, {
     method: "POST",
     headers: { "Content-Type": "application/json" },
     body: JSON.stringify(values),
   });
-  if (!response.ok) throw new Error(await refusal(response));
   return response.json();
 }
 

@@ -1,5 +1,5 @@
 // The page of `erlif start`: folders, images, settings and their changes, and the way to the film.
-import { byId, element } from "./draw.js";
+import { byId, element, report } from "./draw.js";
 import { showForm, showLines } from "./form.js";
 import { makeFrames, showFrames } from "./frames.js";
 import { get, post } from "./server.js";
@@ -11,18 +11,12 @@ let state = null; // what the server has sent last
 let shown = ""; // "fixture" or "run"
 let picked = { name: "", folder: "" }; // in the dialog
 
-function report(text, bad = false) {
-  byId("status").textContent = text;
-  byId("status").classList.toggle("bad", bad);
-}
-
 const guarded = (action) => async (...values) => {
   try {
     report("");
     return await action(...values);
   } catch (error) {
-    const lost = error instanceof TypeError && /fetch/i.test(error.message);
-    report(lost ? "The page has no server any more. Start erlif start again." : error.message, true);
+    report(error.message, true);
   }
 };
 
@@ -207,7 +201,7 @@ function connect() {
 await guarded(async () => {
   const first = await read("state");
   byId("root").textContent = first.root;
-  makeFrames(first, { changed: show, report });
+  makeFrames(first, show);
   connect();
   show(first);
   document.body.dataset.ready = "";

@@ -2,7 +2,7 @@
 // address, within a report from the report itself; nothing is loaded from anywhere else.
 import { MapPanel } from "./map.js";
 import { CycleChart, ProfileChart } from "./charts.js";
-import { byId, element, latest, showKey } from "./draw.js";
+import { byId, element, latest, report, showKey } from "./draw.js";
 import { ask } from "./server.js";
 
 const clamp = (value, low, high) => Math.min(Math.max(value, low), high);
@@ -27,20 +27,13 @@ const state = {
 let about = null; // films, layers, flags and palettes
 const film = (which = "a") => about.films[state[which].film];
 
-function report(text, bad = false) {
-  byId("status").textContent = text;
-  byId("status").classList.toggle("bad", bad);
-}
-
 function guarded(action) {
   return async (...values) => {
     try {
       return await action(...values);
     } catch (error) {
-      const lost = error instanceof TypeError && /fetch/i.test(error.message);
-      report(lost ? "The viewer does not run any more. Start erlif view again." : error.message,
-        true);
-      if (!lost && !(error instanceof Error)) throw error;
+      report(error.message, true);
+      if (!(error instanceof Error)) throw error;
       stop();
     }
   };
