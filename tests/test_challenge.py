@@ -90,7 +90,7 @@ def test_a_rig_keeps_truth_and_means_of_a_laboratory_apart(monkeypatch, tmp_path
     plain, whole = (
         (home / part / "run.toml").read_text(encoding="utf-8") for part in ("run", "laboratory")
     )
-    for means in ("background =", "fixture_after", "[reference]", "[systematics]"):
+    for means in ("background =", "fixture_after", 'ratio = "correct"', "[systematics]"):
         assert means not in plain
         assert means in whole
     with h5py.File(tmp_path / "truth" / "thin.h5") as file:

@@ -56,7 +56,7 @@ def test_missing_calibration_is_made_and_kept_outside_the_run_only_if_allowed(
     kept = lab.fixture / "calibration.nc"
     kept.unlink()
     fitted = {}
-    with caplog.at_level("INFO"):
+    with caplog.at_level("INFO", logger="erlif"):
         made, again = (
             find_calibration(open_run(lab.run), None, progress=silent, fitted=fitted)[0]
             for _ in range(2)

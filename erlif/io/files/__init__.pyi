@@ -27,6 +27,7 @@ from .netcdf import has_group as has_group
 from .netcdf import open_netcdf as open_netcdf
 from .netcdf_maps import NetcdfMaps as NetcdfMaps
 from .replacement import expect_folder as expect_folder
+from .replacement import make_folder as make_folder
 from .replacement import refuse_existing as refuse_existing
 from .replacement import replacing as replacing
 from .replacement import replacing_set as replacing_set

@@ -185,6 +185,24 @@ def expect_folder(output: Path) -> None:
         )
 
 
+def make_folder(folder: Path) -> None:
+    """Make the folder of several outputs, where it is new; that above it exists.
+
+    Raises
+    ------
+    OutputError
+
+    Examples
+    --------
+    >>> make_folder(Path())
+    """
+    expect_folder(folder)
+    try:
+        folder.mkdir(exist_ok=True)
+    except OSError as error:
+        raise write_error(folder, error) from error
+
+
 def write_file(output: Path, content: str | bytes) -> Path:
     """Write a file, complete or not at all, as `replacing` does.
 

@@ -81,7 +81,7 @@ def endurance(
           --group uncut=uncut_* --group new=new_*
     """
     with large_imports():
-        from erlif.io.files import refuse_existing
+        from erlif.io.files import make_folder, refuse_existing
         from erlif.joint.endurance import (
             analyse_endurance,
             compare_designs,
@@ -135,7 +135,7 @@ def endurance(
         old, new = ([failures[name] for name in design] for design in (one, other))
         compared = compare_designs(old, new, names=(first, second), model=model)
         click.echo(wrap("\n".join(describe_designs(compared))) + "\n")
-    output.mkdir(exist_ok=True)
+    make_folder(output)
     written = [write_test_table(results, table)]
     for result in results:
         written += write_endurance_figures(result, output, overview=overviews[result.name])

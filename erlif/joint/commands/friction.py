@@ -64,7 +64,7 @@ def friction(
       erlif friction bushing.csv --radius "5 mm" --vector --load-std 0.01
     """
     with large_imports():
-        from erlif.io.files import refuse_existing
+        from erlif.io.files import make_folder, refuse_existing
         from erlif.joint.friction import (
             analyse_friction,
             describe_friction,
@@ -96,6 +96,6 @@ def friction(
     result = analyse_friction(read, shaft_radius=radius, vector=vector, **measured)
     click.echo(wrap("\n".join(describe_friction(result, torque_ratio=torque_ratio))))
     click.echo(wrap("\n".join(describe_reading(read))) + "\n")
-    output.mkdir(exist_ok=True)
+    make_folder(output)
     written = [write_friction_table(result, table), write_reversal_figure(result, picture)]
     click.echo(describe_written(written))

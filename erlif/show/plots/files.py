@@ -494,7 +494,7 @@ def write_figures(
             if reason is not None:
                 logger.warning("figure %s left out: %s", name, reason)
 
-        out_dir.mkdir(exist_ok=True)
+        stored.make_folder(out_dir)
         for n, name in enumerate(names):
             report("figures", n, len(names))
             figure = DRAWN[name](source)

@@ -88,6 +88,7 @@ def test_film_holds_its_history(small_rig, opened):
 
 def test_the_film_does_not_depend_on_threads_repetition_or_place(small_rig, film, tmp_path):
     path = tmp_path / "elsewhere" / "film.nc"
+    path.parent.mkdir()
     erlif.process(small_rig.run, output=path, workers=3).close()
     assert path.read_bytes() == film.read_bytes()
 

@@ -368,6 +368,7 @@ def test_a_worker_killed_at_any_moment_leaves_the_film_unchanged(long_run, tmp_p
     every = itertools.product(((1, 10), (12, 20)), ("film.nc", "film.zarr"))
     for between, name in every if FULL else few:
         killer = Killer(own_workers, moments, between=between)
+        (tmp_path / "film").mkdir()
         erlif.process(
             long_run / "run",
             output=tmp_path / "film" / name,

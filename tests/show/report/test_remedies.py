@@ -14,7 +14,8 @@ def table(last, gap=0):
     keys = ["", *REMEDIES]
     std = np.full((len(keys), 2), 123.456)
     std[-1] = np.nan, last
-    attrs = {"target": np.array([0.01, 0.04]), "largest": "lag", "largest_std": 0.051}
+    attrs = {"target": np.array([0.01, 0.04]), "within": 1.0}
+    attrs |= {"largest": "lag", "largest_std": 0.051}
     coords = {"remedy": keys, "target_film": [1.0, 4.0]}
     return xr.DataArray(std, coords, attrs=attrs | {"gap": [gap] * len(keys)})
 

@@ -51,7 +51,7 @@ def put_forward(local: Array, *, dated: bool) -> Array:
         return np.asarray((step > 0) & (step <= max(2 * usual, _DWELL)) & over)
 
     # a pause of an hour looks alike but on the day of the change
-    ahead = -1.0 * put(-_HOUR)
+    ahead = 0.0 - put(-_HOUR)
     for row in np.flatnonzero(put(_HOUR)) if dated else ():
         ahead[row] += _begins_summer(before[row], after[row])
     return np.append(0.0, np.cumsum(_HOUR * ahead))
