@@ -109,7 +109,7 @@ def table_columns(film: xr.Dataset) -> list[TriggerColumn]:
     """List the columns of a table for spreadsheets: films, motion, theory and their errors.
 
     Argument, order and errors as in `trigger_columns`. Counts of each flag, parts of the friction,
-    curvatures, tilts and random errors of ratios are left out.
+    curvatures, tilts and random errors of ratios are left out; further columns of the log are not.
 
     Returns
     -------
@@ -124,7 +124,9 @@ def table_columns(film: xr.Dataset) -> list[TriggerColumn]:
     >>> sorted(left_out - {each.name for each in table_columns(film)})[:2]
     ['attitude', 'film_curvature']
     """
-    return [column for column in trigger_columns(film) if not _DETAIL.match(column.name)]
+    of_user = film.variables.keys() - FILM.keys()  # further columns of the log
+    columns = trigger_columns(film)
+    return [one for one in columns if one.name in of_user or not _DETAIL.match(one.name)]
 
 
 def _pin_errors(film: xr.Dataset) -> Iterator[TriggerColumn]:

@@ -55,6 +55,8 @@ def test_a_table_has_at_most_forty_columns_of_what_erlif_writes(film):
             full[name] = known.dims, np.zeros([full.sizes[dim] for dim in known.dims])
     full = full.drop_vars([name for name in full if str(name).startswith(others)])
     names = [column.name for column in table_columns(full)]
+    logged = full.assign(reference_force=("trigger", np.zeros(6)))
+    assert [one.name for one in table_columns(logged)] == [*names, "reference_force"]
     assert len(trigger_columns(full)) > 60
     assert len(names) <= 40
     assert {"film_min", "film_mean_std", "rocker_speed", "film_over_theory_std"} <= set(names)
