@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import closing, contextmanager, suppress
 from dataclasses import asdict
+from functools import partial
 from pathlib import Path
 from threading import RLock
 from typing import Any
@@ -250,7 +251,8 @@ class StartPage:
         task, name = str(given["task"]), str(given["name"])
         directory = self._draft.path(name).parent
         options = {"skip_bad_frames": given.get("skip") is True}
-        tasks = {"check": _check, "calibrate": _calibrate, "process": self._process}
+        check = partial(_check, fixture=name == "fixture")
+        tasks = {"check": check, "calibrate": _calibrate, "process": self._process}
         work = tasks[task]
         self._work.start(task, lambda progress: work(directory, progress, options))
 
@@ -301,8 +303,10 @@ def _find_excluded(directory: Path, values: Mapping[str, Any], shape: tuple[int,
     return np.zeros(shape, bool)
 
 
-def _check(directory: Path, progress: Progress, options: dict[str, Any]) -> list[Note]:
-    return examine(directory, progress=progress, **options).notes
+def _check(
+    directory: Path, progress: Progress, options: dict[str, Any], *, fixture: bool
+) -> list[Note]:
+    return examine(directory, fixture=fixture, progress=progress, **options).notes
 
 
 def _calibrate(directory: Path, progress: Progress, options: dict[str, Any]) -> list[Note]:
