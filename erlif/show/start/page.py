@@ -251,8 +251,11 @@ class StartPage:
         task, name = str(given["task"]), str(given["name"])
         directory = self._draft.path(name).parent
         options = {"skip_bad_frames": given.get("skip") is True}
-        check = partial(_check, fixture=name == "fixture")
-        tasks = {"check": check, "calibrate": _calibrate, "process": self._process}
+        tasks: dict[str, Callable[..., list[Note]]] = {
+            "check": partial(_check, fixture=name == "fixture"),
+            "calibrate": _calibrate,
+            "process": self._process,
+        }
         work = tasks[task]
         self._work.start(task, lambda progress: work(directory, progress, options))
 
