@@ -126,8 +126,8 @@ class StartPage:
                 "suggested": self._suggested,
                 "files": {name: self._describe_file(name) for name in self._draft.directories},
                 "changes": [
-                    {"file": change.path.name, "title": title, "lines": change.lines}
-                    for _, title, change in self._draft.changes
+                    {"file": f"{step.name}.toml", "title": step.title, "lines": step.change.lines}
+                    for step in self._draft.changes
                 ],
                 "work": self._describe_work(),
                 **describe_layers([LAYERS[name] for name in ("camera1", "camera2")]),
@@ -213,7 +213,12 @@ class StartPage:
         shape = self._sources[name].read(values, 1, "frames", 0).counts.shape
         mask = write_mask(directory, strokes, width=width, shape=shape)
         exclude = values.get("thickness", {}).get("exclude", [])
-        self._draft.change(name, {"thickness.exclude": [*exclude, mask]})
+        try:
+            excluded = {"thickness.exclude": [*exclude, mask]}
+            self._draft.change(name, excluded, made=[directory / mask])
+        except ErlifError:
+            (directory / mask).unlink()
+            raise
 
     # images
 

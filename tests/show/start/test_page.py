@@ -373,6 +373,7 @@ def test_a_value_is_checked_while_it_is_typed_and_each_change_is_undone(visit, l
                 f"#changes:not(:has(li:nth-child({left + 1})))", state="attached"
             )
         assert (lab.run / "run.toml").read_bytes() == before
+        assert not list(lab.run.glob("mask_*"))
         page.wait_for_selector("#undo:disabled")
 
 
