@@ -19,7 +19,7 @@ from erlif.io.settings.reading import Fault, find_faults, find_gaps, read_toml
 from erlif.io.settings.template import gap_text
 from erlif.io.settings.toml import toml_value
 from erlif.review.init import init
-from erlif.show.view.run_settings import Change, propose_change, write_change
+from erlif.show.view.run_settings import MARK, Change, propose_change, write_change
 
 # Names of the tables around a key, and its own.
 Place = tuple[str, ...]
@@ -175,8 +175,8 @@ class Draft:
             values[place] = read_typed(known[place], value) if isinstance(value, str) else value
 
         change = propose_change(path, values)
-        earlier = {fault.text for fault in self.faults(name, tomllib.loads(change.before))}
-        faults = self.faults(name, tomllib.loads(change.after))
+        earlier = {fault.text for fault in self.faults(name, _values_of(change.before))}
+        faults = self.faults(name, _values_of(change.after))
         return change, [fault for fault in faults if fault.text not in earlier]
 
     def change(self, name: str, typed: Mapping[str, Any], *, made: Sequence[Path] = ()) -> None:
@@ -199,7 +199,7 @@ class Draft:
         if own:
             raise ConfigError(" ".join(own))
         if change.after != change.before:
-            self._asked[name] |= set(find_gaps(tomllib.loads(change.after)))
+            self._asked[name] |= set(find_gaps(_values_of(change.after)))
             write_change(change, before=change.digest)
             contents = {path: path.read_bytes() for path in made}
             self.changes.append(Step(name, list_some(typed, most=2), change, contents))
@@ -348,8 +348,13 @@ def read_typed(key: Key, text: str) -> Any:
 
 
 def _text_of(path: Path) -> str:
-    """Text of a file; empty where there is none."""
-    return path.read_bytes().decode("utf-8-sig", "surrogateescape") if path.exists() else ""
+    """Text of a file to the byte; empty where there is none."""
+    return path.read_bytes().decode(errors="surrogateescape") if path.exists() else ""
+
+
+def _values_of(text: str) -> dict[str, Any]:
+    """What the text of a file holds."""
+    return tomllib.loads(text.removeprefix(MARK))
 
 
 def _prefixes(place: Place) -> set[Place]:

@@ -1,5 +1,6 @@
 """Settings that are drafted, changed and undone: the files are what a user reads."""
 
+import codecs
 import shutil
 import tomllib
 
@@ -91,6 +92,29 @@ def test_a_typed_value_is_written_with_its_unit_and_undone_to_the_byte(lab, draf
     assert (lab.run / "run.toml").read_bytes() == before
     with pytest.raises(ConfigError, match="there is none"):
         draft.undo()
+
+
+def test_a_byte_order_mark_stays(lab):
+    path = lab.run / "run.toml"
+    before = codecs.BOM_UTF8 + path.read_bytes().replace(b"\n", b"\r\n")
+    path.write_bytes(before)
+    draft = Draft()
+    draft.open("run", lab.run)
+    draft.change("run", {"optics.pixel_pitch": "80"})
+    assert path.read_bytes() == before.replace(b'"150 um"', b'"80 um"')
+    draft.undo()
+    assert path.read_bytes() == before
+
+
+@pytest.mark.parametrize("head", [codecs.BOM_UTF8, b"# caf\xe9, in another encoding\n"])
+def test_a_file_that_was_drafted_anew_is_restored_by_undo(lab, head):
+    path = lab.run / "run.toml"
+    path.write_bytes(before := head + path.read_bytes())
+    draft = Draft()
+    draft.open("run", lab.run, kind="static", anew=True)
+    assert path.read_bytes() != before
+    draft.undo()
+    assert path.read_bytes() == before
 
 
 def test_files_of_a_change_are_removed_with_it_unless_they_were_changed(lab, draft):
