@@ -80,7 +80,7 @@ def process_one(
     expect_suffix(output, ".nc", ".zarr")
 
     verbose = verbosity()
-    source = calibration or _named_calibration(run_dir)
+    source = calibration or _named_calibration(run_dir, allow_outside=options["allow_outside"])
     existed = source is None or source.exists()
     with working() as progress:
         film = pipeline.process(
@@ -99,13 +99,13 @@ def process_one(
     return summary
 
 
-def _named_calibration(run_dir: Path) -> Path | None:
+def _named_calibration(run_dir: Path, *, allow_outside: bool) -> Path | None:
     """Path of the calibration that run.toml names; None unless it names exactly one."""
     from erlif.core.errors import ErlifError
     from erlif.io.settings import read_run_settings
 
     try:
-        named = read_run_settings(run_dir).calibrations
+        named = read_run_settings(run_dir, allow_outside=allow_outside).calibrations
     except ErlifError:
         return None
     return Path(normpath(run_dir / named[0])) if len(named) == 1 else None

@@ -69,7 +69,8 @@ def refuse_outside(directory: Path, names: Iterable[str]) -> None:
         if not Path(os.path.normpath(home / name)).is_relative_to(home):
             raise _outside(directory, f"{name} leaves the directory")
 
-        matched = match_files(directory, name)
+        # a log or a profile is opened by its name, also where that reads as a pattern
+        matched = dict.fromkeys([*match_files(directory, name), directory / name])
         for path in (file for found in matched for file in _with_companions(found)):
             # folders are resolved once, and a file only where it is a link itself
             if path.parent not in inside:

@@ -155,7 +155,7 @@ def open_run(
     >>> len(run.pairs.usable), run.log.sizes["frame"]
     (50, 50)
     """
-    settings = read_run_settings(run_dir)
+    settings = read_run_settings(run_dir, allow_outside=allow_outside)
     if not allow_outside:
         refuse_outside(run_dir, named_files(settings))
     pairs = _open_pairs(run_dir, settings, skip_bad_frames=skip_bad_frames)

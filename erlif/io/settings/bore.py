@@ -133,7 +133,7 @@ class BoreSettings(Settings):
         return shape
 
 
-def read_bore(table: dict[str, Any], folder: Path) -> None:
+def read_bore(table: dict[str, Any], folder: Path, *, allow_outside: bool = False) -> None:
     """Put the points of the profile that [joint.bore] names beside its name.
 
     Parameters
@@ -142,11 +142,13 @@ def read_bore(table: dict[str, Any], folder: Path) -> None:
         A settings file from TOML, changed in place; nothing is done where it names no profile.
     folder : Path
         Directory of the settings file.
+    allow_outside : bool
+        Read a profile also where it lies outside of the directory.
 
     Raises
     ------
-    ConfigError
-        If the profile cannot be read.
+    ConfigError, FrameError
+        If the profile cannot be read, or lies outside of the directory.
 
     Examples
     --------
@@ -160,6 +162,10 @@ or directory. Save it there, or correct profile in [joint.bore].
     bore = joint.get("bore") if isinstance(joint, dict) else None
     name = bore.get("profile") if isinstance(bore, dict) else None
     if isinstance(bore, dict) and isinstance(name, str) and name and not name.startswith("??"):
+        if not allow_outside:
+            from erlif.io.ingest.containment import refuse_outside  # it needs the settings
+
+            refuse_outside(folder, [name])
         bore["points"] = _read_points(folder / name)
 
 

@@ -39,13 +39,15 @@ _KINDS: dict[str, type[Settings]] = {
 }
 
 
-def read_run_settings(run_dir: Path) -> RunSettings:
+def read_run_settings(run_dir: Path, *, allow_outside: bool = False) -> RunSettings:
     """Read and check ``run.toml`` of a run directory.
 
     Parameters
     ----------
     run_dir : Path
         Directory of the run.
+    allow_outside : bool
+        Read the profile of the bore also where it lies outside of the directory.
 
     Returns
     -------
@@ -56,6 +58,8 @@ def read_run_settings(run_dir: Path) -> RunSettings:
     ConfigError
         If the file is missing or is not TOML, if a gap is left in it, or if a key or value cannot
         be used. The message lists all gaps and faults.
+    FrameError
+        If the profile of the bore lies outside of the directory.
 
     Examples
     --------
@@ -64,7 +68,7 @@ def read_run_settings(run_dir: Path) -> RunSettings:
         ...
     erlif.core.errors.ConfigError: Expected a directory with run.toml in it; no such run is not ...
     """
-    return _read(run_dir, "run.toml", RunSettings)
+    return _read(run_dir, "run.toml", RunSettings, allow_outside=allow_outside)
 
 
 def read_fixture_settings(fixture_dir: Path) -> FixtureSettings:
@@ -181,13 +185,13 @@ def read_named(path: Path, kind: type[_Settings], *, holds: str, hint: str) -> _
     if not path.is_file():
         what = "it is a directory" if path.is_dir() else "there is no such file"
         raise ConfigError(f"Expected {holds} in {path}; {what}. {hint}")
-    return _load(path, kind)
+    return _load(path, kind, allow_outside=True)  # the user names the file itself
 
 
-def _load(path: Path, kind: type[_Settings]) -> _Settings:
+def _load(path: Path, kind: type[_Settings], *, allow_outside: bool) -> _Settings:
     """The tables of a file as settings; ConfigError with all gaps and faults."""
     raw = read_toml(path)
-    read_bore(raw, path.parent)
+    read_bore(raw, path.parent, allow_outside=allow_outside)
     gaps, faults = list(find_gaps(raw)), find_faults(raw, kind)
     if not gaps and not faults:
         return kind.model_validate(raw)
@@ -249,7 +253,9 @@ def find_faults(raw: dict[str, Any], kind: type[Settings]) -> list[Fault]:
     return []
 
 
-def _read(directory: Path, name: str, kind: type[_Settings]) -> _Settings:
+def _read(
+    directory: Path, name: str, kind: type[_Settings], *, allow_outside: bool = False
+) -> _Settings:
     """Settings of a recording; ConfigError also where its directory or its file is missing."""
     path = directory / name
     if not directory.is_dir():
@@ -268,7 +274,7 @@ def _read(directory: Path, name: str, kind: type[_Settings]) -> _Settings:
         if (directory / other).is_file():
             hint = f"It holds {other}: use the command for that, or name another directory."
         raise ConfigError(f"Expected {name} in {directory}; there is none. {hint}")
-    return _load(path, kind)
+    return _load(path, kind, allow_outside=allow_outside)
 
 
 def read_toml(path: Path) -> dict[str, Any]:

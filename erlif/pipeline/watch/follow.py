@@ -54,7 +54,8 @@ class Follower:
                 "erlif watch needs watchfiles, which is not installed. Install it with: pip "
                 'install "erlif[watch]".'
             )
-        self.directory, self.settings = run_dir, read_run_settings(run_dir)
+        self.directory = run_dir
+        self.settings = read_run_settings(run_dir, allow_outside=allow_outside)
         if not allow_outside:
             refuse_outside(run_dir, named_files(self.settings))
         self._arrivals = Arrivals(run_dir, self.settings)

@@ -151,6 +151,7 @@ def check(
 def examine(
     directory: str | Path,
     *,
+    fixture: bool = False,
     skip_bad_frames: bool = False,
     allow_outside: bool = False,
     progress: ShowProgress = None,
@@ -163,6 +164,8 @@ def examine(
     ----------
     directory : path
         With ``run.toml`` or ``fixture.toml``.
+    fixture : bool
+        Examine the fixture where the directory has both.
     skip_bad_frames : bool
         As for `erlif.process`.
     allow_outside : bool
@@ -184,7 +187,10 @@ def examine(
     subject = "settings and files"
     try:
         recording = _open_recording(
-            result.directory, skip_bad_frames=skip_bad_frames, allow_outside=allow_outside
+            result.directory,
+            fixture=fixture,
+            skip_bad_frames=skip_bad_frames,
+            allow_outside=allow_outside,
         )
         result.name = recording.settings.name
         result.notes.append(_note_frames(recording))
@@ -204,12 +210,13 @@ def examine(
     return result
 
 
-def _open_recording(directory: Path, **options: bool) -> Run | Fixture:
+def _open_recording(directory: Path, *, fixture: bool, **options: bool) -> Run | Fixture:
     """The run or the fixture in the directory."""
-    if (directory / "run.toml").is_file():
-        return open_run(directory, find_start=fit_start, **options)
-    if (directory / "fixture.toml").is_file():
+    has_run, has_fixture = ((directory / f"{name}.toml").is_file() for name in ("run", "fixture"))
+    if has_fixture and (fixture or not has_run):
         return open_fixture(directory, **options)
+    if has_run:
+        return open_run(directory, find_start=fit_start, **options)
     reason = "there is no such directory. Correct the name."
     if directory.is_dir():
         reason = f"it holds neither. Make one from the files in it with: erlif init {directory}"

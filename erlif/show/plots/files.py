@@ -13,9 +13,10 @@ import numpy as np
 import xarray as xr
 
 from erlif.calibration import Calibration, Profile, calibration_of, open_calibration, read_profile
-from erlif.core.errors import ConfigError, ErlifError, OutputError
+from erlif.core.errors import ErlifError, OutputError
 from erlif.core.progress import ShowProgress, choose_progress
 from erlif.io import files as stored
+from erlif.io.ingest.containment import refuse_outside
 from erlif.io.settings import CrankRockerSettings, read_fixture_settings, read_run_settings
 from erlif.pipeline import calibrate, restore_images
 from erlif.show.plots import style as looks
@@ -45,7 +46,7 @@ _LEAST_SPAN = 0.1  # relative range of speed over load below which it shows no t
 _SAME = 1e-9  # relative difference of parameters that a text file of them may leave
 
 
-def find_run(film_path: Path, film: xr.Dataset) -> Path | None:
+def find_run(film_path: Path, film: xr.Dataset, *, allow_outside: bool = False) -> Path | None:
     """Find the run directory of a film.
 
     Parameters
@@ -54,6 +55,8 @@ def find_run(film_path: Path, film: xr.Dataset) -> Path | None:
         The file of the film.
     film : xarray.Dataset
         The film.
+    allow_outside : bool
+        As for `erlif.io.settings.read_run_settings`.
 
     Returns
     -------
@@ -73,9 +76,10 @@ def find_run(film_path: Path, film: xr.Dataset) -> Path | None:
     # another run.toml can lie beside a film that was moved; the name of the run decides
     beside = film_path.parent
     try:
-        return beside if read_run_settings(beside).name == stored.settings_of(film).name else None
-    except ConfigError:
+        settings = read_run_settings(beside, allow_outside=allow_outside)
+    except ErlifError:
         return None
+    return beside if settings.name == stored.settings_of(film).name else None
 
 
 def find_fixture(film: xr.Dataset, run_dir: Path | None) -> Path | None:
@@ -180,6 +184,8 @@ class FigureSource:
         """Name and CMM profile of the fixture; raises ErlifError."""
         assert self.fixture_dir is not None
         fixture = read_fixture_settings(self.fixture_dir).fixture
+        if not self.allow_outside:
+            refuse_outside(self.fixture_dir, [fixture.profile])
         return fixture.name, read_profile(self.fixture_dir / fixture.profile)
 
     def group(self, name: str) -> xr.Dataset:
@@ -379,7 +385,9 @@ def find_source(
         trigger = stored.fastest_trigger(film)
     stored.check_trigger(film, trigger)
     path = Path(film_path)
-    run = find_run(path, film) if run_dir is None else Path(run_dir)
+    run = (
+        Path(run_dir) if run_dir is not None else find_run(path, film, allow_outside=allow_outside)
+    )
     fixture = find_fixture(film, run) if fixture_dir is None else Path(fixture_dir)
     return FigureSource(path, film, trigger, run, fixture, allow_outside)
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 import os
 import re
 import tomllib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from copy import deepcopy
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from erlif.core.errors import ConfigError, ErlifError
 from erlif.core.notes import Note, list_some
@@ -19,7 +19,7 @@ from erlif.io.settings.reading import Fault, find_faults, find_gaps, read_toml
 from erlif.io.settings.template import gap_text
 from erlif.io.settings.toml import toml_value
 from erlif.review.init import init
-from erlif.show.view.run_settings import Change, propose_change, write_change
+from erlif.show.view.run_settings import MARK, Change, propose_change, write_change
 
 # Names of the tables around a key, and its own.
 Place = tuple[str, ...]
@@ -33,6 +33,27 @@ _LITERAL = re.compile(r"integer|number|true or false|pair|interval|list")
 _HEADING, _VALUE = re.compile(r"\s*\[([^\[\]]+)\]"), re.compile(r"\s*([\w.]+)\s*=")
 
 
+class Step(NamedTuple):
+    """A change that was made and can be undone.
+
+    Attributes
+    ----------
+    name : str
+        "run" or "fixture".
+    title : str
+        The keys that were changed.
+    change : Change
+    made : Mapping[Path, bytes]
+        Files that were written for the change, with their contents: they are removed with it,
+        unless somebody else has changed them since.
+    """
+
+    name: str
+    title: str
+    change: Change
+    made: Mapping[Path, bytes] = {}
+
+
 class Draft:
     """The settings of a run and of its fixture, as they stand in their files.
 
@@ -42,8 +63,8 @@ class Draft:
     ----------
     directories : dict[str, Path]
         Of "run" and "fixture", as far as they are open.
-    changes : list[tuple[str, str, Change]]
-        "run" or "fixture", the keys, and the change of each; the last one is undone first.
+    changes : list[Step]
+        The last one is undone first.
     notes : dict[str, list[Note]]
         What was found in the directories when their settings were drafted.
 
@@ -55,14 +76,14 @@ class Draft:
     ...     _ = Path(folder, "run.toml").write_text('[optics]\\npixel_pitch = "?? um"\\n')
     ...     draft.open("run", Path(folder))
     ...     draft.change("run", {"optics.pixel_pitch": "75"})
-    ...     print(draft.changes[0][2].lines)
+    ...     print(draft.changes[0].change.lines)
     -pixel_pitch = "?? um"
     +pixel_pitch = "75 um"
     """
 
     def __init__(self) -> None:
         self.directories: dict[str, Path] = {}
-        self.changes: list[tuple[str, str, Change]] = []
+        self.changes: list[Step] = []
         self.notes: dict[str, list[Note]] = {}
         self._asked: dict[str, set[Place]] = {}
 
@@ -120,7 +141,7 @@ class Draft:
         self._asked[name] = set(find_gaps(values))
         if not before or anew:
             change = Change(path, before, _text_of(path))
-            self.changes.append((name, "drafted from the files", change))
+            self.changes.append(Step(name, "drafted from the files", change))
 
     def propose(self, name: str, typed: Mapping[str, Any]) -> tuple[Change, list[Fault]]:
         """Work out a change without writing it.
@@ -154,12 +175,17 @@ class Draft:
             values[place] = read_typed(known[place], value) if isinstance(value, str) else value
 
         change = propose_change(path, values)
-        earlier = {fault.text for fault in self.faults(name, tomllib.loads(change.before))}
-        faults = self.faults(name, tomllib.loads(change.after))
+        earlier = {fault.text for fault in self.faults(name, _values_of(change.before))}
+        faults = self.faults(name, _values_of(change.after))
         return change, [fault for fault in faults if fault.text not in earlier]
 
-    def change(self, name: str, typed: Mapping[str, Any]) -> None:
-        """Change values and write the file; arguments and errors as in `propose`.
+    def change(self, name: str, typed: Mapping[str, Any], *, made: Sequence[Path] = ()) -> None:
+        """Change values and write the file; further arguments and errors as in `propose`.
+
+        Parameters
+        ----------
+        made : sequence of Path
+            Files that were written for the change, to be removed when it is undone.
 
         Raises
         ------
@@ -173,9 +199,10 @@ class Draft:
         if own:
             raise ConfigError(" ".join(own))
         if change.after != change.before:
-            self._asked[name] |= set(find_gaps(tomllib.loads(change.after)))
+            self._asked[name] |= set(find_gaps(_values_of(change.after)))
             write_change(change, before=change.digest)
-            self.changes.append((name, list_some(typed, most=2), change))
+            contents = {path: path.read_bytes() for path in made}
+            self.changes.append(Step(name, list_some(typed, most=2), change, contents))
 
     def exchange(self, name: str) -> None:
         """Exchange the tables of both cameras, which were taken for each other."""
@@ -199,21 +226,26 @@ class Draft:
         """
         if not self.changes:
             raise ConfigError("Expected a change to undo; there is none. Nothing is changed.")
-        name, _, last = self.changes[-1]
+        step = self.changes[-1]
+        last = step.change
         if _text_of(last.path) != last.after:
             raise ConfigError(
                 f"Expected {last.path} as this page has written it; it was changed elsewhere. Undo "
                 "the change there by hand."
             )
-        self.changes.pop()
         if last.before:
             back = Change(last.path, last.after, last.before)
             write_change(back, before=back.digest)
-            return
-        last.path.unlink()
-        last.path.with_suffix(".schema.json").unlink(missing_ok=True)
-        if self.directories.get(name) == last.path.parent:  # and not another one since
-            del self.directories[name]
+        else:
+            last.path.unlink()
+            last.path.with_suffix(".schema.json").unlink(missing_ok=True)
+            if self.directories.get(step.name) == last.path.parent:  # and not another one since
+                del self.directories[step.name]
+
+        self.changes.pop()
+        for path, content in step.made.items():
+            if path.exists() and path.read_bytes() == content:
+                path.unlink()
 
     def link(self) -> None:
         """Name the calibration of the open fixture in the run that names none."""
@@ -316,8 +348,13 @@ def read_typed(key: Key, text: str) -> Any:
 
 
 def _text_of(path: Path) -> str:
-    """Text of a file; empty where there is none."""
-    return path.read_bytes().decode("utf-8-sig", "surrogateescape") if path.exists() else ""
+    """Text of a file to the byte; empty where there is none."""
+    return path.read_bytes().decode(errors="surrogateescape") if path.exists() else ""
+
+
+def _values_of(text: str) -> dict[str, Any]:
+    """What the text of a file holds."""
+    return tomllib.loads(text.removeprefix(MARK))
 
 
 def _prefixes(place: Place) -> set[Place]:

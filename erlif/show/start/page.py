@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import closing, contextmanager, suppress
 from dataclasses import asdict
+from functools import partial
 from pathlib import Path
 from threading import RLock
 from typing import Any
@@ -125,8 +126,8 @@ class StartPage:
                 "suggested": self._suggested,
                 "files": {name: self._describe_file(name) for name in self._draft.directories},
                 "changes": [
-                    {"file": change.path.name, "title": title, "lines": change.lines}
-                    for _, title, change in self._draft.changes
+                    {"file": f"{step.name}.toml", "title": step.title, "lines": step.change.lines}
+                    for step in self._draft.changes
                 ],
                 "work": self._describe_work(),
                 **describe_layers([LAYERS[name] for name in ("camera1", "camera2")]),
@@ -212,7 +213,12 @@ class StartPage:
         shape = self._sources[name].read(values, 1, "frames", 0).counts.shape
         mask = write_mask(directory, strokes, width=width, shape=shape)
         exclude = values.get("thickness", {}).get("exclude", [])
-        self._draft.change(name, {"thickness.exclude": [*exclude, mask]})
+        try:
+            excluded = {"thickness.exclude": [*exclude, mask]}
+            self._draft.change(name, excluded, made=[directory / mask])
+        except ErlifError:
+            (directory / mask).unlink()
+            raise
 
     # images
 
@@ -250,7 +256,11 @@ class StartPage:
         task, name = str(given["task"]), str(given["name"])
         directory = self._draft.path(name).parent
         options = {"skip_bad_frames": given.get("skip") is True}
-        tasks = {"check": _check, "calibrate": _calibrate, "process": self._process}
+        tasks: dict[str, Callable[..., list[Note]]] = {
+            "check": partial(_check, fixture=name == "fixture"),
+            "calibrate": _calibrate,
+            "process": self._process,
+        }
         work = tasks[task]
         self._work.start(task, lambda progress: work(directory, progress, options))
 
@@ -301,8 +311,10 @@ def _find_excluded(directory: Path, values: Mapping[str, Any], shape: tuple[int,
     return np.zeros(shape, bool)
 
 
-def _check(directory: Path, progress: Progress, options: dict[str, Any]) -> list[Note]:
-    return examine(directory, progress=progress, **options).notes
+def _check(
+    directory: Path, progress: Progress, options: dict[str, Any], *, fixture: bool
+) -> list[Note]:
+    return examine(directory, fixture=fixture, progress=progress, **options).notes
 
 
 def _calibrate(directory: Path, progress: Progress, options: dict[str, Any]) -> list[Note]:

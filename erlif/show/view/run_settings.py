@@ -18,6 +18,9 @@ from erlif.show.view.measures import Rectangle
 _LARGEST = 2**20  # bytes of a run.toml
 _DIGITS = 3  # decimals of a position in mm
 
+MARK = "\ufeff"
+"""Byte-order mark, with which some editors begin a file."""
+
 
 @dataclass(frozen=True)
 class Change:
@@ -28,7 +31,7 @@ class Change:
     path : Path
         The file.
     before : str
-        Its text; empty where it is not there.
+        Its text to the byte, with a byte-order mark that it may have; empty where it is not there.
     after : str
         Its text after the change.
     """
@@ -109,7 +112,7 @@ def propose_change(path: Path, values: Mapping[tuple[str, ...], Any]) -> Change:
     """
     names = ", ".join(".".join(place) for place in values)
     try:
-        before = read_bounded(path, largest=_LARGEST).decode("utf-8-sig")
+        before = read_bounded(path, largest=_LARGEST).decode()
         return Change(path, before, change_values(before, values))
     except (OSError, ValueError, AttributeError, TypeError) as error:
         raise ConfigError(
@@ -147,8 +150,9 @@ def change_values(text: str, values: Mapping[tuple[str, ...], Any]) -> str:
     """
     import tomlkit
 
-    expected = tomllib.loads(text)
-    document: Any = tomlkit.parse(text)
+    bare = text.removeprefix(MARK)
+    expected = tomllib.loads(bare)
+    document: Any = tomlkit.parse(bare)
     for (*tables, key), value in values.items():
         if tables and tables[0] not in document:
             before = tomlkit.dumps(document)
@@ -172,7 +176,7 @@ def change_values(text: str, values: Mapping[tuple[str, ...], Any]) -> str:
     after = tomlkit.dumps(document)
     if tomllib.loads(after) != expected:
         raise ValueError("more would change")
-    return after
+    return f"{text[: len(text) - len(bare)]}{after}"
 
 
 def write_change(change: Change, *, before: str) -> None:
@@ -214,5 +218,5 @@ def write_change(change: Change, *, before: str) -> None:
     path = change.path.resolve()
     mode = path.stat().st_mode
     with replacing(path) as scratch:
-        scratch.write_bytes(change.after.encode())
+        scratch.write_bytes(change.after.encode(errors="surrogateescape"))
         scratch.chmod(mode)

@@ -69,3 +69,13 @@ def test_files_that_are_read_together_with_a_named_one_lie_in_the_directory(tmp_
     (run / linked).symlink_to(tmp_path / "elsewhere")
     with pytest.raises(FrameError, match=r"is a link to .*elsewhere"):
         refuse_outside(run, names)
+
+
+def test_a_link_whose_name_is_a_pattern_of_another_file_is_refused(tmp_path):
+    run, outside = tmp_path / "run", tmp_path / "secret.csv"
+    run.mkdir()
+    outside.touch()
+    (run / "a.csv").touch()
+    (run / "[ab].csv").symlink_to(outside)
+    with pytest.raises(FrameError, match=r"\[ab\]\.csv is a link to .*secret"):
+        refuse_outside(run, ["[ab].csv"])

@@ -7,7 +7,7 @@ import numpy as np
 import numpy.testing as npt
 import pytest
 
-from erlif.core.errors import ConfigError
+from erlif.core.errors import ConfigError, FrameError
 from erlif.io.files.soundness import read_settings
 from erlif.io.settings import RunSettings, read_run_settings, to_toml
 
@@ -80,3 +80,28 @@ def test_missing_profile_is_named(tmp_path):
     (tmp_path / "bore.csv").unlink()
     with pytest.raises(ConfigError, match=r"bore\.csv; it cannot be read: No such file"):
         read_run_settings(tmp_path)
+
+
+@pytest.mark.parametrize("how", ["name", "absolute", "link"])
+@pytest.mark.parametrize("content", ["axial_mm,depth_um\n-118.5,0\n118.5,5\n", "a secret\n", None])
+def test_profile_outside_is_not_read_unless_allowed(tmp_path, how, content):
+    run, outside = tmp_path / "run", tmp_path / "secret.csv"
+    run.mkdir()
+    run_with(run, f"axial_mm,depth_um\n-{ENDS},0\n{ENDS},0\n")
+    if content is not None:
+        outside.write_text(content)
+    if how == "link":
+        (run / "bore.csv").unlink()
+        (run / "bore.csv").symlink_to(outside)
+    else:
+        named = "../secret.csv" if how == "name" else outside.as_posix()
+        text = (run / "run.toml").read_text().replace("bore.csv", named)
+        (run / "run.toml").write_text(text)
+
+    # the same words for any content: nothing of the file is used
+    with pytest.raises(FrameError, match=r"within it; .*--allow-outside") as refused:
+        read_run_settings(run)
+    assert "a secret" not in str(refused.value)
+    if content is not None and "depth" in content:
+        bore = read_run_settings(run, allow_outside=True).joint.bore
+        assert bore.points == ((-118.5, 0), (118.5, 5))

@@ -33,6 +33,16 @@ def test_a_good_run_is_described_in_the_order_of_the_audit(lab):
     assert all(note.level is Level.NOTE for note in notes)
 
 
+def test_a_fixture_is_examined_beside_a_run(lab):
+    shutil.copy(lab.fixture / "fixture.toml", lab.run)
+    shutil.copy(lab.fixture / "profile.csv", lab.run)
+    run, fixture = examine(lab.run), examine(lab.run, fixture=True)
+    assert about(run.notes, "encoder log")
+    assert not about(run.notes, "profile")
+    assert about(fixture.notes, "profile")
+    assert not about(fixture.notes, "encoder log")
+
+
 def test_a_frame_that_a_camera_has_lost_is_left_out_on_request(lab):
     lab.frames(2)[3].unlink()
     assert [note.level for note in erlif.check(lab.run)] == [Level.ERROR]

@@ -216,6 +216,15 @@ def test_fixture_is_found_where_the_settings_name_its_calibration(with_settings,
     assert plots.find_fixture(named, None) is None
 
 
+def test_profile_outside_the_fixture_is_not_read(film_path, film, fixture_dir, tmp_path):
+    profile = tmp_path / "secret.csv"
+    (fixture_dir / "profile.csv").rename(profile)
+    (fixture_dir / "profile.csv").symlink_to(profile)
+    source = source_of(film_path, film, fixture_dir=fixture_dir)
+    assert "--allow-outside" in reason_missing("fixture_profile", source)
+    assert reason_missing("fixture_profile", replace(source, allow_outside=True)) is None
+
+
 def test_points_of_the_calibration_are_drawn_if_it_is_that_of_the_film(
     film_path, film, fixture_dir, calibration, caplog
 ):

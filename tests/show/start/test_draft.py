@@ -1,5 +1,6 @@
 """Settings that are drafted, changed and undone: the files are what a user reads."""
 
+import codecs
 import shutil
 import tomllib
 
@@ -93,6 +94,40 @@ def test_a_typed_value_is_written_with_its_unit_and_undone_to_the_byte(lab, draf
         draft.undo()
 
 
+def test_a_byte_order_mark_stays(lab):
+    path = lab.run / "run.toml"
+    before = codecs.BOM_UTF8 + path.read_bytes().replace(b"\n", b"\r\n")
+    path.write_bytes(before)
+    draft = Draft()
+    draft.open("run", lab.run)
+    draft.change("run", {"optics.pixel_pitch": "80"})
+    assert path.read_bytes() == before.replace(b'"150 um"', b'"80 um"')
+    draft.undo()
+    assert path.read_bytes() == before
+
+
+@pytest.mark.parametrize("head", [codecs.BOM_UTF8, b"# caf\xe9, in another encoding\n"])
+def test_a_file_that_was_drafted_anew_is_restored_by_undo(lab, head):
+    path = lab.run / "run.toml"
+    path.write_bytes(before := head + path.read_bytes())
+    draft = Draft()
+    draft.open("run", lab.run, kind="static", anew=True)
+    assert path.read_bytes() != before
+    draft.undo()
+    assert path.read_bytes() == before
+
+
+def test_files_of_a_change_are_removed_with_it_unless_they_were_changed(lab, draft):
+    masks = [lab.run / "mask_1.png", lab.run / "mask_2.png"]
+    for mask in masks:
+        mask.write_bytes(b"white under strokes")
+        draft.change("run", {"thickness.exclude": [mask.name]}, made=[mask])
+    masks[0].write_bytes(b"white under strokes, and edited")
+    draft.undo()
+    draft.undo()
+    assert [mask.exists() for mask in masks] == [True, False]
+
+
 def test_a_value_that_cannot_be_used_is_refused_and_nothing_is_written(lab, draft):
     before = (lab.run / "run.toml").read_bytes()
     for place, text, reason in (
@@ -135,7 +170,7 @@ def test_a_file_that_somebody_else_has_changed_keeps_that(lab, draft):
     settings = read_fixture_settings(lab.fixture)
     assert settings.name == "june"
     assert settings.camera1.band == 570
-    assert "june" not in draft.changes[-1][2].lines  # of what this change does alone
+    assert "june" not in draft.changes[-1].change.lines  # of what this change does alone
 
 
 def test_keys_of_the_mechanism_are_those_of_its_kind(lab):

@@ -373,6 +373,7 @@ def test_a_value_is_checked_while_it_is_typed_and_each_change_is_undone(visit, l
                 f"#changes:not(:has(li:nth-child({left + 1})))", state="attached"
             )
         assert (lab.run / "run.toml").read_bytes() == before
+        assert not list(lab.run.glob("mask_*"))
         page.wait_for_selector("#undo:disabled")
 
 
@@ -433,6 +434,12 @@ def test_a_change_that_cannot_be_made_and_a_server_that_has_ended_are_named(visi
         page.wait_for_selector("#picker-refusal:text('does not run any more')")
 
 
+def end_of_work(page):
+    while (state := page.describe()["work"])["running"]:
+        time.sleep(0.01)
+    return state
+
+
 def test_an_earlier_film_stays_open_where_the_work_fails(lab, film, monkeypatch):
     shutil.copy(film, lab.film)
 
@@ -444,12 +451,23 @@ def test_an_earlier_film_stays_open_where_the_work_fails(lab, film, monkeypatch)
         send = page.writing()
         send["open"]([], b'{"name": "run", "folder": "run", "kind": "static"}')
         send["start"]([], b'{"task": "process", "name": "run"}')
-        while page.describe()["work"]["running"]:
-            time.sleep(0.01)
-        state = page.describe()["work"]
+        state = end_of_work(page)
         assert state["failed"]
         assert state["film"] == "run/film.nc"
     assert page.films == []
+
+
+def test_a_fixture_is_checked_in_a_folder_that_holds_a_run_too(lab):
+    for name in ("fixture.toml", "profile.csv"):
+        shutil.copy(lab.fixture / name, lab.run)
+    with closing(StartPage(lab.directory)) as page:
+        send = page.writing()
+        for name, subject in (("run", "encoder log: "), ("fixture", "profile: ")):
+            opened = {"name": name, "folder": "run", "kind": "static"}
+            send["open"]([], json.dumps(opened).encode())
+            send["start"]([], json.dumps({"task": "check", "name": name}).encode())
+            notes = [note["text"] for note in end_of_work(page)["notes"]]
+            assert any(text.startswith(subject) for text in notes), notes
 
 
 def test_settings_of_any_form_are_described_with_their_faults(lab):
