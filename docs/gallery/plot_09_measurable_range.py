@@ -10,7 +10,7 @@ between lies the range in which a single pixel of one frame measures.
 import matplotlib.pyplot as plt
 import numpy as np
 
-from erlif.models.fluorescence import band_signal, log_band_ratio_slope
+from erlif.models.fluorescence import band_ratio, band_signal
 
 P, Q = 0.40, 0.25  # attenuation of cameras 1 and 2 [1/um], about those of the sample
 READ_NOISE = 9.0  # electron
@@ -24,8 +24,8 @@ for electrons in (11000, 3300, 1100):
     for attenuation in (P, Q):
         signal = band_signal(thickness, attenuation=attenuation, brightness=electrons * attenuation)
         variance += (signal + READ_NOISE**2 + GAIN**2 / 12) / signal**2
-    slope = log_band_ratio_slope(thickness, attenuation_camera1=P, attenuation_camera2=Q)
-    std = np.sqrt(variance) / slope
+    ratio = band_ratio(thickness, ratio_at_zero=1.0, attenuation_camera1=P, attenuation_camera2=Q)
+    std = np.sqrt(variance) / ratio.slope
     ax.loglog(thickness, std / thickness, label=f"{electrons} electrons of a thick film")
 ax.axhline(0.25, color="black", linewidth=0.8, linestyle="--")
 ax.annotate("25 %", (0.11, 0.27))

@@ -20,15 +20,7 @@ from erlif.calibration.pose import Freedom
 from erlif.calibration.profile import MINIMUM_POINTS
 from erlif.core.arrays import Array, Mask
 from erlif.core.statistics import robust_rms
-from erlif.models.fluorescence import (
-    BandLight,
-    WallRatio,
-    band_light,
-    log_band_ratio,
-    log_band_ratio_gradient,
-    log_band_ratio_slope,
-    wall_ratio,
-)
+from erlif.models.fluorescence import BandLight, BandRatio, band_light, band_ratio
 
 # Standard deviations from the curve beyond which a point is dust, a bubble or a slip of the
 # CMM.
@@ -96,37 +88,15 @@ class Reabsorption:
 
     def predict(self, thickness: npt.ArrayLike) -> Array:
         """Logarithm of the ratio of a film. `thickness` in um."""
-        if self.reflects:
-            return self.before_wall(thickness).log_ratio
-        K, p, q = self.parameters
-        return np.asarray(
-            log_band_ratio(thickness, ratio_at_zero=K, attenuation_camera1=p, attenuation_camera2=q)
-        )
+        return self.ratio(thickness).log_ratio
 
     def slope(self, thickness: npt.ArrayLike) -> Array:
         """Slope of the logarithm of the ratio over thickness. [1/um]"""
-        if self.reflects:
-            return self.before_wall(thickness).slope
-        _, p, q = self.parameters
-        return np.asarray(
-            log_band_ratio_slope(thickness, attenuation_camera1=p, attenuation_camera2=q)
-        )
-
-    def tangent(self, thickness: npt.ArrayLike) -> tuple[Array, Array]:
-        """Logarithm of the ratio of a film [1] and its slope [1/um], for less than one by one."""
-        if not self.reflects:
-            return self.predict(thickness), self.slope(thickness)
-        film = self.before_wall(thickness)
-        return film.log_ratio, film.slope
+        return self.ratio(thickness).slope
 
     def gradient(self, thickness: npt.ArrayLike) -> Array:
         """Derivatives of the logarithm of the ratio by the parameters, (parameter, ...)."""
-        if self.reflects:
-            return self.before_wall(thickness).gradient
-        K, p, q = self.parameters
-        return log_band_ratio_gradient(
-            thickness, ratio_at_zero=K, attenuation_camera1=p, attenuation_camera2=q
-        )
+        return self.ratio(thickness).gradient[: len(self.parameters)]
 
     def light(self, thickness: npt.ArrayLike) -> BandLight:
         """Light of camera 1, with its derivatives by p, and by a and R of a reflecting wall."""
@@ -136,10 +106,11 @@ class Reabsorption:
         light = band_light(thickness, attenuation=self.parameters[1], **wall)
         return light if wall else replace(light, black=True)
 
-    def before_wall(self, thickness: npt.ArrayLike) -> WallRatio:
-        """Ratio and derivatives of a film before a reflecting wall; for a model of five numbers."""
-        K, p, q, a, R = self.parameters
-        return wall_ratio(
+    def ratio(self, thickness: npt.ArrayLike) -> BandRatio:
+        """Ratio of both cameras, with its derivatives by K, p and q, and a and R of any wall."""
+        K, p, q, *wall = self.parameters
+        a, R = wall or (0.0, 0.0)
+        return band_ratio(
             thickness,
             ratio_at_zero=K,
             attenuation_camera1=p,
@@ -333,35 +304,37 @@ class _Distances:
     log_ratio_std: Array
     displacement: Array  # films by the combinations, (point, combination) [um/mm]
 
-    def nearest(self, unknowns: Array) -> tuple[Reabsorption, Array, Array]:
-        """The curve, the films by the CMM, and those of the nearest places of the curve. [um]"""
+    def nearest(self, unknowns: Array) -> tuple[Reabsorption, Array, BandRatio]:
+        """The curve, the films by the CMM [um], and the ratio at its nearest places."""
         size = len(unknowns) - self.displacement.shape[1]
         curve = Reabsorption(_parameters_of(unknowns[:size]))
         film = stated = self.thickness + self.displacement @ unknowns[size:]
         far = 2 * self.thickness.max()  # of a bad start, places run away
 
+        place = curve.ratio(film)
         for _ in range(_NEAREST):
-            before, (value, slope) = film, curve.tangent(film)
+            before, slope = film, place.slope
             across = slope * self.thickness_std**2
             share = across / (self.log_ratio_std**2 + across * slope)
-            miss = self.log_ratio - value + slope * (film - stated)
+            miss = self.log_ratio - place.log_ratio + slope * (film - stated)
             film = np.clip(stated + share * miss, -far, far)
+            place = curve.ratio(film)
             if np.abs(film - before).max() < _SETTLED * far:
                 break
-        return curve, stated, film
+        return curve, stated, place
 
-    def distances(self, curve: Reabsorption, stated: Array, film: Array) -> Array:
+    def distances(self, stated: Array, place: BandRatio) -> Array:
         """Distance of each point, with the sign of what the ratio has above the curve."""
-        miss = (self.log_ratio - curve.predict(film)) / self.log_ratio_std
-        return np.copysign(np.hypot(miss, (film - stated) / self.thickness_std), miss)
+        miss = (self.log_ratio - place.log_ratio) / self.log_ratio_std
+        return np.copysign(np.hypot(miss, (place.thickness - stated) / self.thickness_std), miss)
 
-    def jacobian(self, curve: Reabsorption, film: Array) -> Array:
+    def jacobian(self, curve: Reabsorption, place: BandRatio) -> Array:
         """Derivatives of the distances, (point, unknown); the nearest place stays the nearest."""
         K, p, q, *wall = curve.parameters
-        by_K, by_p, by_q, *by_wall = curve.gradient(film)
+        by_K, by_p, by_q, *by_wall = place.gradient[: len(curve.parameters)]
         if by_wall:
             by_q, by_wall[0] = by_q + wall[0] / q * by_wall[0], q * by_wall[0]
-        slope = curve.slope(film)
+        slope = place.slope
 
         columns = [K * by_K, (p - q) * by_p, q * (by_p + by_q), *by_wall]
         change = np.column_stack([*columns, slope[:, None] * self.displacement])
@@ -390,15 +363,15 @@ class _Distances:
             return changed
 
         @lru_cache(maxsize=1)  # distances and their derivatives are asked for in turn
-        def nearest(searched: bytes) -> tuple[Reabsorption, Array, Array]:
+        def nearest(searched: bytes) -> tuple[Reabsorption, Array, BandRatio]:
             return self.nearest(complete(np.frombuffer(searched)))
 
         def distances(searched: Array) -> Array:
-            return self.distances(*nearest(searched.tobytes()))
+            return self.distances(*nearest(searched.tobytes())[1:])
 
         def derivatives(searched: Array) -> Array:
-            curve, _, film = nearest(searched.tobytes())
-            return self.jacobian(curve, film)[:, free]
+            curve, _, place = nearest(searched.tobytes())
+            return self.jacobian(curve, place)[:, free]
 
         found = least_squares(
             distances,
@@ -413,7 +386,7 @@ class _Distances:
             max_nfev=_ITERATIONS,
         )
         best = complete(found.x)
-        return _Solution(best, self.nearest(best)[2], 2 * float(found.cost))
+        return _Solution(best, self.nearest(best)[2].thickness, 2 * float(found.cost))
 
 
 def _regress(

@@ -404,7 +404,7 @@ class Systematics:
             level=self.level,
             by_dye_2=1 + reabsorbed * model.gradient(film)[1],
             light_by_dye_2=reabsorbed * light.gradient[0],
-            by_wall=wall.before_wall(film).by_reflectance,
+            by_wall=wall.ratio(film).by_reflectance,
             light_by_share=lit * light.slope - 1,
             light_by_wall=wall.light(lit).gradient[-1],
             passed=np.full([1] * film.ndim, self.passed) if passed is None else passed,

@@ -24,10 +24,10 @@ from erlif.models.arguments import Values, formula
 # Optical depth below which (1 - exp(-x))/x is a series; the next term, x^3/24, is 4e-17 there.
 SERIES_BELOW = 1e-5
 
-# The same for the logarithmic slope, whose closed form subtracts two numbers of size 1/x.
+# The same for its derivative, whose closed form subtracts two numbers of size 1/x.
 SLOPE_SERIES_BELOW = 1e-3
 
-# Optical depth at which exp(x) is still finite and the slope has long been -1/x.
+# Optical depth at which exp(x) is still finite.
 LARGEST_DEPTH = 700.0
 
 
@@ -51,28 +51,6 @@ def mean_transmission(depth: Values) -> Values:
     array([1.    , 0.7213, 0.001 ])
     """
     return _evaluate(_mean_transmission, depth)
-
-
-@formula(depth="signed number")
-def mean_transmission_log_slope(depth: Values) -> Values:
-    """Derivative of ln `mean_transmission` with respect to the optical depth, 1/(exp(x) - 1) - 1/x.
-
-    Parameters
-    ----------
-    depth : float or array
-        Optical depth x of the layer. [1]
-
-    Returns
-    -------
-    float or array
-        -1/2 at x = 0, rising to -1/x for a thick layer. [1]
-
-    Examples
-    --------
-    >>> mean_transmission_log_slope(0.0), mean_transmission_log_slope(100.0)
-    (-0.5, -0.01)
-    """
-    return _evaluate(_mean_transmission_log_slope, depth)
 
 
 @formula(thickness="signed number")
@@ -155,93 +133,9 @@ def log_band_ratio(
     )
 
 
-@formula(thickness="signed number")
-def log_band_ratio_slope(
-    thickness: Values, *, attenuation_camera1: Values, attenuation_camera2: Values
-) -> Values:
-    """Derivative of `log_band_ratio` with respect to thickness, at fixed K.
-
-    q/(exp(q t) - 1) - p/(exp(p t) - 1).
-
-    Parameters
-    ----------
-    thickness, attenuation_camera1, attenuation_camera2 : float or array
-        Film thickness t [unit of length], p and q, as in `log_band_ratio` [inverse of the unit of
-        thickness].
-
-    Returns
-    -------
-    float or array
-        Slope, (p - q)/2 at t = 0. [inverse of the unit of thickness]
-
-    Examples
-    --------
-    Eq. 5.7 of Farzaneh (2002) with A = 0.03 and B = 0.06 1/um at 10 um, recomputed by hand:
-
-    >>> slope = log_band_ratio_slope(10.0, attenuation_camera1=0.09, attenuation_camera2=0.03)
-    >>> round(slope, 8)
-    0.02408828
-    """
-    t = _float64(thickness)
-    p, q = attenuation_camera1, attenuation_camera2
-    thin = q * mean_transmission_log_slope(q * t) - p * mean_transmission_log_slope(p * t)
-
-    # both terms approach -1/t: the difference of thick films is taken without it, as it is lost in
-    # the rounding of 1/t from an optical depth of about 35 on
-    with np.errstate(over="ignore"):
-        far = q / np.expm1(np.maximum(q * t, 1.0)) - p / np.expm1(np.maximum(p * t, 1.0))
-    thick = np.heaviside(np.minimum(p, q) * t - 1.0, 0.0)
-    return thin * (1.0 - thick) + far * thick
-
-
-@formula(thickness="signed number")
-def log_band_ratio_gradient(
-    thickness: Values,
-    *,
-    ratio_at_zero: float,
-    attenuation_camera1: float,
-    attenuation_camera2: float,
-) -> Array:
-    """Derivatives of `log_band_ratio` with respect to its parameters.
-
-    Parameters
-    ----------
-    thickness : float or array
-        Film thickness t. [unit of length]
-    ratio_at_zero : float
-        K, positive. [1]
-    attenuation_camera1, attenuation_camera2 : float
-        p and q, as in `log_band_ratio`. [inverse of the unit of thickness]
-
-    Returns
-    -------
-    array, (3, ...)
-        With respect to K, p and q, in this order. [1, unit of thickness twice]
-
-    Examples
-    --------
-    At t = 0 only K matters, and ln K has the derivative 1/K:
-
-    >>> log_band_ratio_gradient(
-    ...     0.0, ratio_at_zero=0.5, attenuation_camera1=0.40, attenuation_camera2=0.25
-    ... )
-    array([ 2.,  0., -0.])
-    """
-    # ln K, less the transmission of camera 1, plus that of camera 2
-    t = np.asarray(thickness, float)
-    p, q = attenuation_camera1, attenuation_camera2
-    return np.stack(
-        [
-            np.full_like(t, 1 / ratio_at_zero),
-            -t * mean_transmission_log_slope(p * t),
-            t * mean_transmission_log_slope(q * t),
-        ]
-    )
-
-
 @dataclass(frozen=True)
-class WallRatio:
-    """Ratio of a film before a reflecting wall, and its derivatives; each is computed on demand.
+class BandRatio:
+    """Ratio of a film, and its derivatives; each is computed on demand.
 
     Attributes
     ----------
@@ -269,9 +163,14 @@ class WallRatio:
     @property
     def slope(self) -> Array:
         """Derivative of ln r with respect to thickness. [inverse of the unit of thickness]"""
-        (p, q, a), (one, two) = self.attenuations, self.layers
-        rise = two.by_x * q + two.by_y * (2 * a - q) - one.by_x * p - one.by_y * (2 * a - p)
-        return np.asarray(rise)
+        t, (p, q, a), (one, two) = self.thickness, self.attenuations, self.layers
+        thin = np.abs(min(p, q) * t) < SLOPE_SERIES_BELOW
+        slope = (two.by_log - one.by_log) / np.where(thin, 1.0, t)
+        if not thin.any():
+            return np.asarray(slope)
+        # of a thin film, the series of each layer
+        series = two.by_x * q + two.by_y * (2 * a - q) - one.by_x * p - one.by_y * (2 * a - p)
+        return np.where(thin, series, slope)
 
     @property
     def by_reflectance(self) -> Array:
@@ -293,21 +192,22 @@ class WallRatio:
         return np.stack(rows)
 
 
-def wall_ratio(
+def band_ratio(
     thickness: Values,
     *,
     ratio_at_zero: float,
     attenuation_camera1: float,
     attenuation_camera2: float,
-    attenuation_laser: float,
-    reflectance: float,
-) -> WallRatio:
+    attenuation_laser: float = 0.0,
+    reflectance: float = 0.0,
+) -> BandRatio:
     """Camera 2 / camera 1 ratio of a film before a wall that reflects laser and emission.
 
     ln r = ln K + ln G(q t, (2 a - q) t) - ln G(p t, (2 a - p) t) with
     G(x, y) = (1 + R^2 e^-x) (1 - e^-x)/x + 2 R e^-x sinh(y)/y. Without reflection it is
-    `log_band_ratio`. The ratio rises from K, has a maximum, and falls to K p/q: light of a thick
-    film returns from the wall in the band that is absorbed less.
+    `log_band_ratio`, and its slope is q/(exp(q t) - 1) - p/(exp(p t) - 1). With it, the ratio rises
+    from K, has a maximum, and falls to K p/q: light of a thick film returns from the wall in the
+    band that is absorbed less.
 
     Parameters
     ----------
@@ -321,16 +221,17 @@ def wall_ratio(
     attenuation_laser : float
         a, attenuation of the laser alone. [inverse of the unit of thickness]
     reflectance : float
-        R, share of the light that the wall returns, the same for laser and emission. [1]
+        R, share of the light that the wall returns, the same for laser and emission; a black wall
+        by default. [1]
 
     Returns
     -------
-    WallRatio
+    BandRatio
 
     Examples
     --------
     >>> film = np.linspace(0.1, 30, 300)
-    >>> found = wall_ratio(
+    >>> found = band_ratio(
     ...     film,
     ...     ratio_at_zero=0.65,
     ...     attenuation_camera1=0.40,
@@ -345,7 +246,7 @@ def wall_ratio(
     # a fit may try films far below zero, where exp would overflow
     t = np.maximum(np.asarray(thickness, float), -LARGEST_DEPTH / (4 * max(p, q)))
     one, two = (_Layer(band * t, (2 * a - band) * t, reflectance) for band in (p, q))
-    return WallRatio(ratio_at_zero, t, (p, q, a), (one, two))
+    return BandRatio(ratio_at_zero, t, (p, q, a), (one, two))
 
 
 @dataclass(frozen=True)
@@ -398,7 +299,7 @@ def band_light(
     attenuation_laser: float = 0.0,
     reflectance: float = 0.0,
 ) -> BandLight:
-    """Light of a film in one band before a wall, whose factors `wall_ratio` compares.
+    """Light of a film in one band before a wall, whose factors `band_ratio` compares.
 
     Parameters
     ----------
@@ -407,9 +308,9 @@ def band_light(
     attenuation : float
         p, attenuation of the laser and of the band together. [inverse of the unit of thickness]
     attenuation_laser : float
-        a, as for `wall_ratio`. [inverse of the unit of thickness]
+        a, as for `band_ratio`. [inverse of the unit of thickness]
     reflectance : float
-        R, as for `wall_ratio`; a black wall by default. [1]
+        R, as for `band_ratio`; a black wall by default. [1]
 
     Returns
     -------
@@ -449,10 +350,24 @@ class _Layer:
         return np.asarray(np.log(self._total))
 
     @cached_property
+    def by_log(self) -> Array:
+        """Derivative of ln(t G) by ln t; that of a thick film keeps its digits."""
+        R, decay = self.reflectance, self._decay
+        if R == 0:
+            return np.asarray(decay / self._direct)
+        by_log = decay * (1 - R**2 + 2 * R**2 * decay) + 2 * R * (self._even - self.x * self._mixed)
+        return np.asarray(by_log / self._total)
+
+    @cached_property
     def by_x(self) -> Array:
-        """Its derivative by x."""
-        R, direct, decay = self.reflectance, self._direct, self._decay
-        slope = direct * _mean_transmission_log_slope(self.x)
+        """Derivative of ln G by x."""
+        x, R, direct, decay = self.x, self.reflectance, self._direct, self._decay
+        # the closed form is 0/0 at zero, so it is evaluated at 1 there and then replaced
+        small = np.abs(x) < SLOPE_SERIES_BELOW
+        closed = (decay - direct) / np.where(small, 1.0, x)
+        slope = np.where(small, direct * (-0.5 + x / 12 - x**3 / 720), closed)
+        if R == 0:
+            return np.asarray(slope / direct)
         by_x = slope * (1 + R**2 * decay) - R**2 * direct * decay - 2 * R * self._mixed
         return np.asarray(by_x / self._total)
 
@@ -460,10 +375,11 @@ class _Layer:
     def by_y(self) -> Array:
         """By y."""
         y, R = self.y, self.reflectance
-        far = np.abs(y)
-        even = np.exp(far - self.x) * (1 + np.exp(-2 * far)) / 2
-        small = far < SLOPE_SERIES_BELOW
-        by_y = np.where(small, self._decay * y / 3, (even - self._mixed) / np.where(small, 1.0, y))
+        if R == 0:
+            return np.zeros_like(y)
+        small = np.abs(y) < SLOPE_SERIES_BELOW
+        closed = (self._even - self._mixed) / np.where(small, 1.0, y)
+        by_y = np.where(small, self._decay * y / 3, closed)
         return np.asarray(2 * R * by_y / self._total)
 
     @cached_property
@@ -481,8 +397,14 @@ class _Layer:
         return np.asarray(np.exp(-self.x))
 
     @cached_property
+    def _even(self) -> Array:
+        """e^-x cosh(y) without a large number; x exceeds y."""
+        far = np.abs(self.y)
+        return np.asarray(np.exp(far - self.x) * (1 + np.exp(-2 * far)) / 2)
+
+    @cached_property
     def _mixed(self) -> Array:
-        """e^-x sinh(y)/y without a large number; x exceeds y."""
+        """e^-x sinh(y)/y, likewise."""
         far = np.abs(self.y)
         return np.asarray(np.exp(far - self.x) * _mean_transmission(2 * far))
 
@@ -512,10 +434,3 @@ def _mean_transmission(x: Array) -> Array:
         return np.asarray(-np.expm1(-x) / x)
     safe = np.where(small, 1.0, x)
     return np.where(small, 1 - x / 2 + x * x / 6, -np.expm1(-safe) / safe)
-
-
-def _mean_transmission_log_slope(x: Array) -> Array:
-    # as above; the limit of the depth keeps exp from overflowing
-    small = np.abs(x) < SLOPE_SERIES_BELOW
-    safe = np.where(small, 1.0, np.minimum(x, LARGEST_DEPTH))
-    return np.where(small, -0.5 + x / 12 - x**3 / 720, 1 / np.expm1(safe) - 1 / safe)

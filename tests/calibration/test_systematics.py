@@ -27,7 +27,7 @@ from erlif.calibration import (
     save_calibration,
 )
 from erlif.core.terms import TERMS
-from erlif.models.fluorescence import band_light, wall_ratio
+from erlif.models.fluorescence import band_light, band_ratio
 from erlif.show.plots import example_calibration, example_film
 
 CALIBRATION = example_calibration()
@@ -108,7 +108,7 @@ def test_a_wall_acts_as_the_model_before_it():
     extended = extend(wall=0.01)
     K, p, q = CALIBRATION.parameters
     two = [
-        wall_ratio(
+        band_ratio(
             FILMS,
             ratio_at_zero=K,
             attenuation_camera1=p,

@@ -9,13 +9,10 @@ from scipy.integrate import quad
 
 from erlif.models.fluorescence import (
     band_light,
+    band_ratio,
     band_signal,
     log_band_ratio,
-    log_band_ratio_gradient,
-    log_band_ratio_slope,
     mean_transmission,
-    mean_transmission_log_slope,
-    wall_ratio,
 )
 
 DYES = {"ratio_at_zero": 0.65, "attenuation_camera1": 0.40, "attenuation_camera2": 0.25}
@@ -37,15 +34,13 @@ def test_log_ratio_is_that_of_two_integrals(thickness):
 def test_slope_has_the_value_of_eq_5_7():
     # A = 0.03, B = 0.06 1/um at 10 um, by hand from eq. 5.7 of Farzaneh (2002):
     # d ln R/dt = -0.02408828 1/um for camera 1 / camera 2
-    slope = log_band_ratio_slope(10.0, attenuation_camera1=0.09, attenuation_camera2=0.03)
-    npt.assert_allclose(slope, 0.02408828, rtol=3e-7)
+    ratio = band_ratio(10.0, ratio_at_zero=1.0, attenuation_camera1=0.09, attenuation_camera2=0.03)
+    npt.assert_allclose(ratio.slope, 0.02408828, rtol=3e-7)
 
 
 def test_thin_and_thick_limits():
     npt.assert_allclose(np.exp(log_band_ratio(0.0, **DYES)), 0.65)
-    npt.assert_allclose(
-        log_band_ratio_slope(0.0, attenuation_camera1=0.4, attenuation_camera2=0.25), 0.075
-    )
+    npt.assert_allclose(band_ratio(0.0, **DYES).slope, 0.075)
     npt.assert_allclose(np.exp(log_band_ratio(1e4, **DYES)), 0.65 * 0.40 / 0.25, rtol=1e-12)
 
 
@@ -57,9 +52,7 @@ def test_ratio_rises_and_slope_is_its_derivative(thickness, q, difference, ratio
         "attenuation_camera1": q + difference,
         "attenuation_camera2": q,
     }
-    slope = log_band_ratio_slope(
-        thickness, attenuation_camera1=q + difference, attenuation_camera2=q
-    )
+    slope = band_ratio(thickness, **model).slope
     assert slope > 0
     step = 1e-4 * thickness
     rise = log_band_ratio(thickness + step, **model) - log_band_ratio(thickness - step, **model)
@@ -73,14 +66,16 @@ def test_slope_of_a_thick_film_keeps_its_digits(thickness):
 
     p, q, t = Decimal("0.99"), Decimal("0.97"), Decimal(thickness)
     expected = q / ((q * t).exp() - 1) - p / ((p * t).exp() - 1)
-    slope = log_band_ratio_slope(thickness, attenuation_camera1=0.99, attenuation_camera2=0.97)
-    npt.assert_allclose(slope, float(expected), rtol=1e-12)
+    ratio = band_ratio(
+        thickness, ratio_at_zero=1.0, attenuation_camera1=0.99, attenuation_camera2=0.97
+    )
+    npt.assert_allclose(ratio.slope, float(expected), rtol=1e-12)
 
 
 def test_gradient_is_the_derivative_by_each_parameter():
     thickness = np.array([0.0, 1e-4, 0.5, 4.0, 20.0])
     names = list(DYES)
-    gradient = log_band_ratio_gradient(thickness, **DYES)
+    gradient = band_ratio(thickness, **DYES).gradient
     for n, name in enumerate(names):
         step = 1e-5 * DYES[name]
         up, down = ({**DYES, name: DYES[name] + sign * step} for sign in (1, -1))
@@ -94,7 +89,9 @@ def test_gradient_is_the_derivative_by_each_parameter():
 def test_series_joins_the_closed_form_smoothly():
     around = np.array([0.9e-5, 1.1e-5, 0.9e-3, 1.1e-3])
     npt.assert_allclose(mean_transmission(around), 1 - around / 2 + around**2 / 6, rtol=1e-9)
-    npt.assert_allclose(mean_transmission_log_slope(around), -0.5 + around / 12, atol=2e-11)
+    light = band_light(around, attenuation=1.0)
+    npt.assert_allclose(light.gradient[0], around * (-0.5 + around / 12), atol=2e-14)
+    npt.assert_allclose(light.slope, 1 / around - 0.5 + around / 12, rtol=2e-14)
 
 
 WALL = DYES | {"attenuation_laser": 0.20, "reflectance": 0.3}
@@ -116,7 +113,7 @@ def light_before_wall(thickness, laser, band, reflectance):
 @pytest.mark.parametrize("thickness", [1e-4, 0.5, 7.0, 60.0])
 def test_ratio_before_a_wall_is_that_of_two_integrals(thickness, reflectance):
     one, two = (light_before_wall(thickness, 0.20, b, reflectance) for b in (0.20, 0.05))
-    found = wall_ratio(thickness, **WALL | {"reflectance": reflectance})
+    found = band_ratio(thickness, **WALL | {"reflectance": reflectance})
     npt.assert_allclose(found.log_ratio, np.log(0.65 * two / one), atol=1e-12)
     light = band_light(thickness, attenuation=0.40, attenuation_laser=0.20, reflectance=reflectance)
     npt.assert_allclose(light.signal * (1 + reflectance) ** 2, one, rtol=1e-12)
@@ -127,7 +124,7 @@ def test_gradient_before_a_wall_is_the_derivative(name):
     film, step, n = np.array([0.1, 3.0, 12.0, 40.0]), 1e-6, list(WALL).index(name)
 
     def ratio(change):
-        return wall_ratio(film, **WALL | {name: WALL[name] + change})
+        return band_ratio(film, **WALL | {name: WALL[name] + change})
 
     numerical = (ratio(step).log_ratio - ratio(-step).log_ratio) / (2 * step)
     npt.assert_allclose(ratio(0).gradient[n], numerical, rtol=1e-5, atol=1e-8)
@@ -140,9 +137,9 @@ def test_slopes_before_a_wall_are_derivatives():
     def light(thickness=film, **change):
         return band_light(thickness, **{"attenuation": 0.4} | wall | change)
 
-    above, below = wall_ratio(film + step, **WALL), wall_ratio(film - step, **WALL)
+    above, below = band_ratio(film + step, **WALL), band_ratio(film - step, **WALL)
     numerical = (above.log_ratio - below.log_ratio) / (2 * step)
-    npt.assert_allclose(wall_ratio(film, **WALL).slope, numerical, atol=1e-9)
+    npt.assert_allclose(band_ratio(film, **WALL).slope, numerical, atol=1e-9)
     numerical = np.log(light(film + step).signal / light(film - step).signal) / (2 * step)
     npt.assert_allclose(light().slope, numerical, atol=1e-9)
     for n, (name, value) in enumerate(({"attenuation": 0.4} | wall).items()):
