@@ -5,7 +5,10 @@ import sys
 from pathlib import Path
 from types import ModuleType
 
+import pytest
+
 import erlif
+from erlif.core.errors import OutputError
 
 ROOT = Path(__file__).parents[1]
 
@@ -76,3 +79,26 @@ def test_processing_loads_no_library_that_it_does_not_need():
         "assert not loaded, loaded\n"
     )
     subprocess.run([sys.executable, "-c", code], check=True, cwd=ROOT)
+
+
+@pytest.mark.parametrize(
+    "write",
+    [
+        lambda film, out, **shown: erlif.process(film.parent, output=out / "film.nc", **shown),
+        lambda film, out, **shown: erlif.predict(film, output=out / "prediction.nc", **shown),
+        lambda film, out, **shown: erlif.export(film, out / "film.tif", **shown),
+        lambda film, out, **shown: erlif.plots.cycle_movie(film, out / "cycle.gif", **shown),
+        lambda film, out, **shown: erlif.plots.write_figures(film, out / "figures", **shown),
+        lambda film, out, **shown: erlif.report.write_report(film, out / "report.html", **shown),
+        lambda film, out, **shown: erlif.report.write_runs_report(
+            [film], out / "report.html", **shown
+        ),
+    ],
+)
+def test_a_misspelt_folder_of_an_output_is_refused_before_the_work(film, tmp_path, write):
+    def progress(step, done, total):
+        pytest.fail(f"{step} has begun")
+
+    with pytest.raises(OutputError, match="Expected an existing folder for the output"):
+        write(film, tmp_path / "misspelt", progress=progress)
+    assert list(tmp_path.iterdir()) == []

@@ -14,8 +14,14 @@ from erlif.calibration import Calibration
 from erlif.core.progress import Progress, ShowProgress, choose_progress
 from erlif.core.speed.memory import release_memory
 from erlif.core.timing import stage
-from erlif.io.files import PartialFilm, open_film, refuse_existing, remove_remains, takes
-from erlif.io.files.replacement import expect_folder
+from erlif.io.files import (
+    PartialFilm,
+    expect_folder,
+    open_film,
+    refuse_existing,
+    remove_remains,
+    takes,
+)
 from erlif.io.ingest import Run, open_run
 from erlif.pipeline.audit.naming import naming
 from erlif.pipeline.cycle import describe_triggers, group_frames, summarise_cycle

@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
 from erlif.core.errors import OutputError
-from erlif.io.files import refuse_existing
+from erlif.io.files import expect_folder, refuse_existing
 from erlif.joint.models.linkage import LinkageDesign, measure_linkage
 from erlif.models.four_bar.measures import swept_box
 from erlif.models.mechanism import CrankRocker
@@ -303,6 +303,7 @@ def linkage_movie(
             f"Expected a movie of 2 positions at least; got {positions}. Choose more of them."
         )
     refuse_existing(path, overwrite=overwrite)
+    expect_folder(path)
     angles = 2 * np.pi * np.arange(positions) / positions
     with style.in_style(None):
         drawn = linkage_view(design)

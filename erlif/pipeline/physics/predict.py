@@ -19,6 +19,7 @@ from erlif.io.files import (
     MapVariable,
     PartialFilm,
     describe_hashes,
+    expect_folder,
     open_film,
     open_netcdf,
     refuse_existing,
@@ -160,6 +161,7 @@ def _write_prediction(
     remove_remains(output)
     refuse_existing(output, overwrite=overwrite, holds=MAP.name)
     source = read_film(path) if is_film(path) else _read_run(path, allow_outside)
+    expect_folder(output)
     plane = ObjectPlane(source.settings, source.shape)
     prediction = predict_run(plane, source.film, source.frames)
 

@@ -21,7 +21,7 @@ from PIL import Image
 
 from erlif.core.errors import OutputError
 from erlif.core.progress import ShowProgress, choose_progress
-from erlif.io.files import describe_trigger, open_film, refuse_existing, write_file
+from erlif.io.files import describe_trigger, expect_folder, open_film, refuse_existing, write_file
 from erlif.show.plots import maps
 from erlif.show.plots import style as looks
 from erlif.show.plots.kinematics import film_over_cycle
@@ -190,6 +190,7 @@ def cycle_movie(
     refuse_existing(path, overwrite=overwrite)
     opened = nullcontext(film) if isinstance(film, xr.Dataset) else open_film(film)
     with opened as shown, looks.in_style(style):
+        expect_folder(path)
         chosen = order_of_cycle(shown)
         view = cycle_view(shown, trigger=chosen[0])
         pictures = draw_pictures(view.figure, view.show, chosen, progress)

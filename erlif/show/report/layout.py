@@ -16,7 +16,7 @@ from jinja2 import ChoiceLoader, Environment, PackageLoader, select_autoescape
 from markupsafe import Markup, escape
 
 from erlif.core.tables import read_table, text_templates
-from erlif.io.files import refuse_existing, write_file
+from erlif.io.files import expect_folder, refuse_existing, write_file
 
 if TYPE_CHECKING:
     from erlif.show.plots.style import AnyFigure
@@ -187,6 +187,7 @@ def write_page(make: Callable[[], str], out_path: str | Path, *, overwrite: bool
     """Make a page and write it; an existing one is refused before it is made."""
     path = Path(out_path)
     refuse_existing(path, overwrite=overwrite)
+    expect_folder(path)
     return write_file(path, make())
 
 

@@ -110,6 +110,7 @@ def write_report(
     out_path = Path(out_path)
     files.refuse_existing(out_path, overwrite=overwrite)
     with files.reading_film(film_path), files.open_film(film_path) as film:
+        files.expect_folder(out_path)
         chosen = _check_range(film, triggers)
         opening = chosen[files.fastest_trigger(film.isel(trigger=slice(chosen[0], chosen[-1] + 1)))]
         source = find_source(

@@ -241,7 +241,6 @@ def write_plan(
     from erlif.show.plots import plan_figure, save_figure  # matplotlib is loaded for a figure alone
 
     check_plan_output(output, overwrite=overwrite)
-    figure = plan_figure(plan)
     texts = {
         "films.csv": table_of_films(plan),
         "tolerances.csv": table_of_tolerances(plan),
@@ -249,6 +248,7 @@ def write_plan(
         "optimum.toml": _renamed(plan.attrs["optimum_settings"], folder, output),
     }
     with replacing_set(output, WRITTEN) as scratch:
+        figure = plan_figure(plan)
         for kind in ("png", "pdf"):
             save_figure(figure, scratch / f"plan.{kind}")
         for name, text in texts.items():

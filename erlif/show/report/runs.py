@@ -72,6 +72,7 @@ def write_runs_report(
     check_size(max_size)
     out_path = Path(out_path)
     files.refuse_existing(out_path, overwrite=overwrite)
+    files.expect_folder(out_path)
     # the numbers of all runs come first: one colour scale for all maps needs their limits
     paths = [Path(path) for path in film_paths]
     files.refuse_repeated(paths)
