@@ -5,6 +5,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
+import tifffile
 from scenes.scripts import load_script
 
 ROOT = Path(__file__).parents[1]
@@ -83,7 +84,6 @@ def test_a_rig_keeps_truth_and_means_of_a_laboratory_apart(monkeypatch, tmp_path
     small = {"width": 64, "height": 48, "spacing": 8.0, "fixture_frames": 1}
     monkeypatch.setattr(rigs, "COMMON", rigs.COMMON | small)
     digest = rigs.draw_rig("thin", tmp_path)
-    assert digest == rigs.hash_frames(tmp_path / "rigs" / "thin")
 
     home = tmp_path / "rigs" / "thin"
     assert not list(home.rglob("truth*"))
@@ -95,6 +95,13 @@ def test_a_rig_keeps_truth_and_means_of_a_laboratory_apart(monkeypatch, tmp_path
         assert means in whole
     with h5py.File(tmp_path / "truth" / "thin.h5") as file:
         assert file["film"].shape == file["limit"].shape == (6, 48, 64)
+
+    # one count in one frame is another rig
+    path = home / "run" / "camera1_dark.tif"
+    counts = tifffile.imread(path)
+    counts.flat[7] += 1
+    tifffile.imwrite(path, counts)
+    assert rigs.hash_frames(home) != digest
 
 
 def test_the_page_and_the_list_of_hashes_have_every_rig_and_method(monkeypatch):

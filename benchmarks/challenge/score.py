@@ -30,6 +30,7 @@ IDEAL = {"scatter": 0.0, "within_68": 68.3, "within_95": 95.0, "measured": 100.0
 """What is best of a column, where it is not zero."""
 DIGITS = {"scatter": 2, "exponent": 3, "bias": 2, "false": 2, "minimum": 2}
 NAN = float("nan")
+TO_STD = 1.4826  # of normal errors, from the median of their sizes
 
 
 def read(path: Path) -> dict:
@@ -51,16 +52,15 @@ def score_maps(film: np.ndarray, limit: np.ndarray, found: np.ndarray) -> tuple[
     """Rms over the maps of the median error [%], and scatter about it over the limit [1]."""
     medians, scatter = [], []
     for true, width, value in zip(film, limit, found, strict=True):
-        error = (value - true)[np.isfinite(value)]
-        if error.size < 50:  # the median of fewer pixels is noise
+        given = np.isfinite(value)
+        if given.sum() < 50:  # the median of fewer pixels is noise
             continue
-        of = np.isfinite(value)
-        medians.append(100 * np.median(error / true[of]))
-        scatter.append((error - np.median(error)) / width[of])
+        error = value[given] - true[given]
+        medians.append(100 * np.median(error / true[given]))
+        scatter.append((error - np.median(error)) / width[given])
     if not medians:
         return NAN, NAN
-    pooled = np.concatenate(scatter)
-    return rms(np.array(medians)), float(1.4826 * np.median(np.abs(pooled)))
+    return rms(np.array(medians)), TO_STD * float(np.median(np.abs(np.concatenate(scatter))))
 
 
 def score_rig(truth: dict, submission: dict) -> dict[str, float]:
@@ -69,11 +69,12 @@ def score_rig(truth: dict, submission: dict) -> dict[str, float]:
     found = np.asarray(submission["thickness"], float)
     if found.shape != film.shape:
         raise SystemExit(f"Expected maps of {film.shape}, got {found.shape}. One for each trigger.")
+    scores = dict.fromkeys(COLUMNS, NAN)
+
     inside = np.broadcast_to(truth["region"].astype(bool), film.shape)
     judged = inside & (film > 3 * limit)  # a limit of NaN is a bubble
     given, error = np.isfinite(found), np.abs(found - film)
     wrong = ~np.isfinite(limit) | (error > np.maximum(0.2 * film, 5 * limit))
-    scores = dict.fromkeys(COLUMNS, NAN)
     scores["bias"], scores["scatter"] = score_maps(film, limit, np.where(judged, found, NAN))
     scores["measured"] = 100 * (given & judged).sum() / judged.sum()
     scores["false"] = 100 * (given & inside & wrong).sum() / max((given & inside).sum(), 1)
@@ -84,25 +85,31 @@ def score_rig(truth: dict, submission: dict) -> dict[str, float]:
         pull = (error[with_bar] / std[with_bar]) if with_bar.any() else np.array([NAN])
         scores["within_68"], scores["within_95"] = (100 * np.mean(pull <= k) for k in (1, 1.96))
     if "minimum" in submission:
-        scores["minimum"] = 100 * rms(
-            np.asarray(submission["minimum"], float) / truth["minimum"] - 1
-        )
+        minimum = np.asarray(submission["minimum"], float)
+        scores["minimum"] = 100 * rms(minimum / truth["minimum"] - 1)
     if "exponent" in submission:
         scores["exponent"] = float(submission["exponent"] - truth["exponent"])
     scores["seconds"] = float(submission.get("seconds", NAN))
     return scores
 
 
+def write_cell(key: str, value: float, rivals: list[float]) -> str:
+    """A number of a column, in bold where it is the best of its rig."""
+    if not np.isfinite(value):
+        return "–"
+    text, ideal = f"{value:.{DIGITS.get(key, 1)}f}", IDEAL.get(key, 0.0)
+    best = len(rivals) > 1 and abs(value - ideal) <= np.nanmin(np.abs(np.array(rivals) - ideal))
+    return f"**{text}**" if best else text
+
+
 def write_rows(scores: dict[tuple[str, str], dict[str, float]]) -> list[str]:
-    """A row for each rig and method, the best of each column of a rig in bold."""
+    """A row for each rig and method."""
     rows = []
     for (rig, method), found in scores.items():
-        cells = []
-        for key, value in found.items():
-            far = [abs(s[key] - IDEAL.get(key, 0.0)) for (of, _), s in scores.items() if of == rig]
-            best = len(far) > 1 and abs(value - IDEAL.get(key, 0.0)) <= np.nanmin([*far, np.inf])
-            text = f"{value:.{DIGITS.get(key, 1)}f}" if np.isfinite(value) else "–"
-            cells.append(f"**{text}**" if best else text)
+        rivals = [other for (of, _), other in scores.items() if of == rig]
+        cells = [
+            write_cell(key, value, [other[key] for other in rivals]) for key, value in found.items()
+        ]
         rows.append(f"| {rig} | {method} | {' | '.join(cells)} |")
     return rows
 
