@@ -131,7 +131,7 @@ def _draw_band(
     middle, std = film["film_predicted_min"].values, film["film_predicted_min_std"].values
     low, high = middle - std, middle + std
     for k, part in enumerate(stretches):
-        label = "1 s.d. of viscosity, load, clearance" if k == 0 else None
+        label = "± 1 s.d. by viscosity, load, clearance" if k == 0 else None
         style.draw_band(ax, x[part], low[part], high[part], OUTWARD, label=label, zorder=1)
 
 
