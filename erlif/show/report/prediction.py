@@ -86,7 +86,7 @@ def describe_band(prediction: xr.Dataset) -> str:
     std = prediction.get("film_predicted_min_std", xr.DataArray(np.nan)).values
     if not np.isfinite(std).any():
         return ""
-    return f"at most ± {np.nanmax(std):.2g} um, by viscosity, load and clearance"
+    return f"± {np.nanmax(std):.2g} um at most: viscosity, load, clearance"
 
 
 def describe_correlation(prediction: xr.Dataset) -> str:
