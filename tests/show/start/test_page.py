@@ -295,6 +295,18 @@ def test_a_pin_on_disc_by_the_keyboard_alone_on_a_narrow_dark_screen(
     assert_same_film(disc / "run/film.nc", run / "film.nc")
 
 
+def test_the_origin_may_be_given_before_the_scale(visit, disc):
+    """The profile is drawn again when the image has its scale; until then there is no size."""
+    with start_page(disc) as address:
+        page = visit(address)
+        take(page, "fixture")
+        given = {"fixture.origin": "0, 48", "camera1.band": "580", "camera2.band": "610"}
+        type_in(page, "fixture", given)
+        page.wait_for_load_state("networkidle")
+        type_in(page, "fixture", {"optics.pixel_pitch": "150"})
+        assert "calibrated range" in work(page, "calibrate", "fixture")
+
+
 HOSTILE = '<img src=x onerror="alert(1)">'
 
 
