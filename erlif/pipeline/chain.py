@@ -23,7 +23,7 @@ from erlif.correction import CameraTables, NoiseTables, PairLight, UnlitPixels, 
 from erlif.correction.light import measure_light, tabulate
 from erlif.io.ingest import FramePairs, PairCounts, read_pair
 from erlif.pipeline.passes.drift import PairDrift
-from erlif.pipeline.passes.ratio import BAND, measure_ratio
+from erlif.pipeline.passes.ratio import KEPT, measure_ratio
 from erlif.pipeline.passes.warp import MapTables, PairWarp, tabulate_map, turn_noise
 from erlif.ratio import BlurDifference, PairRatio, compute_ratio, measure_sharpness
 from erlif.ratio.log_ratio import empty_ratio
@@ -116,7 +116,7 @@ class _Buffers:
         light = PairLight.empty(shape, with_noise=False, binned_in=log_ratio)
         replaces = log_ratio, light.light[1]
         ratio = empty_ratio(shape, with_fixed=with_fixed, replaces=replaces)
-        return cls(light, PairWarp.empty(shape, orientation, rows=BAND + 1), ratio)
+        return cls(light, PairWarp.empty(shape, orientation, rows=KEPT), ratio)
 
 
 class _ThreadBuffers(threading.local):
@@ -149,7 +149,7 @@ class FrameChain(PickledByFields):
     camera_map : CameraMap
         Displacement of camera 2.
     blur : BlurDifference
-        Difference of sharpness that is removed from the ratio.
+        Difference of sharpness, by which the sharper camera is blurred.
     no_film_below : float
         Light relative to the surroundings below which both bands show a bubble. [1]
     ratio_change : Array | None
