@@ -27,6 +27,7 @@ from erlif.pipeline.passes.ratio import KEPT, measure_ratio
 from erlif.pipeline.passes.warp import MapTables, PairWarp, tabulate_map, turn_noise
 from erlif.ratio import BlurDifference, PairRatio, compute_ratio, measure_sharpness
 from erlif.ratio.log_ratio import empty_ratio
+from erlif.ratio.softening import Softening
 from erlif.registration import CameraMap, align_bands, align_frames
 
 
@@ -172,6 +173,11 @@ class FrameChain(PickledByFields):
     def references(self) -> References:
         """Dark, flat, gain and read noise of both cameras."""
         return self.correct.references
+
+    @cached_property
+    def softening(self) -> Softening:
+        """The blur of the sharper camera."""
+        return Softening.of(self.blur)
 
     def without(self, change: Array) -> FrameChain:
         """Return a chain that also subtracts a change from the log ratio, (frame,). [1]"""

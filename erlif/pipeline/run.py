@@ -173,7 +173,7 @@ def process_run(
             results = measure_run(ready, unfinished, engine=engine, progress=progress)
             release_memory()
             hashes = work.hash_inputs(results)
-            draft = with_light(summarise_triggers(ready, triggers, results))
+            draft = with_light(summarise_triggers(ready, triggers, results), unfinished.maps)
             film, groups = with_record(with_theory(draft), hashes)
             widen_maps(unfinished.maps, len(results), draft.curve)
         work.write(unfinished, film, groups, hashes)

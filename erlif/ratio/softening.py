@@ -20,7 +20,7 @@ from erlif.core.speed.kernels import njit
 _FIVE_TAPS = 0.4
 
 # Largest half variance of a blur: what is left of a larger difference stays in the ratio. [px2]
-_LARGEST = 4 * _FIVE_TAPS
+LARGEST = 4 * _FIVE_TAPS
 
 # Pixels beside its own that a blur reaches, at most. [px]
 FARTHEST = 8
@@ -106,7 +106,7 @@ def gaussian_taps(half_variance: float) -> Array:
     (1.0, 0.56)
     """
     taps = np.ones(1)
-    d = min(max(half_variance, 0.0), _LARGEST)
+    d = min(max(half_variance, 0.0), LARGEST)
     times = math.ceil(d / _FIVE_TAPS)
     for _ in range(times):
         part = d / times
