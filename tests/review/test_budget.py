@@ -22,6 +22,8 @@ from erlif.rig import RigSettings, simulate
 from erlif.show.plots import example_calibration
 from erlif.show.report import print_budget
 
+pytestmark = pytest.mark.usefixtures("without_theory")
+
 ROOT = Path(__file__).parents[2]
 
 

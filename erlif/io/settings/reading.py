@@ -375,6 +375,8 @@ def _explain(fault: ErrorDetails, kind: type[Settings]) -> str:
         case "value_error":  # a check of ours, whose message is complete
             message = fault["msg"].removeprefix("Value error, ")
             return f"{where}: {message}" if where else message
+        case "tuple_type" | "list_type" if (known := _find_key(location, kind)) is not None:
+            return f"{where}: expected a {known.expected}, got {got!r}"
         case "string_too_short":
             return f"{where}: expected a file name, got ''"
         case "string_pattern_mismatch":

@@ -322,7 +322,7 @@ def _calibrate(directory: Path, progress: Progress, options: dict[str, Any]) -> 
     output = directory / "calibration.nc"
     save_calibration(calibration, output, overwrite=True)
     figure = write_calibration_figure(calibration, output.with_suffix(".png"))
-    text = describe_calibration(calibration, brief=True)
+    text = describe_calibration(calibration)
     return [remark("", text), remark("written", f"{output.name}, {figure.name}")]
 
 

@@ -12,6 +12,8 @@ from erlif.core.errors import CalibrationError
 from erlif.core.notes import Level
 from erlif.rig import RigSettings, simulate
 
+pytestmark = pytest.mark.usefixtures("without_theory")
+
 NEAR_ONE = {"film_reference": 9.5, "film_floor": 8.0}
 """Films of 9 to 11 um: ratio and inverse both lie in the calibrated range."""
 
