@@ -177,7 +177,7 @@ def process_run(
             results = measure_run(ready, unfinished, engine=engine, progress=progress)
             release_memory()
             hashes = work.hash_inputs(results)
-            draft = with_light(summarise_triggers(ready, triggers, results))
+            draft = with_light(summarise_triggers(ready, triggers, results), unfinished.maps)
             wait([tables])
             film, groups = with_record(with_theory(draft), hashes)
             widen_maps(unfinished.maps, len(results), draft.curve)

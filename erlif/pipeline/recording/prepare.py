@@ -11,7 +11,7 @@ import numpy as np
 import xarray as xr
 
 from erlif.calibration import RunCurve
-from erlif.core.notes import Note
+from erlif.core.notes import Note, warn
 from erlif.core.progress import Progress
 from erlif.core.speed.memory import release_memory
 from erlif.core.timing import stage
@@ -43,6 +43,7 @@ from erlif.pipeline.recording.register import FixtureMap, register_cameras
 from erlif.pipeline.recording.sample import compare_sharpness, divide_sample, sample_frames
 from erlif.pipeline.recording.swap import judge_ratios
 from erlif.ratio import BlurDifference
+from erlif.ratio.softening import LARGEST
 from erlif.registration import CameraMap
 from erlif.trend.cells import FEWEST_FRAMES
 
@@ -137,6 +138,14 @@ def _compare_cameras(chain: FrameChain, known: Characterised) -> NoiseCompletion
             100 * chain.blur.corrected_excess,
         )
         completed = complete_noise(chain, known, sample=sample)
+        blur = completed.chain.blur
+        if max(abs(blur.x), abs(blur.y)) > LARGEST:
+            text = (
+                "one camera is out of focus: the variances of the point spreads differ by more "
+                f"than the {2 * LARGEST:.1f} px2 that a blur of the other one removes, and the "
+                "error bars of single pixels lack the rest. Focus both alike"
+            )
+            completed = replace(completed, notes=(*completed.notes, warn("sharpness", text)))
         for note in completed.notes[len(known.cameras.notes) :]:
             _logger.info("%s", note)
     release_memory()

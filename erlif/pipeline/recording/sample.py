@@ -14,7 +14,7 @@ import numpy as np
 from erlif.core.arrays import Image
 from erlif.core.products import AlignedFrames, RatioImages
 from erlif.pipeline.chain import FrameChain, one_thread_per_frame
-from erlif.ratio import BlurDifference, BlurMoments, ExcessSums
+from erlif.ratio import BlurDifference, ExcessSums, measure_blur
 
 # Frame pairs of the sample.
 _FRAMES = 4
@@ -81,12 +81,8 @@ def choose_bands(shape: tuple[int, int]) -> list[slice]:
 
 def compare_sharpness(chain: FrameChain, sample: tuple[Bands, ...]) -> BlurDifference:
     """Difference of sharpness between the cameras, and the excess of the ratio that it leaves."""
-    moments, excess = BlurMoments.empty(), ExcessSums()
     parts = [band for bands in sample for band in bands]
-    for band in parts:
-        moments.add(band)
-    blur = moments.solve()
-
+    blur, excess = measure_blur(parts), ExcessSums()
     plain, corrected = replace(chain, blur=BlurDifference()), replace(chain, blur=blur)
     for band in parts:
         ratios = plain.divide(band)

@@ -21,9 +21,6 @@ _logger = logging.getLogger(__name__)
 # Share of ratios that no film has from which something is wrong.
 _IMPOSSIBLE = 0.15
 
-# Half the difference of the blur variances from which one camera is out of focus. [px2]
-_DEFOCUSED = 0.3
-
 # Standard deviations by which a ratio must lie beyond those of films.
 _SIGMAS = 2
 
@@ -122,9 +119,6 @@ def _note_misfit(
         "the profile of the fixture is not that of its images: look at direction, origin and "
         "cameras in fixture.toml",
     ]
-    if max(abs(chain.blur.x), abs(chain.blur.y)) > _DEFOCUSED:
-        focus = "one camera is out of focus, so that their textures do not cancel: focus both alike"
-        causes.insert(0, focus)
     if not in_order:
         causes.append(
             "the cameras are exchanged: look at the files of [camera1], to which the reabsorbed "
