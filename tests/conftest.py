@@ -225,6 +225,14 @@ def two_models(monkeypatch) -> None:
     monkeypatch.setattr(module, "compare_models", compare_two)
 
 
+@pytest.fixture(scope="module")
+def without_theory():
+    """Films without what theory adds, for modules that look at maps, statistics and notes alone."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("erlif.pipeline.run.with_theory", lambda draft: draft)
+        yield
+
+
 def snapshot(directory: Path) -> dict[str, str]:
     """Every file below a directory with the hash of its bytes."""
     files = [

@@ -44,8 +44,10 @@ PARAMETERS = (
 # end of the calibrated range.
 _BEYOND, _FLAT = 501, 0.1
 
-# Entries of the table of the inverse.
+# Entries of the table of the inverse, and the fewer films at which its error is computed: they
+# begin at the thinnest one that is told from none. [um]
 _ENTRIES = 20001
+_THINNEST, _FEW = 0.02, 1001
 
 # Points of the curve in a notebook.
 _CURVE_POINTS = 60
@@ -182,7 +184,7 @@ class RatioCurve(ABC):
     def log_ratio_std(self, thickness: npt.ArrayLike) -> Array:
         """Standard deviation of the predicted logarithm of the ratio. [1]"""
         gradient, covariance = self.gradient(thickness), self.anywhere_covariance
-        variance: Array = np.einsum("i...,ij,j...->...", gradient, covariance, gradient)
+        variance: Array = (gradient * np.tensordot(covariance, gradient, 1)).sum(axis=0)
         return np.sqrt(np.maximum(variance, 0.0))
 
     def thickness_std(self, thickness: npt.ArrayLike) -> Array:
@@ -229,18 +231,22 @@ class InverseTable:
         first, last = calibration.predict_log([low, high])
         grid = np.linspace(first, last, _ENTRIES)
 
-        # Newton's steps from a dense direct table: the curve is monotonic and smooth
+        # one step of Newton from a dense direct table, which is off by 1e-7 um, reaches rounding
         dense = np.linspace(low, high, _ENTRIES)
         thickness = np.interp(grid, calibration.predict_log(dense), dense)
-        for _ in range(3):  # quadratic from an error of 1e-3 um: the third reaches rounding
-            thickness -= (calibration.predict_log(thickness) - grid) / calibration.slope(thickness)
+        thickness -= (calibration.predict_log(thickness) - grid) / calibration.slope(thickness)
         thickness = np.clip(thickness, low, high)
+
+        # the error of the ratio changes slowly with the film
+        per_log_ratio = 1 / calibration.slope(thickness)
+        few = np.geomspace(max(low, _THINNEST), high, _FEW)
+        error = np.interp(thickness, few, calibration.log_ratio_std(few))
         return cls(
             start=float(first),
             step=float(grid[1] - grid[0]),
             thickness=thickness,
-            per_log_ratio=1 / calibration.slope(thickness),
-            calibration_std=calibration.thickness_std(thickness),
+            per_log_ratio=per_log_ratio,
+            calibration_std=per_log_ratio * error,
         )
 
     @cached_property

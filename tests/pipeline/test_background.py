@@ -9,6 +9,8 @@ from scenes.rig import small_rig
 import erlif
 from conftest import processed, simulated
 
+pytestmark = pytest.mark.usefixtures("without_theory")
+
 RIG = small_rig(background=0.03, background_pages=8, pulse_jitter=0.1)
 """Sixteen triggers with 3 % of the median light in every pixel; the pulses scatter by a tenth."""
 

@@ -11,6 +11,8 @@ import erlif
 from conftest import processed, simulated
 from erlif.calibration import calibration_of
 
+pytestmark = pytest.mark.usefixtures("without_theory")
+
 PULSES = 17
 RIG = small_rig(
     film_reference=4.0,

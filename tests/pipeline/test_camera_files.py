@@ -14,6 +14,8 @@ from scenes.tiff_pages import rewrite
 import erlif
 from erlif.io.ingest import open_run, read_frames, read_reference_pages, select_counts
 
+pytestmark = pytest.mark.usefixtures("without_theory")
+
 
 def read_pages(*paths):
     """Counts of TIFF files, (page, y, x)."""

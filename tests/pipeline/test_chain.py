@@ -8,6 +8,8 @@ import tifffile
 import erlif
 from erlif.core.flags import Flag
 
+pytestmark = pytest.mark.usefixtures("without_theory")
+
 REUSE = ("[thickness]", "[registration]\nreuse = true\n\n[thickness]")
 
 

@@ -8,6 +8,8 @@ from scenes.rig import small_rig
 
 from conftest import processed, simulated
 
+pytestmark = pytest.mark.usefixtures("without_theory")
+
 RIG = small_rig(spacing=1.2, gain_step=(18, 1.05), bump=(25, 6.0, 0.0), blur_step=(30, 0.8))
 """Forty frames of one cycle."""
 

@@ -21,6 +21,8 @@ from erlif.io.ingest import open_run
 from erlif.pipeline.fixture import find_calibration
 from erlif.pipeline.watch.live import LiveFilm, run_of
 
+pytestmark = pytest.mark.usefixtures("without_theory")
+
 RIG = small_rig()
 """Sixteen triggers on 128 x 96 pixels of 150 um."""
 

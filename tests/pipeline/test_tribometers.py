@@ -295,6 +295,7 @@ def test_film_of_a_ball_is_that_of_reynolds_equation(tmp_path):
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("without_theory")  # of this module, the last test alone
 @pytest.mark.parametrize(("contact", "kind"), [("ball", "rotation"), ("plane", "static")])
 def test_error_bar_of_film_min_covers_whole_runs(contact, kind, tmp_path):
     """Runs that each have their own cameras, surfaces and fixture; one trigger of each counts.

@@ -7,6 +7,8 @@ from scenes.rig import small_rig
 import erlif
 from conftest import Laboratory
 
+pytestmark = pytest.mark.usefixtures("without_theory")
+
 RIG = small_rig(film_reference=4.0, wall=(0.1, 0.3))
 OPTICS = 'x_axis = "sliding"'
 

@@ -28,6 +28,8 @@ from erlif.rig import simulate
 from erlif.show.plots import example_plan_results
 from erlif.show.report import summarise_plan, write_plan
 
+pytestmark = pytest.mark.usefixtures("without_theory")
+
 
 def settings_of(*changes):
     text = example_plan()

@@ -10,6 +10,8 @@ import xarray as xr
 import erlif
 from erlif.rig import RigSettings, simulate
 
+pytestmark = pytest.mark.usefixtures("without_theory")
+
 
 @pytest.mark.parametrize("patch", [0.0, 6.5])
 def test_the_run_as_it_is_has_the_errors_of_its_maps(tmp_path, patch):

@@ -13,6 +13,8 @@ from erlif.core.flags import Flag
 from erlif.show.plots import example_calibration
 from erlif.thickness import flag_beyond_maximum
 
+pytestmark = pytest.mark.usefixtures("without_theory")
+
 RIG = small_rig(
     width=256, field_width=28.0, film_reference=6.0, wall=(0.6, 0.6), dark_pages=4, flat_pages=3
 )

@@ -11,7 +11,7 @@ from typing import IO, Any, Literal
 import numpy as np
 import xarray as xr
 
-from erlif.core.hdf5 import open_hdf5, with_locks
+from erlif.core.hdf5 import open_hdf5
 
 
 def open_netcdf(path: Path, *, group: str | None = None) -> xr.Dataset:
@@ -107,9 +107,9 @@ def write_netcdf(
     ...         float(dataset["joint_load"][0])
     220.0
     """
-    import h5netcdf
+    from erlif.io.files.kept import open_kept
 
-    with with_locks(h5netcdf.File, path, mode) as file:
+    with open_kept(path, mode=mode) as file:
         place = file if group is None else file.create_group(group)
         dataset.dump_to_store(xr.backends.H5NetCDFStore(place), encoder=_fix_coordinates)
 

@@ -101,20 +101,21 @@ class TriggerTask(PickledByFields):
         if len(frames) == 1:
             return self.measure_pair(frames[0], frames[0], passed)
         kept, total = [], RatioSum(self.chain.pairs.shape)
-        tables, model = self._tables_at(passed), self.curve.model
+        curve = self.film_curve.at(passed)
+        tables, model = self._tables_at(passed, curve), self.curve.model
         for frame in frames:
             pair = self.chain.measure(frame)
             total.add(pair)
             if frame in self.sampled:
-                flag_thick_films(pair, self.curve.at(passed), self.plane.patch)
+                flag_thick_films(pair, curve.calibration, self.plane.patch)
             energy = measure_pulse(pair, tables, model=model)
             kept.append(replace(self._keep(frame, pair), pulse_energy=energy))
         ratio = total.mean()
         if not frames:
             ratio.flags[:] = Flag.OUTSIDE_OVERLAP
-        flag_thick_films(ratio, self.curve.at(passed), self.plane.patch)
-        film = self._measure_film(ratio, passed)
-        return self._summarise(ratio, film, kept, passed)
+        flag_thick_films(ratio, curve.calibration, self.plane.patch)
+        film = self._measure_film(ratio, tables)
+        return self._summarise(ratio, film, kept, curve, tables)
 
     def measure_pair(
         self, pair: int | PairCounts, frame: int, passed: float
@@ -137,24 +138,31 @@ class TriggerTask(PickledByFields):
         """
         smooth = self.plane.settings.thickness.smoothing is not None
         ratio = self.chain.measure(pair, with_fixed=smooth)
-        flag_thick_films(ratio, self.curve.at(passed), self.plane.patch)
+        curve = self.film_curve.at(passed)
+        tables = self._tables_at(passed, curve)
+        flag_thick_films(ratio, curve.calibration, self.plane.patch)
         kept = self._keep(frame, ratio)  # the maps may take the place of the ratio
-        film = self._measure_film(ratio, passed)
+        film = self._measure_film(ratio, tables)
         energy = measure_pulse_energy(
             ratio.light_one, film.thickness, film.flags, model=self.curve.model
         )
-        return self._summarise(ratio, film, [replace(kept, pulse_energy=energy)], passed)
+        return self._summarise(ratio, film, [replace(kept, pulse_energy=energy)], curve, tables)
 
-    def _measure_film(self, ratio: PairRatio, passed: float) -> FilmMaps:
+    def _measure_film(self, ratio: PairRatio, tables: FilmTables) -> FilmMaps:
         """Film of a ratio, with the sums over the region."""
         flag_steps(ratio.log_ratio, ratio.variance, ratio.flags)
-        return measure_film(ratio, self._tables_at(passed), self.plane.region)
+        return measure_film(ratio, tables, self.plane.region)
 
     def _summarise(
-        self, ratio: PairRatio, film: FilmMaps, kept: Sequence[FrameResult], passed: float
+        self,
+        ratio: PairRatio,
+        film: FilmMaps,
+        kept: Sequence[FrameResult],
+        curve: FilmCurve,
+        tables: FilmTables,
     ) -> tuple[dict[str, AnyArray], TriggerResult]:
         """Maps and numbers of a film: minima, statistics and the position of the pin."""
-        plane, curve = self.plane, self.film_curve.at(passed)
+        plane = self.plane
         minima = find_gap_minima(
             film.sums,
             curve,
@@ -174,7 +182,7 @@ class TriggerTask(PickledByFields):
         smoothing = plane.settings.thickness.smoothing
         if smoothing is not None:
             smooth = smooth_ratio(ratio.to_images(), resolution=smoothing)
-            film = measure_film(PairRatio.of(smooth), self._tables_at(passed), plane.region)
+            film = measure_film(PairRatio.of(smooth), tables, plane.region)
         maps = {variable.name: getattr(film, variable.name) for variable in MAPS}
         pixels = tuple(count_flags(maps["flags"]))
         several = minima if len(minima) > 1 else {}
@@ -185,10 +193,10 @@ class TriggerTask(PickledByFields):
         cells = frame in self.sampled
         return FrameResult.of(frame, pair, patch=self.plane.patch, with_cells=cells)
 
-    def _tables_at(self, passed: float) -> FilmTables:
+    def _tables_at(self, passed: float, curve: FilmCurve) -> FilmTables:
         """The calibration in tables for the maps, when a share of the run has passed."""
         if self.curve.moves:
-            return FilmTables.of(self.curve.at(passed))
+            return FilmTables.of(curve.calibration)
         first, last, middle = self.tables
         return first if last is None else first.growing_to(last, passed, middle)
 

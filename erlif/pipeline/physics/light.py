@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from erlif.calibration import RunCurve
+from erlif.calibration import RatioCurve, RunCurve
 from erlif.core.arrays import AnyArray, Array
 from erlif.core.notes import Note, remark, warn
 from erlif.core.products import References
@@ -69,14 +69,14 @@ def choose_frames(pairs: FramePairs, most: int | None = None) -> frozenset[int]:
     return frozenset(pairs.spread(_MOST_FRAMES if most is None else most))
 
 
-def flag_thick_films(pair: PairRatio, calibration: RunCurve, patch: Region | None) -> None:
+def flag_thick_films(pair: PairRatio, calibration: RatioCurve, patch: Region | None) -> None:
     """Flag films beyond the maximum of the ratio, but the known one of a reference patch.
 
     Parameters
     ----------
     pair : PairRatio
         Its flags receive `Flag.ABOVE_RANGE`.
-    calibration : RunCurve
+    calibration : RatioCurve
     patch : Region or None
     """
     at = (slice(0), slice(0)) if patch is None else (patch.rows, patch.columns)

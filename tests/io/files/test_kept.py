@@ -8,7 +8,7 @@ import pytest
 import xarray as xr
 
 from erlif.io.files import open_netcdf
-from erlif.io.files.netcdf import write_netcdf
+from erlif.io.files.netcdf import fix_text, write_netcdf
 
 
 @pytest.mark.parametrize("group", [None, "frames", "registration"])
@@ -24,6 +24,30 @@ def test_a_film_is_opened_as_xarray_opens_it(film, group):
             assert one.encoding == expected.encoding
             for name, variable in expected.variables.items():
                 np.testing.assert_equal(one[name].encoding, variable.encoding)
+
+
+@pytest.mark.parametrize("group", [None, "frames"])
+def test_a_file_is_written_as_h5netcdf_writes_it(film, tmp_path, group):
+    """Also a coordinate of text, in whose place h5netcdf first puts a dimension without values."""
+    with xr.open_dataset(film, engine="h5netcdf", group=group) as dataset:
+        dataset = fix_text(dataset.load().drop_encoding())
+    expected, written = tmp_path / "expected.nc", tmp_path / "written.nc"
+    dataset.to_netcdf(expected, engine="h5netcdf", group=group)
+    write_netcdf(dataset, written, group=group)
+    assert _describe(written) == _describe(expected)
+
+
+def _describe(path):
+    """Every part of a file of HDF5 with its type, shape, bytes and the names of its attributes."""
+    parts = []
+
+    def describe(name, item):
+        values = (item.dtype, item.shape, item[()].tobytes()) if hasattr(item, "shape") else ()
+        parts.append((name, sorted(item.attrs), *values))
+
+    with h5py.File(path) as file:
+        file.visititems(describe)
+    return parts
 
 
 def test_a_closed_file_may_be_written_again(tmp_path):

@@ -19,6 +19,8 @@ from erlif.ratio import LightCells
 from erlif.show.plots import example_calibration
 from erlif.trend import CourseChange, Region, Trend
 
+pytestmark = pytest.mark.usefixtures("without_theory")
+
 RIG = small_rig(
     width=160,
     height=128,

@@ -18,6 +18,8 @@ from erlif.rig.dyes import BANDS, DyedOil, tabulate_signal
 from erlif.show.plots import example_calibration
 from erlif.thickness import PatchMean
 
+pytestmark = pytest.mark.usefixtures("without_theory")
+
 LOSS = (1e-3, 2e-3)
 """Shares of dye 1 and dye 2 that a pulse destroys."""
 

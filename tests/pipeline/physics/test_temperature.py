@@ -15,6 +15,8 @@ from erlif.pipeline import restore_images
 from erlif.pipeline.physics.temperature import error_of_warming
 from erlif.rig.dyes import BANDS, DyedOil, filtered_light
 
+pytestmark = pytest.mark.usefixtures("without_theory")
+
 BOTH = 'calibration = ["../fixture/calibration.nc", "../fixture_after/calibration.nc"]'
 WARMER = 10.0
 """Last frame over the first, whose oil is that of the fixture. [K]"""

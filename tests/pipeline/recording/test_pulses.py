@@ -13,6 +13,8 @@ from erlif.core.products import EncoderLog
 from erlif.pipeline.recording.pulses import ENERGY_COLUMNS, PulseError, read_energies
 from erlif.rig import RigSettings, simulate
 
+pytestmark = pytest.mark.usefixtures("without_theory")
+
 
 def test_copies_at_both_ends_are_not_those_of_all_pairs(lab):
     for k in (0, -1):
