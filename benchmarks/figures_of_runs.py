@@ -78,10 +78,11 @@ def make_run(name: str, out: Path) -> Run:
     if name == "sample":
         if not folder.exists():
             made: dict[str, Any] = {"ignore": shutil.ignore_patterns("*.nc")}
-            run, wedge = Path("data_samples", "straight_bushing"), Path("calibration", "wedge")
-            shutil.copytree(HERE / run, folder / "runs" / "run", **made)
-            shutil.copytree(HERE / wedge, folder / wedge, **made)
-            call("calibrate", folder / "calibration" / "wedge")
+            run = HERE / "data_samples" / "straight_bushing"
+            shutil.copytree(run, folder / "runs" / "run", **made)
+            shutil.copytree(HERE / "calibration", folder / "calibration", **made)
+            for fixture in sorted((folder / "calibration").iterdir()):
+                call("calibrate", fixture)
         return Run(folder / "runs" / "run", folder)
 
     if not folder.exists():
@@ -152,6 +153,7 @@ def main() -> None:
     for one, other in (("sample", "one_stroke"), ("power_law", "two_hundred")):
         if {one, other} <= set(films):
             folder = options.out / "compare" / f"{one}_{other}"
+            folder.parent.mkdir(exist_ok=True)
             call("compare", films[one], films[other], "-o", folder, "--overwrite")
 
 

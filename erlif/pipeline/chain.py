@@ -23,10 +23,11 @@ from erlif.correction import CameraTables, NoiseTables, PairLight, UnlitPixels, 
 from erlif.correction.light import measure_light, tabulate
 from erlif.io.ingest import FramePairs, PairCounts, read_pair
 from erlif.pipeline.passes.drift import PairDrift
-from erlif.pipeline.passes.ratio import BAND, measure_ratio
+from erlif.pipeline.passes.ratio import KEPT, measure_ratio
 from erlif.pipeline.passes.warp import MapTables, PairWarp, tabulate_map, turn_noise
 from erlif.ratio import BlurDifference, PairRatio, compute_ratio, measure_sharpness
 from erlif.ratio.log_ratio import empty_ratio
+from erlif.ratio.softening import Softening
 from erlif.registration import CameraMap, align_bands, align_frames
 
 
@@ -116,7 +117,7 @@ class _Buffers:
         light = PairLight.empty(shape, with_noise=False, binned_in=log_ratio)
         replaces = log_ratio, light.light[1]
         ratio = empty_ratio(shape, with_fixed=with_fixed, replaces=replaces)
-        return cls(light, PairWarp.empty(shape, orientation, rows=BAND + 1), ratio)
+        return cls(light, PairWarp.empty(shape, orientation, rows=KEPT), ratio)
 
 
 class _ThreadBuffers(threading.local):
@@ -149,7 +150,7 @@ class FrameChain(PickledByFields):
     camera_map : CameraMap
         Displacement of camera 2.
     blur : BlurDifference
-        Difference of sharpness that is removed from the ratio.
+        Difference of sharpness, by which the sharper camera is blurred.
     no_film_below : float
         Light relative to the surroundings below which both bands show a bubble. [1]
     ratio_change : Array | None
@@ -172,6 +173,11 @@ class FrameChain(PickledByFields):
     def references(self) -> References:
         """Dark, flat, gain and read noise of both cameras."""
         return self.correct.references
+
+    @cached_property
+    def softening(self) -> Softening:
+        """The blur of the sharper camera."""
+        return Softening.of(self.blur)
 
     def without(self, change: Array) -> FrameChain:
         """Return a chain that also subtracts a change from the log ratio, (frame,). [1]"""

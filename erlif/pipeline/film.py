@@ -21,7 +21,7 @@ from erlif.core.products import References
 from erlif.core.timing import stage
 from erlif.core.variables import FILM, FRAMES
 from erlif.correction import CAMERA_NOISE, CHARACTERISTICS
-from erlif.io.files import describe_hashes
+from erlif.io.files import MapStore, describe_hashes
 from erlif.io.ingest import Run, format_notes, skipped_notes
 from erlif.io.settings import RunSettings, count_keys, stated_keys, to_toml
 from erlif.kinematics import encoder_notes
@@ -56,7 +56,7 @@ from erlif.pipeline.physics.prediction import (
     try_prediction,
 )
 from erlif.pipeline.physics.systematics import follow_course
-from erlif.pipeline.physics.texture import with_texture
+from erlif.pipeline.physics.texture import find_within, with_texture
 from erlif.pipeline.recording.omissions import note_omissions
 from erlif.pipeline.recording.prepare import PreparedRun
 from erlif.pipeline.recording.pulses import check_pulses, read_energies
@@ -155,12 +155,14 @@ def summarise_triggers(
     return FilmDraft(ready, results, curve, film, xr.Dataset(), notes)
 
 
-def with_light(draft: FilmDraft) -> FilmDraft:
+def with_light(draft: FilmDraft, maps: MapStore) -> FilmDraft:
     """Add light that is not film, numbers with the errors that it leaves, and the audits.
 
     Parameters
     ----------
     draft : FilmDraft
+    maps : MapStore
+        Of all triggers.
 
     Returns
     -------
@@ -168,9 +170,13 @@ def with_light(draft: FilmDraft) -> FilmDraft:
     """
     ready, run = draft.ready, draft.ready.run
     chosen = choose_frames(run.pairs)
-    findings, counted, curve = ready.judge_light(
-        lambda: {one.frame: one for one in draft.frame_results if one.frame in chosen}
-    )
+    lights = {one.frame: one for one in draft.frame_results if one.frame in chosen}
+    findings, counted, curve = ready.judge_light(lambda: lights)
+    contact = GapShape(draft.film.attrs["contact"])
+    # the constriction of a plateau is no smooth gap
+    if findings.texture is None and findings.errors is None and contact is not GapShape.PLATEAU:
+        within = find_within(lights, maps, len(draft.results), ready.curve.at(0.5), ready.plane)
+        findings = replace(findings, texture=within)
     light, notes = describe_light(findings, draft.results, run, ready.curve)
     films = np.array([one.statistics.mean.value for one in draft.results])
     median = float(np.median(films[np.isfinite(films)])) if np.isfinite(films).any() else math.nan
@@ -179,7 +185,6 @@ def with_light(draft: FilmDraft) -> FilmDraft:
     # statistics and positions with the errors of the run, a significant course among them
     pairs = len(run.pairs.pages[0])
     results = follow_course(draft.results, ready.curve, counted.course, pairs=pairs)
-    contact = GapShape(draft.film.attrs["contact"])
     results, curve = with_texture(results, curve, findings, ready.plane, contact)
     film = draft.film.assign(describe_statistics(results, curve))
     positions = [one.position for one in results]

@@ -1,3 +1,4 @@
+from .band import find_band as find_band
 from .comparison import FilmModel as FilmModel
 from .comparison import ModelComparison as ModelComparison
 from .comparison import SteadyFilm as SteadyFilm
@@ -23,6 +24,7 @@ from .pin_motion import find_pin_motion as find_pin_motion
 from .pin_motion import smooth_path as smooth_path
 from .pressure import find_pressures as find_pressures
 from .start import find_start_film as find_start_film
+from .start import log_weights as log_weights
 from .triggers import ImageLine as ImageLine
 from .triggers import average_triggers as average_triggers
 from .triggers import gap_in_view as gap_in_view

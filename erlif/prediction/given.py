@@ -50,6 +50,9 @@ class GivenErrors:
         of the logged temperature.
     cavitation_pressure : float
         Of that of a held pin. [Pa]
+    viscosity : float
+        Of the viscosity over it, all triggers alike. A fit, which finds the viscosity, has no use
+        for it.
 
     Raises
     ------
@@ -63,6 +66,7 @@ class GivenErrors:
     tilt: float = 0.0
     drift: float = 0.0
     cavitation_pressure: float = 0.0
+    viscosity: float = 0.0
 
     def __post_init__(self) -> None:
         if min(one or 0.0 for one in vars(self).values()) < 0:
@@ -163,8 +167,7 @@ def _moved(problem: Problem, name: str) -> Problem:
     """A problem with the clearance or the load larger by a step."""
     orbits, more = problem.orbits, 1 + _STEP
     if name == "clearance":
-        radius = orbits.journal.pin_radius + more * orbits.journal.clearance
-        orbits = replace(orbits, journal=replace(orbits.journal, bushing_radius=radius))
+        orbits = replace(orbits, journal=orbits.journal.with_clearance(more))
     elif name == "load":
         orbits = replace(orbits, motion=replace(orbits.motion, load=more * orbits.motion.load))
         if isinstance(orbits, HeldOrbits) and orbits.lead is not None:

@@ -21,7 +21,7 @@ _THINNEST, _THICKEST = 1e-9, 0.999
 _LARGEST_STEP = 1.0  # largest change of the logarithm of the start film in one trial
 
 # Change of the predicted films with the start film, relative, below which it is not determined.
-_INSENSITIVE = 1e-3
+INSENSITIVE = 1e-3
 
 
 def find_start_film(
@@ -63,13 +63,14 @@ def find_start_film(
     >>> round(found * 1e6, 3)
     5.0
     """
-    known = np.isfinite(measured) & (measured > 0) & np.isfinite(measured_std) & (measured_std > 0)
+    weight = log_weights(measured, measured_std)
+    known = weight > 0
     if not known.any():
         raise ModelError(
             "Expected a measured minimum film from which to find the start film; no trigger has "
             'one. Give start_film = "20 um" in [prediction].'
         )
-    film, weight = np.log(measured[known]), (measured[known] / measured_std[known]) ** 2
+    film, weight = np.log(measured[known]), weight[known]
     low, high = np.log(_THINNEST), np.log(_THICKEST * clearance)
 
     def miss(logarithm: float) -> Array:
@@ -81,7 +82,7 @@ def find_start_film(
     cost, slope, largest = float(weight @ off**2), np.ones_like(off), _LARGEST_STEP
     for _ in range(1, MOST_TRIALS):
         curvature = float(weight @ slope**2)
-        if curvature < _INSENSITIVE**2 * float(weight.sum()):
+        if curvature < INSENSITIVE**2 * float(weight.sum()):
             break
         step = float(np.clip(weight @ (slope * off) / curvature, -largest, largest))
         step = float(np.clip(place + step, low, high)) - place
@@ -94,3 +95,24 @@ def find_start_film(
         if (reached := float(weight @ there**2)) < cost:
             place, off, cost, largest = place + step, there, reached, _LARGEST_STEP
     return float(np.exp(place))
+
+
+def log_weights(measured: Array, measured_std: Array) -> Array:
+    """Weights of the logarithms of films in the least squares, 0 where none is known.
+
+    Parameters
+    ----------
+    measured, measured_std : array, (trigger,)
+        As for `find_start_film`.
+
+    Returns
+    -------
+    array, (trigger,)
+
+    Examples
+    --------
+    >>> log_weights(np.array([5.0, np.nan]), np.array([0.1, 0.1]))
+    array([2500.,    0.])
+    """
+    known = np.isfinite(measured) & (measured > 0) & np.isfinite(measured_std) & (measured_std > 0)
+    return np.where(known, (measured / np.where(known, measured_std, 1.0)) ** 2, 0.0)

@@ -17,9 +17,11 @@ from erlif.core.arrays import Array
 from erlif.core.errors import ModelError
 from erlif.core.variables import FILM, FRAMES
 from erlif.models.reynolds import Journal, solve_journal
+from erlif.prediction.band import find_band
+from erlif.prediction.given import GivenErrors
 from erlif.prediction.motion import FrameMotion
 from erlif.prediction.orbits import peak_yield
-from erlif.prediction.start import find_start_film
+from erlif.prediction.start import find_start_film, log_weights
 
 # Cells round the joint and along half of its length; the film of half as many is within 0.7 %.
 CELLS = (256, 8)
@@ -151,6 +153,7 @@ def predict_triggers(
     used: npt.NDArray[np.bool_] | None = None,
     sideways: str | float = "free",
     start_film: float | None = None,
+    given: GivenErrors | None = None,
     cells: tuple[int, int] = CELLS,
 ) -> xr.Dataset:
     """Predict the film of every trigger.
@@ -173,6 +176,8 @@ def predict_triggers(
     start_film : float, optional
         Minimum film thickness at the first frame; default: that of the least squares. A pin that is
         held then goes through the lead of `motion` first, in which its cavities form. [m]
+    given : GivenErrors, optional
+        Of viscosity, load and clearance. Default: no standard deviation is predicted.
     cells : (int, int)
         As for `predict_frames`.
 
@@ -180,8 +185,9 @@ def predict_triggers(
     -------
     xarray.Dataset
         On dim trigger: film_predicted_min and film_predicted_mean over the region of interest [um],
-        eccentricity [1] and attitude [degree]; on dim frame the same with the ending _frame, and
-        elapsed_cycles [1]. Attributes of film_predicted_min: start_film [um] and start_film_fitted.
+        eccentricity [1] and attitude [degree], and with `given` film_predicted_min_std [um]; on dim
+        frame the same with the ending _frame, and elapsed_cycles [1]. Attributes of
+        film_predicted_min: start_film [um] and start_film_fitted.
 
     Raises
     ------
@@ -202,24 +208,45 @@ def predict_triggers(
     """
 
     @cache
-    def positions(start: float) -> tuple[xr.Dataset, xr.Dataset]:
-        frames = predict_frames(journal, motion, start_film=start, sideways=sideways, cells=cells)
-        return frames, average_triggers(frames, trigger, used=used)
+    def positions(
+        start: float, viscosity: float = 1.0, load: float = 1.0, clearance: float = 1.0
+    ) -> tuple[xr.Dataset, xr.Dataset]:
+        path = replace(motion.motion, load=load * motion.motion.load)
+        moved = replace(motion, motion=path, viscosity=viscosity * motion.viscosity)
+        joint = journal.with_clearance(clearance)
+        frames = predict_frames(joint, moved, start_film=start, sideways=sideways, cells=cells)
+        return average_triggers(frames, trigger, used=used), frames
 
-    def minima(start: float) -> Array:
-        return _summarise_positions(positions(start)[1], journal, view)[0]
+    def minima(start: float, *, clearance: float = 1.0, **times: float) -> Array:
+        joint = journal.with_clearance(clearance)
+        both = positions(start, clearance=clearance, **times)
+        return np.concatenate([_summarise_positions(one, joint, view)[0] for one in both])
 
     fitted = start_film is None
     if fitted and sideways != "free" and motion.lead is not None:
         motion = motion.with_lead()
+    tried: list[float] = []
+    weight = None
     if start_film is None:
-        measured, std = film["film_min"].values, film["film_min_std"].values
-        start_film = find_start_film(
-            minima, measured / _MICRO, std / _MICRO, clearance=journal.least_clearance
-        )
-    frames, triggers = positions(start_film)
+        measured, std = film["film_min"].values / _MICRO, film["film_min_std"].values / _MICRO
+
+        def of_triggers(start: float) -> Array:
+            tried.append(start)
+            return minima(start)[: measured.size]
+
+        start_film = find_start_film(of_triggers, measured, std, clearance=journal.least_clearance)
+        weight = np.append(log_weights(measured, std), 0.0 * trigger)
+    triggers, frames = positions(start_film, clearance=1.0)  # as `minima` calls it: it is kept
     predicted = _describe_positions(triggers, journal, view, "trigger")
     each = _describe_positions(frames, journal, view, "frame")
+    if given is not None:
+        full, own = sideways == "free", journal.clearance
+        band = _MICRO * find_band(
+            minima, start_film, given, clearance=own, full=full, weight=weight, tried=tried
+        )
+        count, name = triggers.sizes["trigger"], "film_predicted_min_std"
+        predicted[name] = FILM[name].fill(band[:count])
+        each[name] = FRAMES[name].fill(band[count:])
     predicted = predicted.merge(each.rename({name: f"{name}_frame" for name in each}))
     turns = motion.cycles
     predicted["elapsed_cycles"] = FRAMES["elapsed_cycles"].fill(turns - turns.min())

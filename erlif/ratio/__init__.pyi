@@ -20,6 +20,7 @@ from .pulses import PulseFault as PulseFault
 from .pulses import PulseSample as PulseSample
 from .pulses import find_pulse_faults as find_pulse_faults
 from .pulses import sample_pulse as sample_pulse
-from .sharpness import BlurDifference as BlurDifference
 from .sharpness import BlurMoments as BlurMoments
+from .sharpness import measure_blur as measure_blur
 from .smoothing import smooth_ratio as smooth_ratio
+from .softening import BlurDifference as BlurDifference

@@ -23,7 +23,7 @@ from erlif.core.errors import FrameError
 from erlif.core.products import AlignedFrames, RatioImages, References
 from erlif.correction import CameraNoise
 from erlif.ratio.noise_fit import BLOCKS, NoiseCells, NoiseUnknowns, fit_pixel_noise, weigh_gains
-from erlif.ratio.sharpness import BlurDifference
+from erlif.ratio.softening import BlurDifference, Softening
 from erlif.registration import CameraMap, interpolation_variance_factor
 
 # Minimum width of a cell. [px]
@@ -174,7 +174,7 @@ def estimate_camera_noise(
     references : References
         Gains and read noises, assumed where unknown, and the flat of camera 2.
     blur : BlurDifference
-        Difference of sharpness that was removed from the ratios.
+        Difference of sharpness, by which the sharper camera was blurred.
     frames : int
         Number of views.
 
@@ -276,12 +276,11 @@ def _gather_cells(views: Iterable[NoiseView], blur: BlurDifference) -> NoiseCell
 
 
 def _difference_kernels(blur: BlurDifference) -> tuple[Array, Array]:
-    """Weights of the log light of camera 1 and camera 2 in a difference, ghost removal included."""
-    x, y = blur.corrected
-    ghost = np.array([[0, -y / 2, 0], [-x / 2, x + y, -x / 2], [0, -y / 2, 0]])
-    pixel = np.zeros((3, 3))
-    pixel[1, 1] = 1
-    one, two = (scipy.signal.convolve2d(_RING, ghost + sign * pixel) for sign in (-1, 1))
+    """Weights of the log light of camera 1 and camera 2 in a difference, with their blur."""
+    one, two = (
+        scipy.signal.convolve2d(_RING, np.outer(taps[1], taps[0]))
+        for taps in Softening.of(blur).taps
+    )
     return one, two
 
 

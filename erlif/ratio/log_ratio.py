@@ -16,7 +16,7 @@ from erlif.core.products import AlignedFrames, RatioImages, require
 from erlif.core.speed.kernels import njit
 from erlif.ratio.bubbles import flag_bubbles
 from erlif.ratio.pair import PairRatio, gather_ratios
-from erlif.ratio.sharpness import BlurDifference
+from erlif.ratio.softening import BlurDifference, Softening, empty_rows, soften_row
 
 _NAN, _ZERO, _HALF, _ONE, _TWO = (np.float32(value) for value in (np.nan, 0, 0.5, 1, 2))
 _DIM, _MASKED, _NONE = np.uint16(Flag.DIM), np.uint16(Flag.MASKED), np.uint16(0)
@@ -60,8 +60,8 @@ def compute_ratio(
         Share of the light of its surroundings below which a pixel is flagged no_film with its
         neighbours: a bubble, or bare wall. [1]
     blur : BlurDifference, optional
-        Difference of sharpness, whose ghost of the speckle is subtracted from the ratio, and the
-        excess of its mean.
+        Difference of sharpness, by which the sharper camera is blurred before the ratio, and the
+        excess of its mean, which is subtracted.
 
     Returns
     -------
@@ -101,35 +101,33 @@ def compute_ratio(
         for name in ("signal", "signal_var", "signal_var_fixed")
     )
     map_var = np.square(frames.displacement_std.values, dtype=float).astype(np.float32)
-    no_flags = np.zeros(map_var.shape, np.uint16)  # those of the map are among those of camera 2
-    # without a difference of sharpness there is no ghost
-    blur = BlurDifference() if blur is None else blur
-    along = np.array([*blur.corrected, blur.corrected_excess], np.float32)
+    softening = Softening.of(BlurDifference() if blur is None else blur)
 
     ratios = []
     for n in range(signal.shape[1]):
         ratio = empty_ratio(map_var.shape)
         one, two = signal[:, n]
         noise = variance[0, n], fixed[0, n], variance[1, n], fixed[1, n]
-        flags = *frames.flags.values[:, n], no_flags
+        flags = frames.flags.values[:, n]
         total, of_two = divide_rows(
-            one, two, *noise, *flags, map_var, *along, *ratio.images, 0, 0, len(one)
+            one, two, *noise, *flags, map_var, *softening.arrays, *ratio.images, 0, 0, len(one)
         )
 
         # bubbles are dark in both bands, which the ratio alone does not show
         flag_bubbles(one, two, ratio.flags, share=no_film_below)
-        correlation = 1.0
-        if "interpolation" in frames:
-            correlation = correlate_noise(total, of_two, float(frames.interpolation[n]))
+        averaging = float(frames.interpolation[n]) if "interpolation" in frames else 1.0
+        correlation = correlate_noise(total, of_two, averaging, softening=softening.factors)
         ratios.append(replace(ratio, light_one=one, noise_correlation=correlation))
     coords = {name: value for name, value in frames.coords.items() if "camera" not in value.dims}
     return RatioImages(gather_ratios(ratios).assign_coords(coords))
 
 
-def correlate_noise(total: float, of_two: float, averaging: float) -> float:
+def correlate_noise(
+    total: float, of_two: float, averaging: float, *, softening: tuple[float, float] = (1.0, 1.0)
+) -> float:
     """Variance of a mean over many pixels, relative to that of independent pixels.
 
-    Interpolation lowers the variance of single pixels of camera 2, not that of their mean.
+    Interpolation and blur keep the noise of a mean and lower that of a pixel.
 
     Parameters
     ----------
@@ -137,6 +135,8 @@ def correlate_noise(total: float, of_two: float, averaging: float) -> float:
         Variance of the log ratio, summed over the valid pixels, and its part by camera 2. [1]
     averaging : float
         Mean factor by which the interpolation lowers the variance of camera 2. [1]
+    softening : tuple of two float
+        Factors by which the blur of `Softening` lowers the variances of both cameras. [1]
 
     Returns
     -------
@@ -147,9 +147,12 @@ def correlate_noise(total: float, of_two: float, averaging: float) -> float:
     --------
     >>> correlate_noise(2.0, 1.0, 0.5)
     1.5
+    >>> correlate_noise(2.0, 1.0, 0.5, softening=(0.5, 1.0))
+    2.0
     """
     share = of_two / total if total > 0 else 0.0
-    return 1 + share * (1 / averaging - 1)
+    one, two = softening
+    return 1 + (1 - share) * (1 / one - 1) + share * (1 / (two * averaging) - 1)
 
 
 def empty_ratio(
@@ -211,11 +214,10 @@ def divide_rows(  # type: ignore[no-untyped-def]
     fixed_two,
     flags_one,
     flags_two,
-    map_flags,
     map_var,
-    along_x,
-    along_y,
-    excess,
+    taps_one,
+    taps_two,
+    numbers,
     log_ratio,
     variance,
     fixed,
@@ -234,15 +236,14 @@ def divide_rows(  # type: ignore[no-untyped-def]
     var_one, fixed_one : array, (row, x)
         Variances of camera 1; row j is stored as row j modulo their number of rows. [DN2]
     var_two, fixed_two, flags_two : array, (row, x)
-        Variances and flags of camera 2, from row `first` of the image on.
-    flags_one, map_flags : array, (y, x)
-        Flags of camera 1 and of the map.
+        Variances and flags of camera 2, those of the map included, from row `first` of the image
+        on.
+    flags_one : array, (y, x)
     map_var : array, (y, x)
         Variance of one component of the displacement. [px2]
-    along_x, along_y : float32
-        Difference of sharpness, whose ghost is subtracted. [px2]
-    excess : float32
-        Excess of the mean log ratio, which is subtracted. [1]
+    taps_one, taps_two, numbers : array
+        `Softening.arrays`: the blur of each camera, whose rows above `start` and below `stop` are
+        read as far as it reaches.
     log_ratio, variance, fixed, shared, flags : array, (y, x)
         Receive the rows; `fixed` may have a single row.
     first, start, stop : int
@@ -253,39 +254,36 @@ def divide_rows(  # type: ignore[no-untyped-def]
         Sums of the variance over the valid pixels, of both cameras and of camera 2. [1]
     """
     height, width = one.shape
-    ghost = along_x != _ZERO or along_y != _ZERO
     total, of_two = 0.0, 0.0
-    values = np.empty((2, width), np.float32)
+    values = np.empty((1, width), np.float32)
     bits = values.view(np.int32)
-    spare = np.empty((4, width), np.float32)  # logarithms of products of three rows, and one more
+    spare = np.empty((2, width), np.float32)
+    blurred = np.empty((2, width), np.float32)
+    rows_one, rows_two = empty_rows(taps_one, width), empty_rows(taps_two, width)
+    soft_one, soft_two = taps_one.shape[1] > 1, taps_two.shape[1] > 1
 
-    # the ratio of each row, and for the ghost the product of both cameras in the row below
-    for below in range(max(start - 1, 0) if ghost else start + 1, stop + 1):
-        row = below - 1
-        _take_logs(one, two, row, start, ghost, values, bits, spare)
-        if row < start:
-            continue
+    for row in range(start, stop):
+        y, above = _at(row), row == start
+        if soft_one:
+            soften_row(one, flags_one, 0, row, above, taps_one, rows_one, blurred[0])
+        if soft_two:
+            soften_row(two, flags_two, first, row, above, taps_two, rows_two, blurred[1])
+        a = blurred[0] if soft_one else one[y]
+        b = blurred[1] if soft_two else two[y]
 
+        for t in range(width):
+            x = _at(t)
+            values[0, x] = b[x] / a[x] if (a[x] > _ZERO) & (b[x] > _ZERO) else _ONE
+        _take_log(values[0], bits[0], spare[0])
         variances = var_one, fixed_one, var_two, fixed_two
-        bits_of = flags_one, flags_two, map_flags
+        bits_of = flags_one, flags_two
         images = log_ratio, variance, fixed, flags
-        sums = _divide_row(one, two, variances, bits_of, row, first, excess, values, spare, images)
+        sums = _divide_row(a, b, variances, bits_of, row, first, numbers, values, spare, images)
         total += float(sums[0])
         of_two += float(sums[1])
 
-        # half the logarithm of the product is the mean of both cameras' logarithms
-        y, inside = _at(row), row > 0 and row < height - 1
-        if ghost and inside:
-            up, mid, down = _at((row - 1) % 3), _at(row % 3), _at((row + 1) % 3)
-            for t in range(1, width - 1):
-                x = _at(t)
-                here = spare[mid, x]
-                bend_x = (spare[mid, _at(t - 1)] - here) + (spare[mid, _at(t + 1)] - here)
-                bend_y = (spare[up, x] - here) + (spare[down, x] - here)
-                left_over = _HALF * (along_x * bend_x + along_y * bend_y)
-                log_ratio[y, x] -= left_over if left_over == left_over else _ZERO
-
         # a pixel at the edge has no gradient
+        inside = row > 0 and row < height - 1
         for t in range(0, width, max(width - 1, 1) if inside else 1):
             x = _at(t)
             shared[y, x] = map_var[y, x] * _ZERO
@@ -295,52 +293,27 @@ def divide_rows(  # type: ignore[no-untyped-def]
 
 
 @njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST)
-def _take_logs(one, two, row, start, ghost, values, bits, spare):  # type: ignore[no-untyped-def]
-    """Logarithm of the ratio of a row, and for the ghost of the product in the row below."""
-    height, width = one.shape
-    y, z = _at(row), _at(row + 1)
-    product_below = ghost and row + 1 < height
-    if row >= start:
-        for t in range(width):
-            x = _at(t)
-            a, b = one[y, x], two[y, x]
-            values[0, x] = b / a if (a > _ZERO) & (b > _ZERO) else _ONE
-    if product_below:
-        for t in range(width):
-            x = _at(t)
-            product = one[z, x] * two[z, x]
-            values[1, x] = product if product > _ZERO else _ONE
-
-    for q in range(0 if row >= start else 1, 2 if product_below else 1):
-        _take_log(values[q], bits[q], spare[3])
-    if product_below:
-        for t in range(width):
-            x = _at(t)
-            lit = one[z, x] * two[z, x] > _ZERO
-            spare[_at((row + 1) % 3), x] = values[1, x] if lit else _NAN
-
-
-@njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST)
 def _divide_row(  # type: ignore[no-untyped-def]
-    one, two, variances, bits_of, row, first, excess, values, spare, images
+    one, two, variances, bits_of, row, first, numbers, values, spare, images
 ):
     """Log ratio, variances and flags of a row; sums of the variance, of both and of camera 2."""
     var_one, fixed_one, var_two, fixed_two = variances
-    flags_one, flags_two, map_flags = bits_of
+    flags_one, flags_two = bits_of
     log_ratio, variance, fixed, flags = images
-    width = one.shape[1]
+    excess, factor_one, factor_two = numbers[0], numbers[1], numbers[2]
+    width = one.size
     y, kept = _at(row), _at(row - first)
 
     # the mean of log(1 + e) is -var(e)/2 for a small relative error e
     only, n = _at(row % var_one.shape[0]), _at(row % fixed.shape[0])
     for t in range(width):
         x = _at(t)
-        a, b = one[y, x], two[y, x]
+        a, b = one[x], two[x]
         light = (a > _ZERO) & (b > _ZERO)
-        per_a, per_b = _ONE / (a * a), _ONE / (b * b)
+        per_a, per_b = factor_one / (a * a), factor_two / (b * b)
         of_a = (var_one[only, x] + fixed_one[only, x]) * per_a
         of_b = (var_two[kept, x] + fixed_two[kept, x]) * per_b
-        spare[3, x] = of_b
+        spare[1, x] = of_b
         variance[y, x] = of_a + of_b if light else _NAN
         repeats = fixed_one[only, x] * per_a + fixed_two[kept, x] * per_b
         fixed[n, x] = repeats if light else _NAN
@@ -351,7 +324,7 @@ def _divide_row(  # type: ignore[no-untyped-def]
 
     for t in range(width):
         x = _at(t)
-        flag = flags_one[y, x] | flags_two[kept, x] | map_flags[y, x]
+        flag = flags_one[y, x] | flags_two[kept, x]
         flag = _MASKED if flags_one[y, x] & _MASKED else flag
         lightless = (flag == _NONE) & (values[0, x] != values[0, x])
         flags[y, x] = _DIM if lightless else flag
@@ -360,7 +333,7 @@ def _divide_row(  # type: ignore[no-untyped-def]
         x = _at(t)
         valid = flags[y, x] == _NONE
         sum_all += variance[y, x] if valid else _ZERO
-        sum_two += spare[3, x] if valid else _ZERO
+        sum_two += spare[1, x] if valid else _ZERO
     return sum_all, sum_two
 
 

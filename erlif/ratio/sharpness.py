@@ -1,27 +1,29 @@
-"""Difference of sharpness between the two cameras, and the ghost of the speckle that it leaves.
+"""Difference of sharpness between the two cameras, by the speckle that it leaves in their ratio.
 
 A blur of variance s^2 changes the logarithm of an image by s^2/2 times its second derivative, to
-first order. Speckle that one camera blurs more therefore remains in the logarithm of the ratio. The
-difference of the blurs is two numbers, one per axis; they follow from the texture of the frames,
-and the ghost is subtracted from the logarithm of the ratio pixel by pixel.
+first order. The difference of the blurs is two numbers, one per axis; they follow from the texture
+of the frames. Where it is significant, the sharper camera is blurred by it and the rest measured,
+so that the first order is enough.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
+import scipy
 
 from erlif.core.arrays import AnyArray, Array, Image, Mask
 from erlif.core.products import AlignedFrames, require
+from erlif.ratio.softening import BlurDifference, Softening, soften
+
+# Times that the rest of a difference is measured: after two it is below a hundredth of the first.
+_ROUNDS = 3
 
 # Distance of the neighbours whose mean is subtracted; no pixel in common with a second
 # difference. [px]
 _APART = 3
-
-# Standard deviations from which on a difference of sharpness is corrected.
-_SIGNIFICANT = 3
 
 # Pixels of a regression, at least.
 _LEAST_PIXELS = 1000
@@ -31,56 +33,6 @@ _CORRELATED = 10
 
 # Rows and columns of a frame that are worked on at once: their arrays stay in the cache. [px]
 _TILE = (64, 256)
-
-
-@dataclass(frozen=True)
-class BlurDifference:
-    """Half the difference of the cameras' blur variances, camera 2 less camera 1.
-
-    Attributes
-    ----------
-    x : float
-        Along x. [px2]
-    y : float
-        Along y. [px2]
-    std_x : float
-        [px2]
-    std_y : float
-        [px2]
-    excess : float
-        Excess of the mean log ratio (`erlif.ratio.excess`) after the ghost is subtracted. [1]
-    excess_std : float
-        [1]
-
-    Examples
-    --------
-    >>> BlurDifference(x=0.030, y=0.010, std_x=0.004, std_y=0.004).significant
-    True
-    >>> BlurDifference(x=0.010, y=0.010, std_x=0.004, std_y=0.004).significant
-    False
-    """
-
-    x: float = 0.0
-    y: float = 0.0
-    std_x: float = 0.0
-    std_y: float = 0.0
-    excess: float = 0.0
-    excess_std: float = 0.0
-
-    @property
-    def significant(self) -> bool:
-        """Whether the texture shows a difference, along either axis."""
-        return abs(self.x) > _SIGNIFICANT * self.std_x or abs(self.y) > _SIGNIFICANT * self.std_y
-
-    @property
-    def corrected(self) -> tuple[float, float]:
-        """The difference (x, y) whose ghost is subtracted: zero unless it is significant. [px2]"""
-        return (self.x, self.y) if self.significant else (0.0, 0.0)
-
-    @property
-    def corrected_excess(self) -> float:
-        """The excess that is subtracted from the log ratio: zero unless it is significant. [1]"""
-        return self.excess if abs(self.excess) > _SIGNIFICANT * self.excess_std else 0.0
 
 
 @dataclass
@@ -135,18 +87,20 @@ class BlurMoments:
         """
         return cls(np.zeros((2, 2)), np.zeros(2), np.zeros((2, 2)))
 
-    def add(self, frames: AlignedFrames) -> None:
+    def add(self, frames: AlignedFrames, blur: BlurDifference | None = None) -> None:
         """Add aligned frames.
 
         The logarithm of the ratio is regressed on the second differences of camera 1. Both contain
-        the noise of camera 1; the product of this noise, twice its relative variance, is known and
-        subtracted. The square of the texture is the product of camera 1 and camera 2, which have
-        no noise in common.
+        the noise of camera 1; the product of this noise, without a blur twice its relative
+        variance, is known and subtracted. The square of the texture is the product of camera 1 and
+        camera 2, which have no noise in common.
 
         Parameters
         ----------
         frames : AlignedFrames
             signal, signal_var, signal_var_fixed and flags (camera, frame, y, x).
+        blur : BlurDifference, optional
+            By which the sharper camera is blurred first; the sums are those of the rest.
 
         Raises
         ------
@@ -155,12 +109,17 @@ class BlurMoments:
         """
         require(frames, "signal", "signal_var", "signal_var_fixed", "flags")
         flags = (frames.flags.values[0] | frames.flags.values[1]) != 0
+        taps = Softening.of(BlurDifference() if blur is None else blur).taps
+        products = _multiply_noise(taps[0])
         for n in range(frames.sizes["frame"]):
-            one, two = frames.signal.values[:, n]
+            one, two = (
+                soften(np.ascontiguousarray(frames.signal.values[camera, n]), flags[n], of_camera)
+                for camera, of_camera in enumerate(taps)
+            )
             variance = frames.signal_var.values[0, n] + frames.signal_var_fixed.values[0, n]
             for tile in _tiles(one.shape):
                 matrix, vector, noise, pixels = _moments(
-                    one[tile], two[tile], variance[tile], flags[n][tile]
+                    one[tile], two[tile], variance[tile], flags[n][tile], products
                 )
                 self.matrix += matrix
                 self.vector += vector
@@ -185,6 +144,62 @@ class BlurMoments:
         return BlurDifference(float(x), float(y), float(std[0]), float(std[1]))
 
 
+def measure_blur(parts: Sequence[AlignedFrames]) -> BlurDifference:
+    """Difference of sharpness that aligned frames show.
+
+    Parameters
+    ----------
+    parts : sequence of AlignedFrames
+        As for `BlurMoments.add`.
+
+    Returns
+    -------
+    BlurDifference
+        Without the excess of the ratio.
+
+    Examples
+    --------
+    Photons of an even light have no texture:
+
+    >>> import xarray as xr
+    >>> light = np.random.default_rng(1).poisson(4000, (2, 1, 64, 64)).astype(np.float32)
+    >>> dims = ("camera", "frame", "y", "x")
+    >>> even = AlignedFrames(xr.Dataset({
+    ...     "signal": (dims, light), "signal_var": (dims, light),
+    ...     "signal_var_fixed": (dims, 0 * light), "flags": (dims, np.uint16(0 * light)),
+    ... }))
+    >>> measure_blur([even]).significant
+    False
+    """
+    found = BlurDifference()
+    for _ in range(_ROUNDS):
+        moments = BlurMoments.empty()
+        for part in parts:
+            moments.add(part, found)
+        rest = moments.solve()
+        found = replace(rest, x=found.x + rest.x, y=found.y + rest.y)
+        if not found.significant:
+            break
+    return found
+
+
+def _multiply_noise(taps: Array) -> Array:
+    """Noise of camera 1 in the log ratio times that in its second differences, along x and y.
+
+    For noise of variance 1 before a blur, (axis x y, 2 reach + 1): without one -n times -2 n. [1]
+    """
+    point = np.zeros((2 * _APART + 1, 2 * _APART + 1))
+    point[_APART, _APART] = 1
+    blur = np.outer(taps[1], taps[0])
+    size = taps.shape[1] // 2 + 1  # zeros about the point, so that nothing is cut off
+    wide = scipy.signal.convolve2d(np.pad(point, size), blur, mode="same")
+    less = wide.copy()
+    for axis in (0, 1):
+        less -= 0.25 * (np.roll(wide, _APART, axis) + np.roll(wide, -_APART, axis))
+    bends = [np.roll(wide, 1, axis) + np.roll(wide, -1, axis) - 2 * wide for axis in (1, 0)]
+    return np.array([-np.sum(less * bend) for bend in bends])
+
+
 def _tiles(shape: tuple[int, ...]) -> Iterator[tuple[slice, slice]]:
     """Parts of a frame that share no pixel of the sums, each with the margin it needs."""
     margin = 2 * (_APART + 1)
@@ -195,7 +210,7 @@ def _tiles(shape: tuple[int, ...]) -> Iterator[tuple[slice, slice]]:
 
 
 def _moments(
-    one: Image, two: Image, variance: Image, flagged: Mask
+    one: Image, two: Image, variance: Image, flagged: Mask, products: Array
 ) -> tuple[Array, Array, Array, int]:
     """Moments of one tile, in the order of the fields of `BlurMoments`."""
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -222,16 +237,16 @@ def _moments(
     ax *= used
     ay *= used
 
-    # noise n of camera 1 is -n in the ratio and -2 n in its second differences
     margin = _APART + 1
     light = one[margin:-margin, margin:-margin][used]
-    common = np.sum(2.0 * variance[margin:-margin, margin:-margin][used] / (light * light))
+    relative = np.sum(variance[margin:-margin, margin:-margin][used] / (light * light), dtype=float)
+    common = relative * products
 
     along_x, along_y = rest * ax, rest * ay
     both = _dot(along_x, along_y)
     return (
         np.array([[_dot(ax, bx), _dot(ax, by)], [_dot(ay, bx), _dot(ay, by)]]),
-        np.array([along_x.sum() - common, along_y.sum() - common]),
+        np.array([along_x.sum(), along_y.sum()]) - common,
         np.array([[_dot(along_x, along_x), both], [both, _dot(along_y, along_y)]]),
         len(light),
     )

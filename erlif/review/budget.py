@@ -85,8 +85,8 @@ class _Sources:
 
     variances: dict[str, Array]
     ratio: RatioImages
-    # factor by which interpolation lowers the variance of a pixel of camera 2 [1]
-    averaging: float
+    # factors by which blur and interpolation lower the variance of a pixel of each camera [1]
+    averaging: tuple[float, float]
 
 
 @takes(run_dir="run", calibration="calibration path")
@@ -243,13 +243,14 @@ def _separate_sources(chain: FrameChain, frames: Sequence[int]) -> _Sources:
             weight = total.add(PairRatio.of(chain.divide(aligned))).astype(float)
             _add_sources(variances, chain, corrected, aligned, weight)
             averaging.append(float(aligned.interpolation[0]))
+    one, two = chain.softening.factors
 
     # random errors of frames add in quadrature, those of dark and flat linearly
     weight = np.where(total.weight > 0, total.weight, np.inf)
     for what, variance in variances.items():
         variance /= weight**2 if _KINDS[what] == RANDOM else weight
     ratio = RatioImages(total.mean().to_images().isel(frame=0))
-    return _Sources(variances, ratio, float(np.mean(averaging)))
+    return _Sources(variances, ratio, (one, two * float(np.mean(averaging))))
 
 
 def _add_sources(
@@ -277,6 +278,7 @@ def _add_sources(
         counts += energy * references.background.values[:, None]
         dark_var *= (1 - energy * recorded) ** 2
         of_page = energy**2 * references.background_var.values[:, None].astype(float)
+    lowered = np.reshape(chain.softening.factors, (2, 1, 1))
     sources = {
         "photons": np.maximum(counts, 0) / (flat**2 * gain),
         "reading and rounding": reading / flat**2 + 0 * signal,
@@ -296,6 +298,7 @@ def _add_sources(
         for name, image in images.items():
             with np.errstate(divide="ignore", invalid="ignore"):  # pixels without light or weight
                 relative = image.values[:, 0] / np.square(aligned.signal.values[:, 0], dtype=float)
+                relative *= lowered
             power = weight**2 if _KINDS[name] == RANDOM else weight
             variances[name] += power * np.where(weight > 0, relative, 0.0)
 
@@ -344,12 +347,12 @@ def _budget_of_mean(
 ) -> _Column:
     """The budget of the mean film thickness.
 
-    Interpolation moves the noise of camera 2 between pixels, and does not lower it in the mean.
+    Interpolation and blur move noise between pixels, and do not lower it in the mean.
     """
     terms = {}
     for what, pair in sources.variances.items():
         for camera, variance in enumerate(pair):
-            spread = (1.0, sources.averaging)[camera]
+            spread = sources.averaging[camera]
             total = float(np.sqrt((rate[region] ** 2 * variance[region]).sum() / spread))
             terms[_term(what, camera)] = total / int(region.sum())
 

@@ -11,12 +11,18 @@ from erlif.core.arrays import Array, Mask
 FEWEST_FRAMES = 12
 
 _FEWEST_CELLS = 24  # cells of a frame, at least; a surface through its films has six coefficients
-_FEWEST_VISITS = 6  # frames in which a cell must be measured
+FEWEST_VISITS = 6  # frames in which a cell must be measured
 _THINNEST = 1.0  # um: below it the response of a film to its light is steep and not linear
 
 # Share of the covered range; the noise of a cell with a thicker film may reach beyond it, and a
 # choice that depends on the noise would bias what is estimated.
 _THICKEST = 0.8
+
+
+def choosable_films(calibration: RatioCurve) -> tuple[float, float]:
+    """Films between which a cell is chosen: from 1 um to 0.8 of the covered range. [um]"""
+    low = max(calibration.thickness_range[0], _THINNEST)
+    return low, _THICKEST * float(calibration.inverse.thickness[-1])
 
 
 def choose_cells(film: Array, measured: Mask, calibration: RatioCurve) -> Mask:
@@ -46,10 +52,10 @@ def choose_cells(film: Array, measured: Mask, calibration: RatioCurve) -> Mask:
     >>> int(chosen.sum())
     232
     """
-    low = max(calibration.thickness_range[0], _THINNEST)
-    usable: Mask = measured & (film > low) & (film < _THICKEST * calibration.inverse.thickness[-1])
+    low, high = choosable_films(calibration)
+    usable: Mask = measured & (film > low) & (film < high)
     usable &= (usable.sum(axis=1) >= _FEWEST_CELLS)[:, None]
-    usable &= usable.sum(axis=0) >= _FEWEST_VISITS
+    usable &= usable.sum(axis=0) >= FEWEST_VISITS
     return usable
 
 

@@ -3,6 +3,7 @@
 import re
 from pathlib import Path
 
+import pytest
 from scenes.scripts import load_script
 
 DOCS = Path(__file__).parents[2] / "docs"
@@ -21,3 +22,8 @@ def test_the_table_of_limits_is_the_computed_one():
 
 def test_the_remedies_are_those_of_their_table():
     assert stated("list of remedies") == load_script(DOCS / "make_budget.py").remedies()
+
+
+@pytest.mark.slow
+def test_the_list_of_remedies_is_that_of_a_virtual_rig():
+    assert stated("remedies") == load_script(DOCS / "make_budget.py").list_of_means()

@@ -5,13 +5,14 @@ import numpy.testing as npt
 import pytest
 import xarray as xr
 from scenes.pair import map_with, ratio_images, references_of, unknown
-from scenes.plain import subtract_ghost
+from scenes.plain import soften
 from scipy import ndimage
 
 from erlif.core.errors import FrameError
 from erlif.core.products import AlignedFrames
 from erlif.ratio import BlurDifference, NoiseView, estimate_camera_noise
 from erlif.ratio.camera_noise import _overlap
+from erlif.ratio.softening import Softening
 from erlif.registration import interpolation_variance_factor
 
 GAIN = 4.4  # [electron/DN]
@@ -82,15 +83,15 @@ def test_read_noise_of_both_cameras_is_found():
         assert camera.read_noise_std < 0.1 * 6.0 * GAIN
 
 
-def test_noise_that_the_removed_ghost_adds_is_not_taken_for_shot_noise():
-    """Removing the ghost mixes the noise of neighbours; the gains stay those of the cameras."""
+def test_noise_that_a_blur_averages_is_taken_for_whole_shot_noise():
+    """The blur mixes the noise of neighbours; the gains stay those of the cameras."""
     blur = BlurDifference(0.5, -0.3, 0.01, 0.01)
+    taps, sound = Softening.of(blur).taps, np.zeros(SHAPE)
     rng = np.random.default_rng(19)
     taken = []
     for _ in range(6):
         one, two = (np.rint(rng.poisson(GAIN * image) / GAIN) for image in LIGHT)
-        log_ratio = np.log(two / one)
-        subtract_ghost(log_ratio, one, two, blur)
+        log_ratio = np.log(soften(two, sound, taps[1]) / soften(one, sound, taps[0]))
         taken.append(NoiseView(log_ratio, 1 / LIGHT, 1 / LIGHT**2, np.zeros((2, *CELLS))))
     found = estimate(taken, unknown(gain=(True, True)), frames=6, blur=blur)
     for camera in found.cameras:

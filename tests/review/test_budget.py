@@ -16,6 +16,8 @@ from conftest import Laboratory
 from erlif.calibration import Systematics
 from erlif.core.flags import Flag
 from erlif.core.terms import TERMS
+from erlif.ratio import BlurDifference
+from erlif.ratio.softening import Softening
 from erlif.rig import RigSettings, simulate
 from erlif.show.plots import example_calibration
 from erlif.show.report import print_budget
@@ -116,7 +118,7 @@ def test_an_uneven_wall_on_the_patch_is_in_the_budget_as_in_the_film(tmp_path):
 
 
 def test_photons_are_the_square_root_of_their_number(lab):
-    """Shot noise of a pixel from the counts in the files and the gain alone."""
+    """Shot noise of a pixel from counts and gain alone, as far as its blur leaves it."""
     film, budget, out, calibration = lab
     pages = [tifffile.imread(path) for path in sorted((out / "run" / "camera1").iterdir())]
     triggers = film.sizes["trigger"]
@@ -125,6 +127,9 @@ def test_photons_are_the_square_root_of_their_number(lab):
     )  # of two frames together
     near = np.abs(film.thickness.values[2] / 6.0 - 1) < 0.05
     expected = np.median(1 / np.sqrt(electrons[near])) / float(calibration.slope(6.0))
+    found = film.encoding["groups"]["registration"].attrs
+    blur = BlurDifference(*found["blur_difference"], *found["blur_difference_std"])
+    expected *= Softening.of(blur).factors[0] ** 0.5
     term = float(budget["std"].isel(quantity=0).sel(term="photons, camera 1"))
     npt.assert_allclose(term, expected, rtol=0.05)
 

@@ -10,7 +10,8 @@ import xarray as xr
 
 from erlif.core.detector import QUANTISATION_VAR
 from erlif.core.flags import Flag
-from erlif.ratio import find_bubbles
+from erlif.ratio import BlurDifference, find_bubbles
+from erlif.ratio.softening import Softening
 from erlif.registration import interpolation_variance_factor, orient, warp
 from erlif.thickness import CLEAR
 
@@ -133,39 +134,48 @@ def locate(field, drift, size, axis):
 
 def compute_ratio(frames, *, no_film_below=0.25, blur=None):
     """Logarithm of camera 2 over camera 1 of one pair with its variances and flags, (y, x)."""
-    one, two = frames.signal.values[:, 0].astype(float)
+    softening = Softening.of(BlurDifference() if blur is None else blur)
+    one, two = (
+        soften(frames.signal.values[n, 0].astype(float), frames["flags"].values[n, 0], taps)
+        for n, taps in enumerate(softening.taps)
+    )
     lit = (one > 0) & (two > 0)
     a, b = np.where(lit, one, np.nan), np.where(lit, two, np.nan)
-    repeated = frames.signal_var_fixed.values[:, 0] / np.square([a, b])
-    relative = frames.signal_var.values[:, 0] / np.square([a, b]) + repeated
-    log_ratio = np.log(b / a) + 0.5 * (relative[1] - relative[0])
-    if blur is not None and blur.significant:
-        subtract_ghost(log_ratio, one, two, blur)
-    if blur is not None:
-        log_ratio -= blur.corrected_excess
+    kept = np.reshape(softening.factors, (2, 1, 1)) / np.square([a, b])
+    repeated = frames.signal_var_fixed.values[:, 0] * kept
+    relative = frames.signal_var.values[:, 0] * kept + repeated
+    log_ratio = np.log(b / a) + 0.5 * (relative[1] - relative[0]) - softening.excess
 
     flags = frames["flags"].values[0, 0] | frames["flags"].values[1, 0]
     flags = np.where((flags == 0) & ~lit, Flag.DIM, flags)
     total, of_two = relative.sum(axis=0)[flags == 0].sum(), relative[1][flags == 0].sum()
     dark = find_bubbles(*frames.signal.values[:, 0], share=no_film_below)
-    shared = (frames.displacement_std.values * log_gradient(two)) ** 2
+    seen = frames.signal.values[1, 0].astype(float)
+    shared = (frames.displacement_std.values * log_gradient(seen)) ** 2
     images = (log_ratio, relative.sum(axis=0), repeated.sum(axis=0), shared)
     images = (*images, flags | np.where(dark, Flag.NO_FILM, 0))
     share = of_two / total if total > 0 else 0.0
-    correlation = 1 + share * (1 / float(frames.interpolation[0]) - 1)
+    lowered = softening.factors[0], softening.factors[1] * float(frames.interpolation[0])
+    correlation = (1 - share) / lowered[0] + share / lowered[1]
     dims = ("y", "x")
     variables = {name: (dims, image) for name, image in zip(RATIO, images, strict=True)}
     return xr.Dataset(variables | {"noise_correlation": correlation})
 
 
-def subtract_ghost(log_ratio, one, two, blur):
-    """Take the ghost of the speckle out of the log ratio, in place."""
-    product = one * two
-    mean = 0.5 * np.log(np.where(product > 0, product, np.nan))
-    bend_x, bend_y = np.full((2, *mean.shape), np.nan)
-    bend_x[:, 1:-1] = mean[:, :-2] + mean[:, 2:] - 2 * mean[:, 1:-1]
-    bend_y[1:-1] = mean[:-2] + mean[2:] - 2 * mean[1:-1]
-    log_ratio -= np.nan_to_num(blur.x * bend_x + blur.y * bend_y)
+def soften(light, flags, taps):
+    """Blur along x and then along y; a neighbour that is flagged has the value of the pixel."""
+    blurred = np.where(np.isnan(light), 0, light)
+    sound = flags == 0
+    for axis, line in zip((1, 0), taps, strict=True):
+        middle, total = blurred, blurred.copy()
+        for n, weight in enumerate(line, -(line.size // 2)):
+            beside = np.clip(np.arange(light.shape[axis]) + n, 0, light.shape[axis] - 1)
+            inside = np.arange(light.shape[axis]) + n == beside
+            inside = inside[None, :] if axis else inside[:, None]
+            used = np.take(sound, beside, axis) & inside
+            total = total + weight * np.where(used, np.take(middle, beside, axis) - middle, 0)
+        blurred = total
+    return np.where(np.isnan(light), np.nan, blurred)
 
 
 def log_gradient(signal):

@@ -25,7 +25,10 @@ class _KernelCache(_numba_cache):  # type: ignore[misc]
     def _load_overload(self, sig: Any, target_context: Any) -> Any:
         """None, upon which numba compiles, where the file cannot be read."""
         try:
-            return super()._load_overload(sig, target_context)
+            kept = super()._load_overload(sig, target_context)
+            if kept is not None and kept.fndesc.qualname != self._py_func.__qualname__:
+                raise ValueError(f"it holds {kept.fndesc.qualname}")
+            return kept
         except Exception as error:  # pickle raises errors of many classes for bytes that are cut
             _logger.info("%s is compiled again, as its file is damaged (%r)", self._name, error)
             with suppress(OSError):

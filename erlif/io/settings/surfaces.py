@@ -55,8 +55,9 @@ class JointSettings(Settings):
     bushing_radius: Length = Field(examples=["33.59 mm"])
     """Inner radius of the bushing, larger than pin_radius."""
     clearance_std: Length | None = Field(None, examples=["1 um"])
-    """Standard deviation of the radial clearance, for the pressure and `predict --fit`. Default:
-    exact for the pressure; known to the last digits of both radii for the fit."""
+    """Standard deviation of the radial clearance, for the pressure, `predict --fit` and the error
+    of the predicted film. Default: exact for the pressure; known to the last digits of both radii
+    for the others."""
     length: Length = Field(examples=["237 mm"])
     """Loaded length of the joint along its axis."""
     load: Force | None = None
@@ -171,7 +172,8 @@ class OilSettings(Settings):
     value."""
     viscosity_std: Viscosity | None = Field(None, examples=["0.004 Pa s"])
     """Standard deviation of the viscosity, with a vogel law at the mean temperature of the run, for
-    the pressure and `predict --fit`. Default: the viscosity is exact."""
+    the pressure, `predict --fit` and the error of the predicted film. Default: the viscosity is
+    exact."""
     drift_std: Share | None = Field(None, examples=["5 %"])
     """Standard deviation of the change of the viscosity from the first frame to the last, beside
     that of the logged temperature, for `predict --fit`. Default: of a vogel law, what reading_std

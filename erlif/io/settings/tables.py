@@ -506,7 +506,7 @@ class PredictionOptions(Settings):
     --fit`. Default: that of a fitted line; of a given one none, and 0.5 mm for the fit."""
     load_std: Share = 1.0
     """Standard deviation of the load over the load, the same at all triggers, for `predict
-    --fit`."""
+    --fit` and the error of the predicted film."""
     direction: Literal["along", "against"] = "along"
     """Motion of the bushing in the image while the angle of the rocker rises."""
     long: bool = False

@@ -1,7 +1,7 @@
 """Input of the solver: the joint, its motion under load, and its mount."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -99,6 +99,10 @@ class Journal:
     def least_clearance(self) -> float:
         """Radial clearance where the bore is narrowest along the axis. [m]"""
         return self.clearance + float(np.min(0.0 if self.axial_shape is None else self.axial_shape))
+
+    def with_clearance(self, more: float) -> "Journal":
+        """The same pin in a bushing with so many times the radial clearance."""
+        return replace(self, bushing_radius=self.pin_radius + more * self.clearance)
 
     def clearance_at(self, axial: Array) -> Array:
         """Radial clearance at places along the axis. [m]

@@ -16,9 +16,11 @@ from erlif.correction.light import fill_noise
 from erlif.pipeline.passes.warp import MapTables, PairWarp, Warp
 from erlif.ratio import BlurDifference, PairRatio, flag_bubbles
 from erlif.ratio.log_ratio import correlate_noise, divide_rows
+from erlif.ratio.softening import FARTHEST, Softening
 
-# Rows of a band: the noise of camera 2 is kept for one band and the row before it.
+# Rows of a band, and of the noise that is kept: a ratio that is blurred needs rows above and below.
 BAND = 64
+KEPT = BAND + 2 * FARTHEST
 
 _POOR = np.uint16(Flag.POOR_REGISTRATION)
 
@@ -45,11 +47,11 @@ def measure_ratio(
     drift : tuple of float
         Translation (x, y) of camera 2; NaN where it is not known. [px]
     blur : BlurDifference
-        Difference of sharpness, whose ghost and excess are subtracted where significant.
+        Difference of sharpness, by which the sharper camera is blurred where it is significant.
     no_film_below : float
         Light relative to the surroundings below which both bands show a bubble. [1]
     warped : PairWarp
-        Receives camera 2, its variances and flags in at least `BAND` + 1 rows.
+        Receives camera 2, its variances and flags in at least `KEPT` rows.
     out : PairRatio
         Its images are filled.
 
@@ -58,28 +60,31 @@ def measure_ratio(
     PairRatio
         With the images of `out`.
     """
-    along = np.array([*blur.corrected, blur.corrected_excess], np.float32)
+    softening = Softening.of(blur)
+    arrays, reach = softening.arrays, max(softening.reach, 1)
     warp = Warp(light, tables, noise[1], drift, warped, band=BAND)
     height = out.log_ratio.shape[0]
     total = of_two = 0.0
     done = last = 0
     noise_one, energy = tuple(noise[0]), np.float32(light.energy[0])
-    var_one, fixed_one = np.empty((2, BAND + 1, out.log_ratio.shape[1]), np.float32)
+    var_one, fixed_one = np.empty((2, KEPT, out.log_ratio.shape[1]), np.float32)
 
-    # a row of the ratio needs the row of camera 2 below it, so that of each band one is left over
+    # a row of the ratio needs rows of camera 2 below it, so that of each band some are left over;
+    # the first of these needs as many above
     for start in range(0, height, BAND):
         stop = min(start + BAND, height)
+        first = max(done - reach, 0)
         for kept in (warped.variance, warped.variance_fixed, warped.flags):
-            kept[0] = kept[max(start - 1, 0) - last]
-        first = max(start - 1, 0)
+            kept[: start - first] = kept[first - last : start - last].copy()
         warp.fill(start, stop, first=first)
+        warped.flags[start - first : stop - first] |= tables.flags[start:stop]
         last = first
 
         # the variances of camera 1 are made where they are read, a band at a time
-        ready = stop if stop == height else stop - 1
+        ready = stop if stop == height else stop - reach
         fill_noise(light.light[0], noise_one, energy, var_one, fixed_one, done, ready)
         variances = var_one, fixed_one, warped.variance, warped.variance_fixed
-        flags = light.flags[0], warped.flags, tables.flags
+        flags = light.flags[0], warped.flags
         rows = first, done, ready
         sums = divide_rows(
             light.light[0],
@@ -87,7 +92,7 @@ def measure_ratio(
             *variances,
             *flags,
             tables.variance,
-            *along,
+            *arrays,
             *out.images,
             *rows,
         )
@@ -102,7 +107,9 @@ def measure_ratio(
     return replace(
         out,
         light_one=light.light[0],
-        noise_correlation=correlate_noise(total, of_two, warp.averaging),
+        noise_correlation=correlate_noise(
+            total, of_two, warp.averaging, softening=softening.factors
+        ),
         drift=(float(drift[0]), float(drift[1])),
         peaks=(int(one), int(two)),
     )

@@ -20,13 +20,12 @@ from erlif.models.reynolds import Journal
 from erlif.pipeline.physics.agreement import viscosity_powers
 from erlif.pipeline.physics.bore import departure
 from erlif.pipeline.physics.exponents import speed_of_trend
+from erlif.pipeline.physics.given import given_errors, reading_error
 from erlif.pipeline.physics.joint import describe_contact, describe_viscosity, joint_and_oil
-from erlif.pipeline.physics.position import clearance_std
 from erlif.pipeline.physics.predict import film_beside, is_film, read_film
 from erlif.pipeline.physics.prediction import build_journal, build_motion, swinging_joint
 from erlif.prediction import (
     Estimate,
-    GivenErrors,
     MeasuredMotion,
     ModelComparison,
     SteadyFilm,
@@ -136,15 +135,6 @@ def _beside_sheet(
         wide = ratio.widened(parts)
         beside["viscosity_ratio"] = replace(wide, parts={**wide.parts, **ratio.parts})
     return beside
-
-
-def reading_error(settings: RunSettings, frames: xr.Dataset) -> float:
-    """Error of the viscosity over it by that of the logged temperature; 0 without Vogel's law."""
-    law = None if settings.oil is None else describe_viscosity(settings.oil)
-    if not isinstance(law, VogelLaw):
-        return 0.0
-    by_kelvin = law.b / (float(frames["temperature"].mean()) - law.c) ** 2
-    return by_kelvin * float(settings.temperature.reading_std)
 
 
 def state_physics(
@@ -297,36 +287,6 @@ def _rocking(film: xr.Dataset) -> float:
 
     chi = float(((tilt - np.average(tilt, weights=1 / variance)) ** 2 / variance).sum())
     return 1e3 * float(np.ptp(tilt)) if chdtrc(tilt.size - 1, chi / MISFIT**2) < _CHANCE else 0.0
-
-
-def given_errors(settings: RunSettings, film: xr.Dataset, frames: xr.Dataset) -> GivenErrors:
-    """Collect the errors of given quantities: stated, else assumed or measured."""
-    (joint, oil), options = joint_and_oil(settings), settings.prediction
-    drift = oil.drift_std
-    rounding = 1e-6 * clearance_std(joint)
-    line = options.load_line_std or 0.1 * LOAD_LINE_STD
-    return GivenErrors(
-        clearance=rounding if joint.clearance_std is None else float(joint.clearance_std),
-        load=0.01 * float(options.load_std),
-        load_line=None if options.load_line is None else float(line),
-        tilt=_tilt(film),
-        drift=reading_error(settings, frames) if drift is None else float(drift) / 100,
-        cavitation_pressure=float(options.cavitation_pressure_std or 0.0),
-    )
-
-
-def _tilt(film: xr.Dataset) -> float:
-    """Root of the mean square that the tilt of the pin towards the load may have. [m/m]
-
-    The measured mean, and its error by what all triggers share; zero where none is measured.
-    """
-    if "pin_tilt" not in film:
-        return 0.0
-    tilt, cov = film.pin_tilt.values[:, 0], film.pin_position_cov.values[:, 2, 2]
-    known = np.isfinite(tilt) & np.isfinite(cov)
-    if not known.any():
-        return 0.0
-    return 1e-3 * float(np.sqrt(np.mean(tilt[known]) ** 2 + np.mean(cov[known])))
 
 
 def _measured_motion(film: xr.Dataset, journal: Journal) -> MeasuredMotion:

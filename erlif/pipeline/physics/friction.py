@@ -13,7 +13,7 @@ from erlif.core.notes import Note, remark
 from erlif.models.shear import shear_heating
 from erlif.pipeline.engines.results import TriggerResult
 from erlif.pipeline.physics.bore import departure
-from erlif.pipeline.physics.fit import given_errors, reading_error
+from erlif.pipeline.physics.given import given_errors, viscosity_error
 from erlif.pipeline.physics.joint import describe_contact, describe_viscosity
 from erlif.pipeline.physics.prediction import build_journal
 from erlif.pipeline.plane import ObjectPlane
@@ -52,8 +52,7 @@ def describe_friction(
     if oil is None or not needed <= set(film):
         return xr.Dataset(), []
     viscosity = viscosity_at(film[[*needed]], describe_viscosity(oil))
-    stated = float(oil.viscosity_std or 0.0) / float(viscosity.mean())
-    relative = math.hypot(stated, reading_error(settings, film))
+    relative = viscosity_error(settings, film)
     sides, contact = (plane.region.rows, plane.region.columns), describe_contact(settings)
     # the speed is that of the faster surface; the film is sheared by the difference of both
     speed = film.sliding_speed.values * (1.0 if contact is None else contact.sliding)

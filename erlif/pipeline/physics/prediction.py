@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -15,7 +16,9 @@ from erlif.io.ingest import Run
 from erlif.io.settings import CrankRockerSettings, PredictionOptions, RunSettings
 from erlif.models.mechanism import CrankRocker
 from erlif.models.reynolds import Journal
+from erlif.models.reynolds.full_film import FullFilm
 from erlif.pipeline.physics.bore import axial_shape, departure, foundation_of
+from erlif.pipeline.physics.given import given_errors
 from erlif.pipeline.physics.joint import (
     build_linkage,
     describe_contact,
@@ -45,8 +48,8 @@ class Prediction(NamedTuple):
     Attributes
     ----------
     triggers : xarray.Dataset
-        film_predicted_min and film_predicted_mean [um], eccentricity [1] and attitude [degree], on
-        dim trigger; empty without a prediction.
+        film_predicted_min, film_predicted_min_std and film_predicted_mean [um], eccentricity [1]
+        and attitude [degree], on dim trigger; empty without a prediction.
     frames : xarray.Dataset
         The same and elapsed_cycles [1], on dim frame; empty without a prediction.
     notes : list of Note
@@ -164,6 +167,12 @@ def build_journal(settings: RunSettings, viscosity: float) -> Journal:
     )
 
 
+def tabulate_theory(settings: RunSettings) -> None:
+    """Make the tables of a squeezed film, which need no frame, before the fits ask for them."""
+    if swings(settings):
+        FullFilm.of(replace(build_journal(settings, 1.0), foundation=None))
+
+
 def build_motion(
     settings: RunSettings, frames: xr.Dataset, *, viscosity: float | None = None
 ) -> FrameMotion:
@@ -247,8 +256,10 @@ def predict_run(plane: ObjectPlane, film: xr.Dataset, frames: xr.Dataset) -> Pre
         view=ImageLine(1e-3 * (plane.along - line), plane.within, 1e-6 * plane.bore_height),
         sideways=options.sideways if isinstance(options.sideways, str) else float(options.sideways),
         start_film=None if options.start_film == "fit" else float(options.start_film),
+        given=given_errors(settings, film, frames),
     )
-    names = ["film_predicted_min", "film_predicted_mean", "eccentricity", "attitude"]
+    names = ["film_predicted_min", "film_predicted_min_std", "film_predicted_mean"]
+    names += ["eccentricity", "attitude"]
     by_frame = predicted[[f"{name}_frame" for name in names]]
     by_frame = by_frame.rename({f"{name}_frame": name for name in names})
     for one in (predicted, by_frame):

@@ -2,22 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 
-from erlif.calibration import RunCurve
-from erlif.core.arrays import Array
+from erlif.calibration import RatioCurve, RunCurve
+from erlif.core.arrays import AnyArray, Array
 from erlif.core.notes import Note, warn
+from erlif.core.speed.kernels import njit
 from erlif.core.terms import CONSTANT, TERMS
 from erlif.io.files import MapStore
-from erlif.pipeline.engines.results import TriggerResult
+from erlif.pipeline.engines.engine import Threads
+from erlif.pipeline.engines.results import FrameResult, TriggerResult
 from erlif.pipeline.physics.findings import LightFindings
 from erlif.pipeline.plane import ObjectPlane
-from erlif.trend import GapMinimum, GapShape, Texture
+from erlif.ratio import LightCells, cell_centres, sample_cells
+from erlif.trend import GapMinimum, GapShape, Texture, find_texture
+from erlif.trend.cells import FEWEST_FRAMES, FEWEST_VISITS, choosable_films
 
 _FILMS = 400  # of the range, at which the error of a pixel is tabulated
+
+_MOST_MAPS = 100  # in which a pattern is sought
+
+_ENOUGH_CELLS = 40  # of the 120 of a picture, with which it is sought in these: twice the fewest
 
 
 def with_texture(
@@ -99,8 +107,79 @@ def _components(numbers: Array, count: int) -> Array:
     return np.asarray((shares * whole / kept).T.reshape(count, *numbers.shape[:2]))
 
 
+def find_within(
+    lights: Mapping[int, FrameResult],
+    maps: MapStore,
+    triggers: int,
+    curve: RatioCurve,
+    plane: ObjectPlane,
+) -> Texture | None:
+    """Find what stands still where the film is measured in a small part of the picture alone.
+
+    Below a ball few cells of the whole picture hold a film within the range: as many are laid over
+    this part, and filled from the finished maps.
+
+    Parameters
+    ----------
+    lights : mapping of int to FrameResult
+        By frame.
+    maps : MapStore
+    triggers : int
+    curve : RatioCurve
+        In the middle of the run.
+    plane : ObjectPlane
+
+    Returns
+    -------
+    Texture or None
+        None where nothing is significant, and where the whole picture has enough cells.
+    """
+    known = [np.isfinite(one.cells.log_ratio) for one in lights.values()]
+    if len(known) < FEWEST_FRAMES or np.sum(np.sum(known, axis=0) > 0) > _ENOUGH_CELLS:
+        return None
+
+    low, high = choosable_films(curve)
+    steps = np.unique(np.linspace(0, triggers - 1, _MOST_MAPS).round().astype(int)).tolist()
+    region = plane.region
+    visits = np.zeros(
+        (region.rows.stop - region.rows.start, region.columns.stop - region.columns.start), np.int64
+    )
+    for film in _read(maps, steps, "thickness", plane):
+        visits += (low < film) & (film < high)
+    rows, columns = np.nonzero(visits >= FEWEST_VISITS)
+    if not rows.size:
+        return None
+    box = slice(rows.min(), rows.max() + 1), slice(columns.min(), columns.max() + 1)
+
+    cells = []
+    both = (_read(maps, steps, name, plane) for name in ("thickness", "thickness_std"))
+    for film, std in zip(*both, strict=True):
+        flags = np.isnan(film[box]).astype(np.uint16)
+        film_known = np.where(flags, np.float32(low), film[box])
+        noise = np.where(flags, 0, std[box] * curve.slope(film_known)) ** 2
+        ratio = curve.predict_log(film_known)
+        images = (film_known, ratio.astype(np.float32), noise.astype(np.float32))
+        cells.append(sample_cells(*images, flags))
+    record = LightCells(*(np.stack(part) for part in zip(*cells, strict=True)))
+    return find_texture(record, cell_centres(visits[box].shape), curve)
+
+
+def _read(
+    maps: MapStore, triggers: Sequence[int], name: str, plane: ObjectPlane
+) -> Iterator[AnyArray]:
+    """One map of each trigger within the region of interest, NaN on a patch of another film."""
+    for trigger in triggers:
+        values = maps.read(trigger, name)
+        if plane.patch is not None:
+            values[plane.patch.rows, plane.patch.columns] = np.nan
+        yield values[plane.region.rows, plane.region.columns]
+
+
 def widen_maps(maps: MapStore, triggers: int, curve: RunCurve) -> None:
     """Add the error by what stands still in the image to the maps of a film that is measured.
+
+    Near the maximum of the ratio two standard deviations of it are more film than the slope says:
+    the error is half the film that they are, up to the end of the range.
 
     Parameters
     ----------
@@ -112,10 +191,37 @@ def widen_maps(maps: MapStore, triggers: int, curve: RunCurve) -> None:
     if not (size := curve.systematics.widths.get("texture", 0.0)):
         return
     films, name = np.linspace(*curve.thickness_range, _FILMS), "thickness_std_shared"
-    added = size / curve.slope(films)
-    for trigger in range(triggers):
-        film, std = maps.read(trigger, "thickness"), maps.read(trigger, name)
-        maps.revise(trigger, name, np.hypot(std, np.interp(film, films, added)))
+    ratio, slope = curve.predict_log(films), curve.slope(films)
+    thicker = np.interp(np.minimum(ratio + 2 * size, ratio[-1]), ratio, films)
+    added = np.maximum(size / slope, (thicker - films) / 2)
+    slopes = np.diff(added) / np.diff(films)
+
+    def widen(trigger: int) -> dict[str, bytes]:
+        std = maps.read(trigger, name)
+        _add_error(maps.read(trigger, "thickness").ravel(), films, added, slopes, std.ravel())
+        return maps.encode({name: std})
+
+    Threads().compute(widen, range(triggers), maps.revise)
+
+
+@njit(nogil=True, cache=True)
+def _add_error(film, films, added, slopes, std):  # type: ignore[no-untyped-def]
+    """Add in squares to `std` what is tabulated as `added` at evenly spaced `films`."""
+    last = slopes.size - 1
+    per_film = slopes.size / (films[-1] - films[0])
+    for i in range(film.size):
+        value = np.float64(film[i])
+        if value != value:
+            std[i] = np.nan
+            continue
+        value = min(max(value, films[0]), films[-1])
+        at = min(int((value - films[0]) * per_film), last)
+        if value < films[at]:
+            at -= 1
+        elif at < last and value >= films[at + 1]:
+            at += 1
+        error = slopes[at] * (value - films[at]) + added[at]
+        std[i] = np.float32(np.sqrt(np.float64(std[i]) ** 2 + error * error))
 
 
 def describe_texture(texture: Texture | None, calibration: RunCurve) -> list[Note]:

@@ -11,7 +11,7 @@ import numpy as np
 import xarray as xr
 
 from erlif.calibration import RunCurve
-from erlif.core.notes import Note
+from erlif.core.notes import Note, warn
 from erlif.core.progress import Progress
 from erlif.core.speed.memory import release_memory
 from erlif.core.timing import stage
@@ -40,9 +40,10 @@ from erlif.pipeline.recording.pulses import (
     refuse_stuck_cameras,
 )
 from erlif.pipeline.recording.register import FixtureMap, register_cameras
-from erlif.pipeline.recording.sample import compare_sharpness, sample_frames
+from erlif.pipeline.recording.sample import compare_sharpness, divide_sample, sample_frames
 from erlif.pipeline.recording.swap import judge_ratios
 from erlif.ratio import BlurDifference
+from erlif.ratio.softening import LARGEST
 from erlif.registration import CameraMap
 from erlif.trend.cells import FEWEST_FRAMES
 
@@ -137,6 +138,14 @@ def _compare_cameras(chain: FrameChain, known: Characterised) -> NoiseCompletion
             100 * chain.blur.corrected_excess,
         )
         completed = complete_noise(chain, known, sample=sample)
+        blur = completed.chain.blur
+        if max(abs(blur.x), abs(blur.y)) > LARGEST:
+            text = (
+                "one camera is out of focus: the variances of the point spreads differ by more "
+                f"than the {2 * LARGEST:.1f} px2 that a blur of the other one removes, and the "
+                "error bars of single pixels lack the rest. Focus both alike"
+            )
+            completed = replace(completed, notes=(*completed.notes, warn("sharpness", text)))
         for note in completed.notes[len(known.cameras.notes) :]:
             _logger.info("%s", note)
     release_memory()
@@ -310,12 +319,14 @@ def prepare_run(
         tables_only=tables_only and not (options.corrects or asks_gap),
     )
     chain = without_warming(prepared.chain, warmer, run.settings.temperature)
-    faults = (*prepared.bits, *note_noise(chain, prepared.sample))
-    misfit = judge_ratios(chain, curve.calibration, prepared.sample, stored=known.nodes)
+    ratios = divide_sample(chain, prepared.sample)
+    faults = (*prepared.bits, *note_noise(ratios))
+    misfit = judge_ratios(chain, curve.calibration, ratios, stored=known.nodes)
     chain = complete_energies(chain, curve)
     curve = add_systematics(
-        curve, run.settings, chain, prepared.sample, warmer=warmer, misfit=misfit.size
+        curve, run.settings, chain, prepared.sample, ratios, warmer=warmer, misfit=misfit.size
     )
+    del ratios  # 30 MB
     notes = (*prepared.notes, *misfit.notes)
     ready = PreparedRun(run, cycle, chain, curve, LightFindings(), notes, faults)
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -13,7 +12,7 @@ from erlif.core.arrays import Array
 from erlif.core.errors import CalibrationError
 from erlif.core.notes import Note, warn
 from erlif.pipeline.chain import FrameChain
-from erlif.pipeline.recording.sample import Bands, ratios_of
+from erlif.pipeline.recording.sample import SampleRatios, ratios_of
 from erlif.registration import MapNodes, compare_with_inverse
 
 _logger = logging.getLogger(__name__)
@@ -21,9 +20,6 @@ _logger = logging.getLogger(__name__)
 
 # Share of ratios that no film has from which something is wrong.
 _IMPOSSIBLE = 0.15
-
-# Half the difference of the blur variances from which one camera is out of focus. [px2]
-_DEFOCUSED = 0.3
 
 # Standard deviations by which a ratio must lie beyond those of films.
 _SIGMAS = 2
@@ -50,7 +46,7 @@ class Misfit(NamedTuple):
 def judge_ratios(
     chain: FrameChain,
     calibration: Calibration,
-    sample: Sequence[Bands],
+    sample: SampleRatios,
     *,
     stored: MapNodes | None = None,
 ) -> Misfit:
@@ -64,8 +60,8 @@ def judge_ratios(
     ----------
     chain : FrameChain
     calibration : Calibration
-    sample : sequence of tuple of AlignedFrames
-        Parts of the frames whose ratios are compared.
+    sample : list of list of RatioImages
+        From `divide_sample`.
     stored : MapNodes, optional
         The map that is stored with the calibration.
 
@@ -105,10 +101,10 @@ def _check_map(chain: FrameChain, stored: MapNodes) -> bool:
 
 
 def _note_misfit(
-    chain: FrameChain, calibration: Calibration, sample: Sequence[Bands], *, in_order: bool
+    chain: FrameChain, calibration: Calibration, sample: SampleRatios, *, in_order: bool
 ) -> Misfit:
     ends, shares, sizes = _ratios_of_films(calibration), [], []
-    for ratio, std in ratios_of(chain, sample):
+    for ratio, std in ratios_of(sample):
         off = np.maximum(ends[0] - ratio, ratio - ends[1])
         beyond = off > _SIGMAS * std
         shares.append(float(beyond.mean()))
@@ -123,9 +119,6 @@ def _note_misfit(
         "the profile of the fixture is not that of its images: look at direction, origin and "
         "cameras in fixture.toml",
     ]
-    if max(abs(chain.blur.x), abs(chain.blur.y)) > _DEFOCUSED:
-        focus = "one camera is out of focus, so that their textures do not cancel: focus both alike"
-        causes.insert(0, focus)
     if not in_order:
         causes.append(
             "the cameras are exchanged: look at the files of [camera1], to which the reabsorbed "

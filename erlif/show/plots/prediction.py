@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 
-from erlif.core.arrays import Image
+from erlif.core.arrays import Array, Image
 from erlif.core.errors import ConfigError
 from erlif.io.files import check_trigger, describe_trigger, settings_of
 from erlif.pipeline.physics.prediction import film_along_sliding
@@ -57,7 +59,8 @@ def film_and_prediction(film: xr.Dataset, *, ax: Axes = style.NEW) -> list[Artis
     Returns
     -------
     list of Artist
-        Measured points of both strokes, with bars of one standard deviation; the prediction.
+        Measured points of both strokes, with bars of one standard deviation; the prediction, in a
+        band of its own.
 
     Examples
     --------
@@ -67,10 +70,11 @@ def film_and_prediction(film: xr.Dataset, *, ax: Axes = style.NEW) -> list[Artis
     'predicted, pin free sideways'
     """
     _require_prediction(film)
-    held = str(film.film_predicted_min.attrs["regime"]).removeprefix("transient Reynolds, ")
-    bars, line = triggers.bars_of(film), _PREDICTED | {"label": f"predicted, {held}"}
+    bars, line = triggers.bars_of(film), _PREDICTED | {"label": _name_line(film)}
     columns = film.film_min.values, bars.std, film.film_predicted_min.values
     artists = triggers.draw_over_cycle(ax, film, _MINIMUM, *columns, line, **_MEASURED)
+    along = triggers.choose_abscissa(film).values
+    _draw_band(ax, film, along, triggers.in_order(film, along))
     style.legend_below(ax, title=bars.title)
     return artists
 
@@ -109,11 +113,31 @@ def film_over_run(film: xr.Dataset, frames: xr.Dataset, *, ax: Axes = style.NEW)
     order = np.argsort(turns, kind="stable")
     stretches = np.split(order, np.flatnonzero(triggers.find_gaps(np.diff(turns[order]))) + 1)
     predicted = frames.film_predicted_min.values
-    look = _PREDICTED | {"label": "predicted"}
+    look = _PREDICTED | {"label": _name_line(film)}
     artists += triggers.draw_stretches(ax, stretches, turns, predicted, **look)
+    _draw_band(ax, frames, turns, stretches)
     ax.set(xlabel="turns of the crank [1]", ylabel=_MINIMUM)
     style.legend_below(ax, title=bars.title)
     return artists
+
+
+def _name_line(film: xr.Dataset) -> str:
+    """Key of the predicted film: how the pin is held."""
+    held = str(film.film_predicted_min.attrs["regime"]).removeprefix("transient Reynolds, ")
+    return f"predicted, {held}"
+
+
+def _draw_band(
+    ax: Axes, film: xr.Dataset, x: Array, stretches: Sequence[npt.NDArray[np.intp]]
+) -> None:
+    """Draw one standard deviation about the predicted film, where it is known."""
+    if "film_predicted_min_std" not in film:
+        return
+    middle, std = film["film_predicted_min"].values, film["film_predicted_min_std"].values
+    low, high = middle - std, middle + std
+    for k, part in enumerate(stretches):
+        label = "± 1 s.d. by viscosity, load, clearance" if k == 0 else None
+        style.draw_band(ax, x[part], low[part], high[part], OUTWARD, label=label, zorder=1)
 
 
 @style.film_panel
@@ -140,6 +164,8 @@ def film_less_prediction(film: xr.Dataset, *, ax: Axes = style.NEW) -> list[Arti
     along = triggers.choose_abscissa(film)
     artists = triggers.draw_strokes(ax, film, along.values, difference, bars.std, **_MEASURED)
     artists.append(ax.axhline(0.0, color=OUTWARD, linewidth=pt(1.0), zorder=2))
+    still = film.assign(film_predicted_min=0.0 * film.film_predicted_min)
+    _draw_band(ax, still, along.values, triggers.in_order(film, along.values))
     triggers.label_abscissa(ax, along)
     ax.set_ylabel("measured − predicted [µm]")
     style.legend_below(ax, title=bars.title)

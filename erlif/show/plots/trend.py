@@ -186,6 +186,11 @@ def film_and_theory(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]
         look = {"label": "transient film over the cycle", "zorder": 1.5, "size": _AROUND_POINTS}
         look |= {"markerfacecolor": "none", "markeredgewidth": pt(0.5)}
         artists += style.draw_line(ax, x, film.film_predicted_min.values, MEAN, form="D", **look)
+        if "film_predicted_min_std" in film:
+            bars = film.film_predicted_min_std.values
+            ax.errorbar(
+                x, film.film_predicted_min.values, bars, fmt="none", ecolor=MEAN, zorder=1.4
+            )
 
     # where the load differs between the strokes, steady theory is no curve over speed over load
     order = np.argsort(x)
@@ -291,7 +296,8 @@ def film_over_theory(film: xr.Dataset, *, ax: Axes = style.NEW) -> list[Artist]:
         (colour, title), values = _RATIOS[ratio], film[ratio].values
         attrs = film[ratio].attrs
         ends = [float(np.min(x[np.isfinite(values)])), float(np.max(x[np.isfinite(values)]))]
-        label = f"over {title or formula_label(film)}: {attrs['factor']:.3g}"
+        factor = f"{attrs['factor']:#.3g}".rstrip(".")  # zeros that are known stay
+        label = f"over {title or formula_label(film)}: {factor}"
         if scope := formula_scope(attrs):
             label += f", {scope}"
         if off[ratio] > math.log(_REACH) >= min(off.values()):

@@ -70,6 +70,7 @@ def summarise_prediction(prediction: xr.Dataset) -> str:
     attrs, minimum = prediction.attrs, prediction["film_predicted_min"].values
     name = str(attrs["title"]).removeprefix("predicted oil-film thickness, ")
     rows = {"predicted minimum film": f"{minimum.min():.4g} to {minimum.max():.4g} um"}
+    rows["its standard deviation"] = describe_band(prediction)
     if "film_min" in prediction and np.isfinite(prediction["film_min"].values).any():
         low, high = np.nanmin(prediction["film_min"]), np.nanmax(prediction["film_min"])
         rows["measured minimum film"] = f"{low:.4g} to {high:.4g} um"
@@ -78,6 +79,14 @@ def summarise_prediction(prediction: xr.Dataset) -> str:
     rows["measured less predicted"] = describe_difference(prediction)
     rows["correlation with |speed|"] = describe_correlation(prediction)
     return print_rows(f"{name}: {attrs['model']}, {minimum.size} triggers", rows)
+
+
+def describe_band(prediction: xr.Dataset) -> str:
+    """Largest standard deviation of the predicted minimum; empty where there is none."""
+    std = prediction.get("film_predicted_min_std", xr.DataArray(np.nan)).values
+    if not np.isfinite(std).any():
+        return ""
+    return f"± {np.nanmax(std):.2g} um at most: viscosity, load, clearance"
 
 
 def describe_correlation(prediction: xr.Dataset) -> str:

@@ -29,6 +29,7 @@ KINDS: dict[str, type[Settings]] = {"run": RunSettings, "fixture": FixtureSettin
 
 # Forms of values that are typed as TOML has them; all others are text.
 _LITERAL = re.compile(r"integer|number|true or false|pair|interval|list")
+_SEVERAL = re.compile(r"pair|interval|list")
 
 _HEADING, _VALUE = re.compile(r"\s*\[([^\[\]]+)\]"), re.compile(r"\s*([\w.]+)\s*=")
 
@@ -333,6 +334,14 @@ def read_typed(key: Key, text: str) -> Any:
     >>> keys = {key.name: key for key in keys_of(CameraSettings)}
     >>> read_typed(keys["band"], "580"), read_typed(keys["bit_depth"], "12")
     ('580 nm', 12)
+
+    A pair needs no brackets:
+
+    >>> from erlif.io.settings import FixtureSettings
+    >>> (origin,) = (key for key in keys_of(FixtureSettings.model_fields["fixture"].annotation)
+    ...              if key.name == "origin")
+    >>> read_typed(origin, "0, 48")
+    [0, 48]
     """
     text = text.strip()
     if not text:
@@ -341,6 +350,8 @@ def read_typed(key: Key, text: str) -> Any:
         return f"{text} {unit}"
     if not _LITERAL.match(key.form) and text[0] not in '[{"':
         return text
+    if _SEVERAL.match(key.form) and re.fullmatch(r"[-+.\deE]+(\s*,\s*[-+.\deE]+)+", text):
+        text = f"[{text}]"  # numbers with commas between them
     try:
         return tomllib.loads(f"value = {text}")["value"]
     except tomllib.TOMLDecodeError:

@@ -96,6 +96,9 @@ def list_folder(root: Path, name: str) -> dict[str, Any]:
 def suggest(root: Path) -> dict[str, str]:
     """Folders of the run and of the fixture, by their settings and names.
 
+    A start directory without either is the fixture itself where its name, or a profile in it, shows
+    one; else it is the run.
+
     Parameters
     ----------
     root : Path
@@ -121,6 +124,8 @@ def suggest(root: Path) -> dict[str, str]:
     runs = [name for name in names if holds(name, "run.toml")]
     runs += [name for name in listed["folders"] if name.lower().startswith("run")]
     if not runs and not fixtures:
-        runs = [""]
+        own = [root.name, *(path.name for path in root.iterdir() if path.is_file())]
+        shown = any(FIXTURE.search(name.lower()) or "profile" in name.lower() for name in own)
+        (fixtures if shown else runs).append("")
     found = {"run": runs[:1], "fixture": fixtures[:1]}
     return {kind: names[0] for kind, names in found.items() if names}

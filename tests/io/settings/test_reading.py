@@ -46,6 +46,12 @@ def test_a_fault_is_refused_with_its_place(lab):
     assert not missed
 
 
+def test_a_pair_that_is_none_is_asked_for_in_words(lab):
+    lab.edit("fixture/fixture.toml", ("origin = [", 'origin = "0; 48" # ['))
+    with pytest.raises(ConfigError, match=r"origin: expected a pair of numbers.*, got '0; 48'"):
+        read_fixture_settings(lab.fixture)
+
+
 def test_the_mark_that_windows_puts_before_utf_8_is_no_fault(lab):
     path = lab.run / "run.toml"
     path.write_bytes(b"\xef\xbb\xbf" + path.read_bytes().replace(b"\n", b"\r\n"))

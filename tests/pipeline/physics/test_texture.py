@@ -63,3 +63,40 @@ def test_an_even_wall_gives_no_warning(tmp_path):
     film = erlif.process(photograph(tmp_path).run)
     assert NOTE not in film.attrs["notes"]
     assert "texture" not in film.error_term
+
+
+BALL = {
+    "mechanism": "rotation",
+    "contact": "ball",
+    "field_width": 2.0,
+    "ball_radius": 15.0,
+    "film_table": tuple(np.linspace(1, 6, 24).tolist()),
+    "fixture_frames": 6,
+    "write_systematics": False,
+}
+"""The film of a ball is within the range in an eighth of the picture: in fewer than 20 cells."""
+
+
+@pytest.mark.slow
+def test_the_error_bars_hold_films_below_a_ball_up_to_the_maximum_of_the_ratio(tmp_path):
+    """Of pixels above 0.9 of the range 71 % were off by two standard deviations without it."""
+    rig = RigSettings(**BALL, wall=(0.3, 0.3), wall_texture=(0.3, 0.1))
+    lab = Laboratory.simulated(tmp_path, seed=1, rig=rig)
+    end = erlif.calibrate(lab.fixture).thickness_range[1]
+    film = erlif.process(lab.run)
+    assert NOTE in film.attrs["notes"]
+    truth, valid = lab.truth.film.values, film["flags"].values == 0
+    off = np.abs(film.thickness.values - truth)
+    off /= np.hypot(film.thickness_std, film.thickness_std_shared).values
+    for low, high in ((1, 2), (2, 4), (4, 8), (8, end)):
+        octave = valid & (low < truth) & (truth < high)
+        assert np.mean(off[octave] < 1) > 0.6
+        assert np.mean(off[octave] < 2) > 0.93
+    assert np.mean(off[valid & (truth > 0.9 * end)] > 2) < 0.1
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("wall", [0.0, 0.3])
+def test_a_ball_before_an_even_wall_gives_no_warning(tmp_path, wall):
+    lab = Laboratory.simulated(tmp_path, seed=2, rig=RigSettings(**BALL, wall=(wall, wall)))
+    assert NOTE not in erlif.process(lab.run).attrs["notes"]

@@ -95,13 +95,6 @@ def test_wrong_ratio_is_a_warning_and_the_map_excludes_exchanged_cameras(sound, 
     assert "The cameras are not exchanged" in note.text
 
 
-def test_camera_out_of_focus_is_the_first_cause(sound, tmp_path):
-    simulate(tmp_path, seed=3, rig=RigSettings(**SMALL, blur=(0.5, 2.0)))
-    (note,) = notes_on_ratio(tmp_path, sound[1])
-    focus, light = order_of(note, "out of focus", "exposure, filter or gain")
-    assert focus < light
-
-
 def test_exchanged_cameras_without_a_map_are_one_cause_among_others(sound, tmp_path):
     out, calibration = sound
     shutil.copytree(out / "run", tmp_path / "run")

@@ -2,10 +2,12 @@
 
 import numpy as np
 import numpy.testing as npt
+from matplotlib.collections import PolyCollection
 
 from erlif.show.plots import (
     example_film,
     example_frames,
+    film_and_prediction,
     film_less_prediction,
     film_over_run,
     predicted_map,
@@ -62,3 +64,22 @@ def test_the_predicted_map_is_the_gap_of_circles():
     expected = 230 * (1 - float(FILM.eccentricity[4]) * np.cos(turned))
     found = predicted_map(FILM, trigger=4)
     npt.assert_allclose(found, np.broadcast_to(expected, found.shape), rtol=1e-5)
+
+
+def test_the_prediction_has_a_band_of_its_standard_deviation():
+    """One polygon a stroke; its ends at a trigger are one standard deviation off the line."""
+    std = 0.1 + 0 * FILM.film_predicted_min
+    banded = FILM.assign(film_predicted_min_std=std)
+    *_, line = film_and_prediction(banded)
+    bands = [one for one in line.axes.collections if isinstance(one, PolyCollection)]
+    heights = np.concatenate([one.get_paths()[0].vertices for one in bands])
+    for value in FILM.film_predicted_min.values:
+        for end in (value - 0.1, value + 0.1):
+            assert np.isclose(heights[:, 1], end).any()
+
+
+def test_the_line_has_one_key_in_both_panels():
+    turns = FRAMES.assign(elapsed_cycles=3 * FRAMES.elapsed_cycles)
+    (legend,) = prediction_figure(FILM, turns).legends
+    names = [text.get_text() for text in legend.get_texts()]
+    assert [name for name in names if "predicted" in name] == ["predicted, pin free sideways"]

@@ -51,3 +51,10 @@ def test_a_run_and_a_fixture_are_suggested_by_settings_and_names(root, tmp_path)
     assert suggest(root) == {"run": "run 7", "fixture": "Keil"}
     assert suggest(root / "run 7") == {"run": ""}
     assert suggest(tmp_path / "beyond") == {"run": ""}
+
+
+@pytest.mark.parametrize(("name", "file"), [("wedge of May", "a.csv"), ("3 mm", "Profile.csv")])
+def test_a_folder_that_is_the_fixture_itself_is_suggested_as_one(tmp_path, name, file):
+    (tmp_path / name).mkdir()
+    (tmp_path / name / file).touch()
+    assert suggest((tmp_path / name).resolve()) == {"fixture": ""}

@@ -254,10 +254,11 @@ export class CycleChart extends Chart {
       hooks: { drawAxes: [(u) => columns.forEach((one, k) => { // behind the markers
         const std = cycles.get(one.number).columns[`${one.film}_std`];
         const { show, points, stroke } = u.series[k + 1];
-        if (!LOOKS[one.film].mark || !std || !show) return;
+        if (!std || !show) return;
         const values = rows.map(({ place, trigger }, n) =>
           [place, u.data[k + 1][n] ?? null, std[trigger]]);
-        drawBars(u, stroke(u, k + 1), values, (points.size / 2) * devicePixelRatio);
+        const least = LOOKS[one.film].mark ? (points.size / 2) * devicePixelRatio : 1;
+        drawBars(u, stroke(u, k + 1), values, least);
       })],
         draw: [() => this.mark()], setSize: [() => this.mark()] },
     }, data);
