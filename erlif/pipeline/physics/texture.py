@@ -178,7 +178,7 @@ def _read(
 def widen_maps(maps: MapStore, triggers: int, curve: RunCurve) -> None:
     """Add the error by what stands still in the image to the maps of a film that is measured.
 
-    Near the maximum of the ratio two standard deviations of it are more film than the slope says:
+    Near the maximum of the ratio two standard deviations of it are more film than the slope gives:
     the error is half the film that they are, up to the end of the range.
 
     Parameters
