@@ -153,6 +153,7 @@ def main() -> None:
     for one, other in (("sample", "one_stroke"), ("power_law", "two_hundred")):
         if {one, other} <= set(films):
             folder = options.out / "compare" / f"{one}_{other}"
+            folder.parent.mkdir(exist_ok=True)
             call("compare", films[one], films[other], "-o", folder, "--overwrite")
 
 

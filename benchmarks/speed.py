@@ -5,6 +5,7 @@
     python benchmarks/speed.py --sizes 1280x1024 --pairs 10,200 --whole
     python benchmarks/speed.py --growth                          # 20 to 5000 pairs of 320 x 256
     python benchmarks/speed.py --growth --fold 50 --pairs 50,500 # ten turns of the crank
+    python benchmarks/speed.py --stages                          # where the time goes, by stage
     python benchmarks/speed.py --small                           # under a minute, for CI
 
 The virtual rig makes about ten frame pairs of each size; longer runs repeat them by hard links.
@@ -56,6 +57,16 @@ class Cost:
         if start is None or end is None:
             raise SystemExit(f"Expected the stage film in the log; got:\n{self.text}")
         return float(start[1]), float(end[1]), float(end[2])
+
+    def stages(self) -> dict[str, tuple[float, float]]:
+        """Duration and processor seconds of each stage, from the log under -v, and of the rest."""
+        start = re.search(r"(\S+) s  \S+: .*: started", self.text)
+        ends = r"\S+: (.+): finished after (\S+) s, processor (\S+) s"
+        found = {name: (float(a), float(b)) for name, a, b in re.findall(ends, self.text)}
+        wall, processor = np.sum(list(found.values()), axis=0)
+        opening = float(start[1]) if start else np.nan
+        found = {"opening": (opening, np.nan), **found}
+        return {**found, "rest": (self.wall - opening - wall, self.processor - processor)}
 
 
 @dataclass(frozen=True)
@@ -189,7 +200,9 @@ def show(*cells: object) -> None:
 
 
 def figure(value: float) -> str:
-    """Three significant digits."""
+    """Three significant digits; nothing where there is none."""
+    if np.isnan(value):
+        return ""
     return f"{value:.0f}" if abs(value) >= 100 else f"{value:.3g}"
 
 
@@ -298,6 +311,21 @@ def grow(scratch: Path, options: argparse.Namespace) -> None:
     remove(output)
 
 
+def show_stages(scratch: Path, options: argparse.Namespace) -> None:
+    """Where the time of a short and of a long run goes; the rest has the processor of opening."""
+    show("size", "pairs", "stage", "wall s", "processor s")
+    show(*["---"] * 5)
+    for size, pairs in zip(options.sizes, options.pairs, strict=True):
+        rig = make_rig(scratch, size, options.compression)
+        output, workers = rig / f"film.{options.format}", max(options.workers)
+        process_run(make_run(rig, 10, None), output, workers)  # compiles
+        cost = process_run(make_run(rig, pairs, options.fold), output, workers, options.repeats)
+        for stage, spent in cost.stages().items():
+            show(size.replace("x", " x "), pairs, stage, *map(figure, spent))
+        show(size.replace("x", " x "), pairs, "all", *map(figure, (cost.wall, cost.processor)))
+        remove(output)
+
+
 def describe_machine() -> str:
     model = platform.processor() or platform.machine()
     if Path("/proc/cpuinfo").exists():
@@ -329,6 +357,7 @@ def main() -> None:
     parser.add_argument("--whole", action="store_true", help="run the user's script on all of them")
     parser.add_argument("--plan", type=int, default=100_000, help="pairs of a run planned on paper")
     parser.add_argument("--growth", action="store_true", help="20 to 5000 pairs of one size")
+    parser.add_argument("--stages", action="store_true", help="stages of 48 and of 5000 pairs")
     parser.add_argument("--fresh", action="store_true", help="a first call without kernels, too")
     parser.add_argument("--small", action="store_true", help="one small size, under a minute")
     parser.add_argument("--scratch", type=Path, help="where data are kept for the next call")
@@ -337,6 +366,8 @@ def main() -> None:
     sizes, pairs = ["640x480", "1280x1024", "2048x2048"], [10, 100]
     if options.growth:
         sizes, pairs = ["320x256"], [20, 200, 1000, 5000]
+    if options.stages:
+        sizes, pairs = ["1280x1024", "320x256"], [48, 5000]
     if options.small:
         sizes, pairs, options.workers = ["320x256"], [10, 100], [2]
     options.sizes, options.pairs = options.sizes or sizes, options.pairs or pairs
@@ -348,7 +379,8 @@ def main() -> None:
     with tempfile.TemporaryDirectory(prefix="erlif-benchmark-") as new:
         scratch = (options.scratch or Path(new)).resolve()
         scratch.mkdir(parents=True, exist_ok=True)
-        (grow if options.growth else compare_sizes)(scratch, options)
+        table = show_stages if options.stages else grow if options.growth else compare_sizes
+        table(scratch, options)
 
 
 if __name__ == "__main__":

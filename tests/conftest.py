@@ -188,8 +188,12 @@ def series(small_rig, tmp_path) -> Path:
 @pytest.fixture(scope="session")
 def film(small_rig, tmp_path_factory) -> Path:
     """film.nc of the rig as a single thread makes it."""
+    from erlif.pipeline.film import with_theory  # at use: other tests need no pipeline
+
     path = tmp_path_factory.mktemp("film") / "film.nc"
-    erlif.process(small_rig.run, output=path, workers=1).close()
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("erlif.pipeline.run.with_theory", with_theory)  # whichever module asks first
+        erlif.process(small_rig.run, output=path, workers=1).close()
     return path
 
 

@@ -45,7 +45,7 @@ PARAMETERS = (
 _BEYOND, _FLAT = 501, 0.1
 
 # Entries of the table of the inverse, and the fewer films at which its error is computed: they
-# begin at the thinnest one that is told from none. [um]
+# begin at the thinnest one that differs from none. [um]
 _ENTRIES = 20001
 _THINNEST, _FEW = 0.02, 1001
 

@@ -195,12 +195,12 @@ def symmetric_root(covariance: Array) -> Array:
 
     Parameters
     ----------
-    covariance : array, (number, number)
+    covariance : array, (..., number, number)
         Rounding may have left small negative variances.
 
     Returns
     -------
-    array, (number, cause)
+    array, (..., number, cause)
 
     Examples
     --------
@@ -209,13 +209,16 @@ def symmetric_root(covariance: Array) -> Array:
            [0., 3.]])
     """
     scale, axes, sizes = _axes_of(covariance)
-    return np.asarray(scale[:, np.newaxis] * ((axes * sizes) @ axes.T))
+    root = (axes * sizes[..., np.newaxis, :]) @ np.swapaxes(axes, -1, -2)
+    return np.asarray(scale[..., np.newaxis] * root)
 
 
 def _axes_of(covariance: Array) -> tuple[Array, Array, Array]:
     """Standard deviations, and axes of the correlation with the roots of its variances."""
-    scale = np.sqrt(np.maximum(np.diag(covariance), np.finfo(float).tiny))
-    variances, axes = np.linalg.eigh(covariance / scale / scale[:, np.newaxis])
+    variances = np.diagonal(covariance, axis1=-2, axis2=-1)
+    scale = np.sqrt(np.maximum(variances, np.finfo(float).tiny))
+    unit = covariance / scale[..., np.newaxis, :] / scale[..., np.newaxis]
+    variances, axes = np.linalg.eigh(unit)
     return scale, axes, np.sqrt(np.maximum(variances, 0.0))
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 import tempfile
 from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor, wait
 from pathlib import Path
 from typing import Any
 
@@ -33,6 +34,7 @@ from erlif.pipeline.film import summarise_triggers, with_light, with_record, wit
 from erlif.pipeline.fixture import find_calibration
 from erlif.pipeline.physics.clock import fit_start
 from erlif.pipeline.physics.joint import locate_run
+from erlif.pipeline.physics.prediction import tabulate_theory
 from erlif.pipeline.physics.texture import widen_maps
 from erlif.pipeline.recording.prepare import PreparedRun, prepare_run
 from erlif.pipeline.recording.pulses import check_first_pulses
@@ -163,7 +165,9 @@ def process_run(
     if resume and work.is_done(overwrite=overwrite):
         return False
 
-    with compiling_ahead(), work.unfinished(triggers.sizes["trigger"]) as unfinished:
+    count = triggers.sizes["trigger"]
+    with compiling_ahead(), ThreadPoolExecutor(1) as aside, work.unfinished(count) as unfinished:
+        tables = aside.submit(tabulate_theory, run.settings)
         # dark, flat and noise; registration; light that is to be subtracted
         ready = prepare_run(run, cycle, curve, known, progress)
         del known  # the map of the fixture is large
@@ -174,6 +178,7 @@ def process_run(
             release_memory()
             hashes = work.hash_inputs(results)
             draft = with_light(summarise_triggers(ready, triggers, results), unfinished.maps)
+            wait([tables])
             film, groups = with_record(with_theory(draft), hashes)
             widen_maps(unfinished.maps, len(results), draft.curve)
         work.write(unfinished, film, groups, hashes)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 
@@ -73,12 +74,14 @@ def find_band(
     if full:
         sizes = {"viscosity": math.hypot(*sizes.values())}
     sizes["clearance"] = given.clearance / clearance
+    errors = {name: size for name, size in sizes.items() if size}
     try:
-        causes = [
-            size / math.log(more) * (np.log(minima(start_film, **{name: more})) - here)
-            for name, size in sizes.items()
-            if size
-        ]
+        with ThreadPoolExecutor() as pool:
+            films = pool.map(lambda name: minima(start_film, **{name: more}), errors)
+            causes = [
+                size / math.log(more) * (np.log(film) - here)
+                for size, film in zip(errors.values(), films, strict=True)
+            ]
         if weight is not None and causes:
             low, high = _BESIDE
             apart = [one for one in tried if low < abs(math.log(one / start_film)) < high]

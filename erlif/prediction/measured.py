@@ -234,14 +234,12 @@ def _share_marks(covariances: Array, seen: Array) -> Array:
     width = places[1] - places[0]
     # two displacements need two places, also where nothing of a film is within the range
     middle, half = seen.mean(axis=1), np.maximum(0.5 * np.ptp(seen, axis=1), width)
-    for k in np.flatnonzero(known):
-        # the place at an end counts as far as it is seen, so that windows change continuously
-        inside = (half[k] - np.abs(places - middle[k])) / width + 0.5
-        weight = np.clip(inside, 0.0, 1.0)[:, np.newaxis]
-        fit = np.linalg.pinv(shapes * weight).T * weight
-        shares[k] = (
-            symmetric_root(covariances[k]) @ np.linalg.inv(symmetric_root(fit.T @ fit)) @ fit.T
-        )
+    # the place at an end counts as far as it is seen, so that windows change continuously
+    inside = (half[known, np.newaxis] - np.abs(places - middle[known, np.newaxis])) / width + 0.5
+    weight = np.clip(inside, 0.0, 1.0)[..., np.newaxis]
+    turned = np.linalg.pinv(shapes * weight) * np.swapaxes(weight, 1, 2)
+    own = np.linalg.inv(symmetric_root(turned @ np.swapaxes(turned, 1, 2)))
+    shares[known] = symmetric_root(covariances[known]) @ own @ turned
 
     # a few sources hold nearly all of it
     rows = shares[known].reshape(-1, _PLACES)

@@ -236,7 +236,7 @@ def predict_triggers(
 
         start_film = find_start_film(of_triggers, measured, std, clearance=journal.least_clearance)
         weight = np.append(log_weights(measured, std), 0.0 * trigger)
-    triggers, frames = positions(start_film)
+    triggers, frames = positions(start_film, clearance=1.0)  # as `minima` calls it: it is kept
     predicted = _describe_positions(triggers, journal, view, "trigger")
     each = _describe_positions(frames, journal, view, "frame")
     if given is not None:

@@ -227,7 +227,9 @@ def _detrend(values: Array) -> Array:
 
     y, x = np.indices((PLACES, PLACES)).reshape(2, -1) / (PLACES - 1) - 0.5
     surface = quadratic_surface(x, y)
-    for row in rest:
+    whole = np.isfinite(rest).all(axis=1)
+    rest[whole] -= (surface @ np.linalg.lstsq(surface, rest[whole].T, rcond=None)[0]).T
+    for row in (rest[k] for k in np.flatnonzero(~whole)):
         known = np.isfinite(row)
         if known.sum() < _FEWEST:
             row[:] = np.nan

@@ -10,7 +10,7 @@ from erlif.core.errors import ConfigError
 from erlif.io.ingest import RunEntry
 from erlif.pipeline.batch import RunState, batch, list_runs
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.usefixtures("without_theory")]
 
 MODULE = importlib.import_module("erlif.pipeline.batch")
 """The module; the package has the function under the same name."""

@@ -19,7 +19,7 @@ from types import ModuleType
 _ARRAY_LIBRARIES = frozenset({"cupy", "dask", "pint", "sparse"})
 
 # Libraries that numpy and numba load where they are installed, and do without: 6 MB.
-_UNUSED = _ARRAY_LIBRARIES | {"charset_normalizer", "coverage"}
+_UNUSED = _ARRAY_LIBRARIES | {"charset_normalizer", "coverage", "yaml"}
 
 # With it scipy adds notes to the docstrings of 400 functions while it loads, which takes 0.1 s.
 _DOCSTRINGS = "scipy._lib._docscrape"

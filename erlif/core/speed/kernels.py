@@ -13,6 +13,7 @@ from typing import Any
 
 import numba
 from numba.core.caching import FunctionCache
+from numba.core.runtime.nrt import rtsys
 
 _logger = logging.getLogger(__name__)
 
@@ -22,10 +23,19 @@ _numba_cache: Any = FunctionCache  # numba has no types
 class _KernelCache(_numba_cache):  # type: ignore[misc]
     """The kept kernels of one function."""
 
+    def load_overload(self, sig: Any, target_context: Any) -> Any:
+        """As that of numba, without the tables for compiling, which take 0.3 s to load."""
+        rtsys.initialize(target_context)
+        with self._guard_against_spurious_io_errors():
+            return self._load_overload(sig, target_context)
+
     def _load_overload(self, sig: Any, target_context: Any) -> Any:
         """None, upon which numba compiles, where the file cannot be read."""
         try:
-            return super()._load_overload(sig, target_context)
+            kept = super()._load_overload(sig, target_context)
+            if kept is not None and kept.fndesc.qualname != self._py_func.__qualname__:
+                raise ValueError(f"it holds {kept.fndesc.qualname}")
+            return kept
         except Exception as error:  # pickle raises errors of many classes for bytes that are cut
             _logger.info("%s is compiled again, as its file is damaged (%r)", self._name, error)
             with suppress(OSError):

@@ -21,7 +21,13 @@ import xarray as xr
 
 from erlif.core.arrays import AnyArray
 from erlif.core.hdf5 import with_locks
-from erlif.io.files.compression import DEFLATE_LEVEL, MapVariable, checksum, encode_netcdf
+from erlif.io.files.compression import (
+    DEFLATE_LEVEL,
+    MapVariable,
+    checksum,
+    decode_netcdf,
+    encode_netcdf,
+)
 from erlif.io.files.coordinates import name_coordinates
 from erlif.io.files.netcdf import fix_text, write_netcdf
 from erlif.io.files.records import Record, read_record, write_record
@@ -142,8 +148,8 @@ class NetcdfMaps:
                 remove(self._directory / name)
 
     def encode(self, maps: Mapping[str, AnyArray]) -> dict[str, bytes]:
-        """Round and compress the maps (y, x) of one trigger; any thread may call it."""
-        return encode_netcdf(maps, self.variables)
+        """Round and compress maps (y, x) of one trigger; any thread may call it."""
+        return encode_netcdf(maps, [one for one in self.variables if one.name in maps])
 
     def has(self, trigger: int) -> bool:
         """Check whether a trigger is finished."""
@@ -198,23 +204,24 @@ class NetcdfMaps:
         return dict(self._numbers[trigger])
 
     def read(self, trigger: int, name: str) -> AnyArray:
-        """One map of a finished trigger, (y, x)."""
-        return np.asarray(self._file[name][trigger])
+        """One map of a finished trigger, (y, x); any thread may call it."""
+        target = self._targets[name]
+        return decode_netcdf(target.read_direct_chunk((trigger, 0, 0))[1], target.dtype).reshape(
+            target.shape[1:]
+        )
 
-    def revise(self, trigger: int, name: str, values: AnyArray) -> None:
-        """Replace one map of a finished trigger; resumed work begins from that before it.
+    def revise(self, trigger: int, chunks: Mapping[str, bytes]) -> None:
+        """Replace maps of a finished trigger; resumed work begins from those before it.
 
         Parameters
         ----------
         trigger : int
-        name : str
-            Of a map that is rounded by bits alone.
-        values : array, (y, x)
+        chunks : mapping of str to bytes
+            From `encode`.
         """
-        own = [one for one in self.variables if one.name == name]
-        chunk = encode_netcdf({name: values}, own)[name]
-        self._reserve(len(chunk))
-        self._targets[name].write_direct_chunk((trigger, 0, 0), chunk)
+        for name, chunk in chunks.items():
+            self._reserve(len(chunk))
+            self._targets[name].write_direct_chunk((trigger, 0, 0), chunk)
 
     def finish(self, film: xr.Dataset, groups: Mapping[str, xr.Dataset]) -> None:
         """Add the small variables, the groups and the attributes.

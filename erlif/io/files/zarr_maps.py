@@ -125,8 +125,8 @@ class ZarrMaps:
             )
 
     def encode(self, maps: Mapping[str, AnyArray]) -> dict[str, bytes]:
-        """Round and compress the maps (y, x) of one trigger; any thread may call it."""
-        return encode_zarr(maps, self.variables)
+        """Round and compress maps (y, x) of one trigger; any thread may call it."""
+        return encode_zarr(maps, [one for one in self.variables if one.name in maps])
 
     def has(self, trigger: int) -> bool:
         """Check whether a trigger is finished and its chunks have their sizes."""
@@ -174,10 +174,10 @@ class ZarrMaps:
 
         return np.asarray(zarr.open_array(self.path / name, mode="r")[trigger])
 
-    def revise(self, trigger: int, name: str, values: AnyArray) -> None:
-        """Replace one map of a finished trigger, as `NetcdfMaps.revise` does."""
-        own = [one for one in self.variables if one.name == name]
-        self._write(self._chunks(trigger)[name], encode_zarr({name: values}, own)[name])
+    def revise(self, trigger: int, chunks: Mapping[str, bytes]) -> None:
+        """Replace maps of a finished trigger, as `NetcdfMaps.revise` does."""
+        for name, chunk in chunks.items():
+            self._write(self._chunks(trigger)[name], chunk)
 
     def finish(self, film: xr.Dataset, groups: Mapping[str, xr.Dataset]) -> None:
         """Add the coordinates, the small variables, the groups and the attributes.

@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from PIL import Image as Picture
 
 from erlif.core.arrays import Array, Mask
 from erlif.core.bounded import read_bounded
@@ -147,9 +146,11 @@ def _fill_polygon(corners: Array, pitch: float, shape: tuple[int, int]) -> Mask:
 
 def _read_mask(path: Path, shape: tuple[int, int]) -> Mask:
     """Pixels of a mask image that are not black."""
+    from PIL import Image
+
     try:
         content = read_bounded(path, largest=_LARGEST_FILE)
-        with Picture.open(io.BytesIO(content), formats=("PNG", "TIFF")) as picture:
+        with Image.open(io.BytesIO(content), formats=("PNG", "TIFF")) as picture:
             found = picture.height, picture.width
             # the size is that of the header: a wrong one is not decoded
             inside = np.asarray(picture.convert("L")) > 0 if found == shape else None

@@ -8,7 +8,7 @@ import re
 import tomllib
 from collections.abc import Callable, Collection, Iterator
 from pathlib import Path
-from typing import Any, NamedTuple, TypeVar, get_args
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar, get_args
 
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails
@@ -18,9 +18,11 @@ from erlif.core.errors import ConfigError
 from erlif.core.units import count_of
 from erlif.io.settings.bore import read_bore
 from erlif.io.settings.keys import Key, keys_of, tables_in
-from erlif.io.settings.planning import PlanSettings
 from erlif.io.settings.tables import FixtureSettings, MechanismSettings, RunSettings
 from erlif.io.settings.values import Settings
+
+if TYPE_CHECKING:
+    from erlif.io.settings.planning import PlanSettings
 
 _Settings = TypeVar("_Settings", bound="Settings")
 
@@ -108,6 +110,8 @@ def read_plan_settings(path: Path) -> PlanSettings:
         ...
     erlif.core.errors.ConfigError: Expected a plan in no plan.toml; there is no such file. Make ...
     """
+    from erlif.io.settings.planning import PlanSettings
+
     hint = "Make one with: erlif plan --example > plan.toml"
     return read_named(path, PlanSettings, holds="a plan", hint=hint)
 
@@ -177,7 +181,7 @@ def read_named(path: Path, kind: type[_Settings], *, holds: str, hint: str) -> _
 
     Examples
     --------
-    >>> read_named(Path("no.toml"), PlanSettings, holds="a plan", hint="Give a file.")
+    >>> read_named(Path("no.toml"), RunSettings, holds="a plan", hint="Give a file.")
     Traceback (most recent call last):
         ...
     erlif.core.errors.ConfigError: Expected a plan in no.toml; there is no such file. Give a file.

@@ -54,7 +54,7 @@ def friction_over_reversals(series: ReversalSeries, *, ax: Axes = style.NEW) -> 
 
     middle, half = series.friction, series.friction_std
     ax.axhspan(middle - half, middle + half, color=RETURN, alpha=0.25, linewidth=0)
-    mean = ax.axhline(middle, color=RETURN, linewidth=pt(0.8), label="mean ± 1 std")
+    mean = ax.axhline(middle, color=RETURN, linewidth=pt(0.8), label="mean ± 1 s.d.")
 
     along = "sliding distance [m]" if known else "time [min]"
     ax.set(xlabel=along, ylabel="apparent friction coefficient", ymargin=0.1)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -15,6 +16,7 @@ from erlif.io.ingest import Run
 from erlif.io.settings import CrankRockerSettings, PredictionOptions, RunSettings
 from erlif.models.mechanism import CrankRocker
 from erlif.models.reynolds import Journal
+from erlif.models.reynolds.full_film import FullFilm
 from erlif.pipeline.physics.bore import axial_shape, departure, foundation_of
 from erlif.pipeline.physics.given import given_errors
 from erlif.pipeline.physics.joint import (
@@ -163,6 +165,12 @@ def build_journal(settings: RunSettings, viscosity: float) -> Journal:
         foundation=foundation_of(joint),
         roughness=rms if options.rough else None,
     )
+
+
+def tabulate_theory(settings: RunSettings) -> None:
+    """Make the tables of a squeezed film, which need no frame, before the fits ask for them."""
+    if swings(settings):
+        FullFilm.of(replace(build_journal(settings, 1.0), foundation=None))
 
 
 def build_motion(

@@ -20,7 +20,7 @@ from erlif.pipeline.physics.findings import LightFindings
 from erlif.pipeline.physics.gap import with_errors
 from erlif.pipeline.physics.reference import PatchScale
 from erlif.pipeline.physics.temperature import error_of_warming
-from erlif.pipeline.recording.sample import Bands, ratios_of
+from erlif.pipeline.recording.sample import Bands, SampleRatios, ratios_of
 from erlif.trend import BackgroundEstimate, CourseChange, Trend, of_curve
 
 # Terms of the curve between two fixtures.
@@ -38,6 +38,7 @@ def add_systematics(
     settings: RunSettings,
     chain: FrameChain,
     sample: Sequence[Bands],
+    ratios: SampleRatios,
     *,
     warmer: Array | None = None,
     misfit: float = 0.0,
@@ -53,6 +54,8 @@ def add_systematics(
     sample : sequence of tuple of AlignedFrames
         Parts of some frames of the run: the light of their median film is that to which a
         background is compared. Where frames of the dry joint are subtracted, none is left.
+    ratios : list of list of RatioImages
+        Of the sample.
     warmer : array, (frame,), optional
         Temperature over that of the fixture, by which the ratio was corrected. [K]
     misfit : float
@@ -65,7 +68,7 @@ def add_systematics(
     found = Systematics.of(
         calibration.systematics.widths | _widths_of_run(calibration, settings),
         parameters=len(calibration.fitted_covariance),
-        light=_light_of_median(calibration, chain, sample),
+        light=_light_of_median(calibration, ratios),
         level=_levels_of_median(chain, sample),
         frame=chain.correct.pairs.shape,
     )
@@ -103,12 +106,10 @@ def _widths_of_run(calibration: RunCurve, settings: RunSettings) -> dict[str, fl
     return shares | dict.fromkeys(shown - stated, 0.0)
 
 
-def _light_of_median(
-    calibration: RunCurve, chain: FrameChain, sample: Sequence[Bands]
-) -> tuple[float, float]:
+def _light_of_median(calibration: RunCurve, sample: SampleRatios) -> tuple[float, float]:
     """Light of both bands of the median film of a sample, per um of a very thin film. [um]"""
     film = calibration.covered_range[1] / 2
-    if ratios := [ratio for ratio, _ in ratios_of(chain, sample)]:
+    if ratios := [ratio for ratio, _ in ratios_of(sample)]:
         median = np.median(np.concatenate(ratios))
         film = float(calibration.inverse.look_up(np.array([median]))[0])
     one = float(calibration.model.light(film).signal)

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -83,10 +85,8 @@ def characterise_cameras(recording: Run | Fixture) -> Characterised:
     """
     looks = look_at_frames(recording.pairs)
     flats = [np.zeros_like(look.histogram) for look in looks]
-    measured = tuple(
-        _measure_camera(recording, n, look, flat)
-        for n, (look, flat) in enumerate(zip(looks, flats, strict=True), 1)
-    )
+    with ThreadPoolExecutor(len(looks)) as pool:
+        measured = tuple(pool.map(partial(_measure_camera, recording), (1, 2), looks, flats))
     declared = tuple(DeclaredNoise(one.gain, one.read_noise) for one in recording.cameras)
     cameras = make_references(measured, declared=declared)
     faults = tuple(find_reference_faults(measured, cameras.references))

@@ -20,7 +20,12 @@ from erlif.core.statistics import robust_rms
 from erlif.correction import make_references
 from erlif.pipeline.chain import FrameChain, one_thread_per_frame
 from erlif.pipeline.recording.cameras import Characterised
-from erlif.pipeline.recording.sample import Bands, compare_sharpness, sample_frames
+from erlif.pipeline.recording.sample import (
+    Bands,
+    SampleRatios,
+    compare_sharpness,
+    sample_frames,
+)
 from erlif.ratio import NoiseEstimate, NoiseUnknowns, NoiseView, estimate_camera_noise
 from erlif.ratio.camera_noise import cell_size
 
@@ -205,20 +210,19 @@ _RING[::2, ::2] = -1 / 8
 _RING[2, 2] = 1
 
 
-def note_noise(chain: FrameChain, sample: Sequence[Bands]) -> Iterator[Note]:
+def note_noise(sample: SampleRatios) -> Iterator[Note]:
     """Warn of noise of the ratio that is too low for the cameras.
 
     Parameters
     ----------
-    chain : FrameChain
-    sample : sequence of tuple of AlignedFrames
-        Parts of a few frame pairs.
+    sample : list of list of RatioImages
+        From `divide_sample`.
 
     Yields
     ------
     Note
     """
-    found = measure_noise(chain, sample)
+    found = measure_noise(sample)
     if found < _LEAST:
         yield warn(
             "counts",
@@ -228,12 +232,12 @@ def note_noise(chain: FrameChain, sample: Sequence[Bands]) -> Iterator[Note]:
         )
 
 
-def measure_noise(chain: FrameChain, sample: Sequence[Bands]) -> float:
+def measure_noise(sample: SampleRatios) -> float:
     """Noise of the ratio from pixel to pixel over that which gain and read noise give.
 
     Parameters
     ----------
-    chain, sample
+    sample
         As for `note_noise`.
 
     Returns
@@ -242,8 +246,7 @@ def measure_noise(chain: FrameChain, sample: Sequence[Bands]) -> float:
         NaN where too few pixels are valid. [1]
     """
     parts = []
-    for band in (band for bands in sample for band in bands):
-        ratios = chain.divide(band)
+    for ratios in (ratios for bands in sample for ratios in bands):
         flagged = ratios.flags.values[0] != 0
         values = np.where(flagged, 0, ratios.log_ratio.values[0]).astype(np.float32)
         rest = cv2.filter2D(values, -1, _RING)

@@ -40,7 +40,7 @@ from erlif.pipeline.recording.pulses import (
     refuse_stuck_cameras,
 )
 from erlif.pipeline.recording.register import FixtureMap, register_cameras
-from erlif.pipeline.recording.sample import compare_sharpness, sample_frames
+from erlif.pipeline.recording.sample import compare_sharpness, divide_sample, sample_frames
 from erlif.pipeline.recording.swap import judge_ratios
 from erlif.ratio import BlurDifference
 from erlif.ratio.softening import LARGEST
@@ -319,12 +319,14 @@ def prepare_run(
         tables_only=tables_only and not (options.corrects or asks_gap),
     )
     chain = without_warming(prepared.chain, warmer, run.settings.temperature)
-    faults = (*prepared.bits, *note_noise(chain, prepared.sample))
-    misfit = judge_ratios(chain, curve.calibration, prepared.sample, stored=known.nodes)
+    ratios = divide_sample(chain, prepared.sample)
+    faults = (*prepared.bits, *note_noise(ratios))
+    misfit = judge_ratios(chain, curve.calibration, ratios, stored=known.nodes)
     chain = complete_energies(chain, curve)
     curve = add_systematics(
-        curve, run.settings, chain, prepared.sample, warmer=warmer, misfit=misfit.size
+        curve, run.settings, chain, prepared.sample, ratios, warmer=warmer, misfit=misfit.size
     )
+    del ratios  # 30 MB
     notes = (*prepared.notes, *misfit.notes)
     ready = PreparedRun(run, cycle, chain, curve, LightFindings(), notes, faults)
 

@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from erlif.core.arrays import Image
-from erlif.core.products import AlignedFrames
+from erlif.core.products import AlignedFrames, RatioImages
 from erlif.pipeline.chain import FrameChain, one_thread_per_frame
 from erlif.ratio import BlurDifference, ExcessSums, measure_blur
 
@@ -30,6 +30,9 @@ _BANDS, _ROWS = 4, 64
 
 # Rows of both cameras of one frame pair on the pixels of camera 1.
 Bands = tuple[AlignedFrames, ...]
+
+# Their ratios.
+SampleRatios = list[list[RatioImages]]
 
 
 def sample_frames(chain: FrameChain) -> tuple[Bands, ...]:
@@ -88,13 +91,18 @@ def compare_sharpness(chain: FrameChain, sample: tuple[Bands, ...]) -> BlurDiffe
     return replace(blur, excess=found, excess_std=std)
 
 
-def ratios_of(chain: FrameChain, sample: Sequence[Bands]) -> Iterator[tuple[Image, Image]]:
+def divide_sample(chain: FrameChain, sample: Sequence[Bands]) -> SampleRatios:
+    """Ratio images of the bands of a sample."""
+    return [[chain.divide(band) for band in bands] for bands in sample]
+
+
+def ratios_of(sample: SampleRatios) -> Iterator[tuple[Image, Image]]:
     """Ratios of the sound pixels of each pair of a sample.
 
     Parameters
     ----------
-    chain : FrameChain
-    sample : sequence of tuple of AlignedFrames
+    sample : list of list of RatioImages
+        From `divide_sample`.
 
     Yields
     ------
@@ -106,8 +114,7 @@ def ratios_of(chain: FrameChain, sample: Sequence[Bands]) -> Iterator[tuple[Imag
     for bands in sample:
         log_ratios: list[Image] = []
         noise: list[Image] = []
-        for band in bands:
-            ratios = chain.divide(band)
+        for ratios in bands:
             good = ratios.flags.values == 0
             log_ratios.append(ratios.log_ratio.values[good])
             noise.append(np.sqrt(ratios.log_ratio_var.values[good]))

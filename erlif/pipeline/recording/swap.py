@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -13,7 +12,7 @@ from erlif.core.arrays import Array
 from erlif.core.errors import CalibrationError
 from erlif.core.notes import Note, warn
 from erlif.pipeline.chain import FrameChain
-from erlif.pipeline.recording.sample import Bands, ratios_of
+from erlif.pipeline.recording.sample import SampleRatios, ratios_of
 from erlif.registration import MapNodes, compare_with_inverse
 
 _logger = logging.getLogger(__name__)
@@ -47,7 +46,7 @@ class Misfit(NamedTuple):
 def judge_ratios(
     chain: FrameChain,
     calibration: Calibration,
-    sample: Sequence[Bands],
+    sample: SampleRatios,
     *,
     stored: MapNodes | None = None,
 ) -> Misfit:
@@ -61,8 +60,8 @@ def judge_ratios(
     ----------
     chain : FrameChain
     calibration : Calibration
-    sample : sequence of tuple of AlignedFrames
-        Parts of the frames whose ratios are compared.
+    sample : list of list of RatioImages
+        From `divide_sample`.
     stored : MapNodes, optional
         The map that is stored with the calibration.
 
@@ -102,10 +101,10 @@ def _check_map(chain: FrameChain, stored: MapNodes) -> bool:
 
 
 def _note_misfit(
-    chain: FrameChain, calibration: Calibration, sample: Sequence[Bands], *, in_order: bool
+    chain: FrameChain, calibration: Calibration, sample: SampleRatios, *, in_order: bool
 ) -> Misfit:
     ends, shares, sizes = _ratios_of_films(calibration), [], []
-    for ratio, std in ratios_of(chain, sample):
+    for ratio, std in ratios_of(sample):
         off = np.maximum(ends[0] - ratio, ratio - ends[1])
         beyond = off > _SIGMAS * std
         shares.append(float(beyond.mean()))

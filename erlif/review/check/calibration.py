@@ -13,6 +13,7 @@ from erlif.core.errors import ErlifError
 from erlif.core.notes import Note, remark, warn
 from erlif.io.ingest import Run, hash_inputs, open_fixture
 from erlif.pipeline.fixture import before_wall_of
+from erlif.pipeline.recording.sample import divide_sample
 from erlif.pipeline.recording.swap import judge_ratios
 from erlif.registration import MapNodes
 from erlif.review.check.cameras import RatioSurvey
@@ -56,7 +57,8 @@ def _note_one(run: Run, cameras: RatioSurvey, name: str, *, allow_outside: bool)
     yield from note_pitch(calibration.pixel_pitch, 1e3 * settings.optics.pixel_pitch)
     own_map = calibration.camera_map
     stored = None if own_map is None else MapNodes.of(own_map)
-    yield from judge_ratios(cameras.chain, calibration, cameras.sample, stored=stored).notes
+    ratios = divide_sample(cameras.chain, cameras.sample)
+    yield from judge_ratios(cameras.chain, calibration, ratios, stored=stored).notes
     low, high = calibration.thickness_range
     yield remark(
         "calibration", f"{calibration.fixture!r}, calibrated range {low:.2f} to {high:.2f} um"

@@ -241,7 +241,7 @@ def control_chart_of(
 
     # centre and limits of the chart, which the values are judged by
     ax.axhline(centre, color=MUTED, linewidth=0.8, label="mean")
-    for level, label in ((centre - limit, "limits, 3 std"), (centre + limit, None)):
+    for level, label in ((centre - limit, "limits, 3 s.d."), (centre + limit, None)):
         ax.axhline(level, label=label, color=MUTED, linewidth=0.8, linestyle=(0, (3, 1.5)))
 
     # a ring and not another colour of the point, for print in grey
@@ -326,7 +326,8 @@ def _draw_differences(ax: Axes, comparison: xr.Dataset, names: npt.NDArray[Any])
     ax.set_ylabel("difference [µm]")
     # beside the films, the panel of few pairs is narrower than the legend
     add_legend = style.legend_below if place.size <= _SIDE_BY_SIDE else style.legend_above
-    add_legend(ax, title="* differs, corrected\nfor the number of tests", ncols=1)
+    starred = "* differs, corrected\nfor the number of tests" if comparison.differs.any() else ""
+    add_legend(ax, title=starred, ncols=1)
 
 
 @styled

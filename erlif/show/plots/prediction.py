@@ -70,8 +70,7 @@ def film_and_prediction(film: xr.Dataset, *, ax: Axes = style.NEW) -> list[Artis
     'predicted, pin free sideways'
     """
     _require_prediction(film)
-    held = str(film.film_predicted_min.attrs["regime"]).removeprefix("transient Reynolds, ")
-    bars, line = triggers.bars_of(film), _PREDICTED | {"label": f"predicted, {held}"}
+    bars, line = triggers.bars_of(film), _PREDICTED | {"label": _name_line(film)}
     columns = film.film_min.values, bars.std, film.film_predicted_min.values
     artists = triggers.draw_over_cycle(ax, film, _MINIMUM, *columns, line, **_MEASURED)
     along = triggers.choose_abscissa(film).values
@@ -114,12 +113,18 @@ def film_over_run(film: xr.Dataset, frames: xr.Dataset, *, ax: Axes = style.NEW)
     order = np.argsort(turns, kind="stable")
     stretches = np.split(order, np.flatnonzero(triggers.find_gaps(np.diff(turns[order]))) + 1)
     predicted = frames.film_predicted_min.values
-    look = _PREDICTED | {"label": "predicted"}
+    look = _PREDICTED | {"label": _name_line(film)}
     artists += triggers.draw_stretches(ax, stretches, turns, predicted, **look)
     _draw_band(ax, frames, turns, stretches)
     ax.set(xlabel="turns of the crank [1]", ylabel=_MINIMUM)
     style.legend_below(ax, title=bars.title)
     return artists
+
+
+def _name_line(film: xr.Dataset) -> str:
+    """Key of the predicted film: how the pin is held."""
+    held = str(film.film_predicted_min.attrs["regime"]).removeprefix("transient Reynolds, ")
+    return f"predicted, {held}"
 
 
 def _draw_band(

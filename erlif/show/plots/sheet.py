@@ -110,9 +110,11 @@ def map_sheet_figure(
         for ax in grid.ravel()[members.size :]:
             ax.set_axis_off()
 
-    # one row of maps is lower than the label is long
+    # few rows of maps are lower than the label is long
     shown_as, missing = ("film less gap", "hatched") if less_gap else ("film thickness", "grey")
-    label = f"{shown_as} [µm]" + ("; " if sum(rows) > 1 else "\n") + f"{missing}: flagged"
+    label = (
+        f"{shown_as} [µm]" + ("; " if sum(rows) > 1 + less_gap else "\n") + f"{missing}: flagged"
+    )
     # beside all panels, the layout would measure it once for each; pad in widths of a column
     place: dict[str, Any] = {"ax": panels[:, -1].tolist(), "pad": 0.01 * columns}
     figure.colorbar(image, label=label, extend="both", aspect=40, shrink=0.9, **place)

@@ -30,7 +30,7 @@ from matplotlib.figure import Figure, SubFigure
 from matplotlib.image import AxesImage
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.lines import Line2D
-from matplotlib.ticker import LogLocator, NullFormatter
+from matplotlib.ticker import Locator, LogLocator, MaxNLocator, NullFormatter
 
 from erlif.core.arrays import Array, Image
 from erlif.core.errors import OutputError
@@ -498,12 +498,14 @@ def plain_log_ticks(ax: Axes) -> None:
             # the shorter the axis, the more ticks a decade needs
             decades = np.log10(high / low)
             steps = range(1, 9) if decades < 0.7 else (1, 2, 3, 5) if decades < 1.5 else (1, 2, 5)
-            places = LogLocator(subs=[*steps], numticks=20)
+            places: Locator = LogLocator(subs=[*steps], numticks=20)
             shown = [low < at < high for at in places.tick_values(low, high)]
             if sum(shown) < _FEWEST_TICKS:
                 places = LogLocator(
                     subs=[*np.arange(1, 2, 0.1), *np.arange(2, 10, 0.5)], numticks=20
                 )
+                if sum(low < at < high for at in places.tick_values(low, high)) < _FEWEST_TICKS:
+                    places = MaxNLocator(_FEWEST_TICKS)
             axis.set_major_locator(places)
             axis.set_minor_locator(LogLocator(subs=[*range(1, 10)], numticks=20))
             axis.set_major_formatter("{x:g}")

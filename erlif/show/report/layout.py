@@ -12,13 +12,14 @@ from itertools import groupby
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from jinja2 import ChoiceLoader, Environment, PackageLoader, select_autoescape
 from markupsafe import Markup, escape
 
 from erlif.core.tables import read_table, text_templates
 from erlif.io.files import expect_folder, refuse_existing, write_file
 
 if TYPE_CHECKING:
+    from jinja2 import Environment
+
     from erlif.show.plots.style import AnyFigure
     from erlif.show.report.captions import Caption
 
@@ -70,6 +71,8 @@ def render_text(template: str, package: str = _OWN, /, **content: Any) -> str:
 
 @functools.cache
 def _templates(package: str) -> Environment:
+    from jinja2 import ChoiceLoader, PackageLoader, select_autoescape
+
     # a template of another package may use the pieces of this one
     folders = [PackageLoader(name) for name in dict.fromkeys((package, _OWN))]
     environment = text_templates(_OWN).overlay(

@@ -44,6 +44,8 @@ from erlif.show.view.layers import LAYERS, describe_layers
 from erlif.show.view.queries import Found, Request, pack_values
 from erlif.show.view.serving import require_library, serving
 
+_CURVE = "calibration.png"  # the figure of a calibration, beside it
+
 _logger = logging.getLogger(__name__)
 
 _THREADS = 4  # that read frames and settings
@@ -86,6 +88,7 @@ class StartPage:
             **READING,
             "state": lambda request: self.describe(),
             "work": lambda request: self._describe_work(),
+            "curve": lambda request: self._draft.path("fixture").with_name(_CURVE).read_bytes(),
             "frame": self._pack_frame,
             "levels": self._levels,
         }
@@ -321,7 +324,7 @@ def _calibrate(directory: Path, progress: Progress, options: dict[str, Any]) -> 
     calibration: Calibration = calibrate(directory, progress=progress, **options)
     output = directory / "calibration.nc"
     save_calibration(calibration, output, overwrite=True)
-    figure = write_calibration_figure(calibration, output.with_suffix(".png"))
+    figure = write_calibration_figure(calibration, directory / _CURVE)
     text = describe_calibration(calibration)
     return [remark("", text), remark("written", f"{output.name}, {figure.name}")]
 

@@ -14,6 +14,10 @@ from erlif.core.speed.kernels import njit
 @njit(cache=True)
 def twice(x):
     return 2 * x
+
+@njit(cache=True)
+def half(x):
+    return x / 2
 """
 
 PROGRAM = """
@@ -49,6 +53,17 @@ def test_a_damaged_file_is_replaced_by_a_new_one(start, tmp_path, suffix, kept):
     content = damaged.read_bytes()
     ends = {"zeros": bytes(len(content)), "foreign": b"\x80\x04cno.such.module\nname\n."}
     damaged.write_bytes(ends[kept] if kept in ends else content[:kept])
+    assert start() == ["3.0", "0"]
+    assert start() == ["3.0", "1"]
+
+
+def test_the_kernel_of_another_function_is_not_run(start, tmp_path):
+    path = os.environ["PATH"]
+    halve = f"import sys; sys.path.insert(0, {str(tmp_path)!r}); import module; module.half(1.5)"
+    subprocess.run([sys.executable, "-c", halve], env={"PATH": path}, check=True)
+    (of_half,) = (tmp_path / "__pycache__").glob("module.half*.nbc")
+    (of_twice,) = (tmp_path / "__pycache__").glob("module.twice*.nbc")
+    of_twice.write_bytes(of_half.read_bytes())
     assert start() == ["3.0", "0"]
     assert start() == ["3.0", "1"]
 

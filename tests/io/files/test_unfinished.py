@@ -200,7 +200,7 @@ def test_a_map_of_a_finished_trigger_is_read_and_replaced(output):
     with begin(output) as work:
         put(work, 0, 1)
         before = [work.maps.read(trigger, name) for trigger in (0, 1)]
-        work.maps.revise(1, name, 2 * before[1])
+        work.maps.revise(1, work.maps.encode({name: 2 * before[1]}))
         npt.assert_array_equal(work.maps.read(0, name), before[0])
         npt.assert_allclose(work.maps.read(1, name), 2 * before[1], rtol=0.05)
         put(work, *range(2, GRID.sizes["trigger"]))

@@ -58,6 +58,11 @@ def film(lab):
     return erlif.process(lab.run, output=lab.film, workers=1)
 
 
+@pytest.fixture(scope="module")
+def pressure(film):
+    return erlif.pressure_from_film(film)
+
+
 def within_two(error, std):
     return np.mean(np.abs(error) < 2 * std)
 
@@ -102,9 +107,9 @@ def test_predicted_film_is_that_of_the_lobes(lab, film):
 
 
 @pytest.mark.slow
-def test_pressure_of_the_lobed_film_carries_the_load(lab, film):
+def test_pressure_of_the_lobed_film_carries_the_load(lab, pressure):
     """To twice its stated error; no load is put in."""
-    found = erlif.pressure_from_film(film)
+    found = pressure
     assert (found.pressure_measured == 1).all()
     error = found.load_from_pressure - lab.truth.joint_load.values
     assert within_two(error, found.load_from_pressure_std) > EXPECTED_WITHIN
@@ -123,7 +128,7 @@ def test_a_straight_gap_describes_no_lobes(lab):
 
 
 @pytest.mark.slow
-def test_measured_profile_of_the_lobes_gives_the_same_film(lab, film):
+def test_measured_profile_of_the_lobes_gives_the_same_film(lab, film, pressure):
     """Of the circles of the rig, at 50 um: to the 2 nm between arc and chord, of all numbers."""
     run = lab.copy_run(
         "profile",
@@ -144,7 +149,7 @@ def test_measured_profile_of_the_lobes_gives_the_same_film(lab, film):
     whole = hashlib.sha256(bytes.fromhex(digest)).hexdigest()
     assert whole in str(measured.attrs)
     own = erlif.pressure_from_film(measured).load_from_pressure
-    np.testing.assert_allclose(own, erlif.pressure_from_film(film).load_from_pressure, rtol=5e-3)
+    np.testing.assert_allclose(own, pressure.load_from_pressure, rtol=5e-3)
 
     # of the film alone, without the file
     (run / "bore.csv").unlink()

@@ -19,7 +19,7 @@ from erlif.show.plots import example_calibration
 def with_systematics(text):
     """The calibration of the example with the systematics of settings; no frame is sampled."""
     plain = RunCurve.of(example_calibration())
-    return add_systematics(plain, run_settings(text), UNREAD, ())
+    return add_systematics(plain, run_settings(text), UNREAD, (), [])
 
 
 def test_sources_of_error_add_up_and_the_largest_is_named():

@@ -38,7 +38,7 @@ EVEN = '[systematics]\nfield = "0 %"\nbatch = "0 %"\n'
 def calibration_of(text="", plain=CURVE):
     """With the systematics of settings and an even field; no frame is sampled."""
     whole = text.replace("[systematics]\n", EVEN) if "[systematics]" in text else f"{text}\n{EVEN}"
-    return add_systematics(plain, run_settings(whole), UNREAD, ())
+    return add_systematics(plain, run_settings(whole), UNREAD, (), [])
 
 
 def widths(calibration):
@@ -233,7 +233,7 @@ def test_films_of_the_patch_have_the_error_of_its_scale_whatever_else_a_run_show
 
 def test_ratios_beyond_those_of_all_films_put_their_scale_in_doubt():
     """By 5 % beside a width of 1 %."""
-    found = add_systematics(CURVE, run_settings(f"\n{EVEN}"), UNREAD, (), misfit=0.05)
+    found = add_systematics(CURVE, run_settings(f"\n{EVEN}"), UNREAD, (), [], misfit=0.05)
     npt.assert_allclose(widths(found)["ratio"], np.hypot(0.01, 0.05))
 
 

@@ -16,6 +16,8 @@ from erlif.io.files import open_film
 from erlif.pipeline import restore_images
 from erlif.thickness import measure_thickness
 
+pytestmark = pytest.mark.usefixtures("without_theory")
+
 SHARE_OF_STD = 0.1  # of the standard deviation of a pixel: rounding error of a stored thickness
 STORED_BITS = 5  # of the mantissa of a stored standard deviation
 

@@ -20,6 +20,7 @@ from erlif.io.ingest import open_fixture, open_run
 from erlif.pipeline.recording.cameras import characterise_cameras
 from erlif.pipeline.recording.noise import measure_noise, note_noise
 from erlif.pipeline.recording.prepare import prepare_chain
+from erlif.pipeline.recording.sample import divide_sample
 from erlif.ratio import BlurDifference, NoiseView, estimate_camera_noise
 from erlif.ratio.camera_noise import cell_size
 from erlif.rig import RigSettings, simulate
@@ -213,14 +214,14 @@ def rewrite(lab, change):
         tifffile.imwrite(path, change(image).astype(np.uint16))
 
 
-def prepared(lab):
+def sampled(lab):
     ready = prepare_chain(open_run(lab.run), silent)
-    return ready.chain, ready.sample
+    return divide_sample(ready.chain, ready.sample)
 
 
 def test_sound_frames_have_the_noise_of_their_cameras(lab):
-    assert measure_noise(*prepared(lab)) == pytest.approx(1.05, abs=0.06)
-    assert list(note_noise(*prepared(lab))) == []
+    assert measure_noise(sampled(lab)) == pytest.approx(1.05, abs=0.06)
+    assert list(note_noise(sampled(lab))) == []
 
 
 @pytest.mark.parametrize(
@@ -230,11 +231,10 @@ def test_sound_frames_have_the_noise_of_their_cameras(lab):
 )
 def test_counts_that_were_halved_or_smoothed_have_too_little_noise(lab, change):
     rewrite(lab, change)
-    (note,) = note_noise(*prepared(lab))
+    (note,) = note_noise(sampled(lab))
     assert note.level == "warning"
     assert "Export the raw counts" in note.text
 
 
-def test_without_valid_pixels_nothing_is_known(lab):
-    chain, _ = prepared(lab)
-    assert np.isnan(measure_noise(chain, []))
+def test_without_valid_pixels_nothing_is_known():
+    assert np.isnan(measure_noise([]))

@@ -76,3 +76,10 @@ def test_the_prediction_has_a_band_of_its_standard_deviation():
     for value in FILM.film_predicted_min.values:
         for end in (value - 0.1, value + 0.1):
             assert np.isclose(heights[:, 1], end).any()
+
+
+def test_the_line_has_one_key_in_both_panels():
+    turns = FRAMES.assign(elapsed_cycles=3 * FRAMES.elapsed_cycles)
+    (legend,) = prediction_figure(FILM, turns).legends
+    names = [text.get_text() for text in legend.get_texts()]
+    assert [name for name in names if "predicted" in name] == ["predicted, pin free sideways"]

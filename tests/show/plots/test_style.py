@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 
 from erlif.core.errors import ConfigError
 from erlif.show import plots
-from erlif.show.plots.style import figure_bytes, letter, new_figure
+from erlif.show.plots.style import figure_bytes, letter, new_figure, plain_log_ticks
 
 
 def test_file_does_not_change_with_the_time(calibration, monkeypatch):
@@ -82,3 +82,10 @@ def test_a_panel_that_is_not_drawn_leaves_no_figure(film):
     with pytest.raises(ConfigError):
         plots.pin_orbit(film.drop_vars("pin_displacement", errors="ignore"))
     assert plt.get_fignums() == before
+
+
+@pytest.mark.parametrize("ends", [(0.991, 1.008), (2.44, 2.56), (0.8, 2.7), (0.3, 14.0)])
+def test_a_logarithmic_axis_of_any_range_has_ticks(ends):
+    ax = new_figure().add_subplot(yscale="log", ylim=ends)
+    plain_log_ticks(ax)
+    assert sum(ends[0] <= place <= ends[1] for place in ax.get_yticks()) >= 3

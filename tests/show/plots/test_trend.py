@@ -138,7 +138,7 @@ def test_points_and_median_are_those_of_the_film(ratios):
     drawn = np.sort(np.concatenate([one.get_ydata() for one in points]))
     npt.assert_allclose(drawn, ratios.film_over_theory.values[1:])
     ax = points[0].axes
-    assert ax.get_legend().get_texts()[0].get_text() == "over regime map: 0.5"
+    assert ax.get_legend().get_texts()[0].get_text() == "over regime map: 0.500"
     assert len(ax.get_legend().get_texts()) == 1
 
 
@@ -149,7 +149,7 @@ def test_central_film_over_theory_is_drawn_for_a_plateau(ratios):
     for contact, count in (("point", 1), ("plateau", 2)):
         points = film_over_theory(ratios.assign_attrs(contact=contact))
         labels = [one.get_text() for one in points[0].axes.get_legend().get_texts()]
-        assert labels == ["over regime map: 0.5", "over regime map, at the centre: 1"][:count]
+        assert labels == ["over regime map: 0.500", "over regime map, at the centre: 1.00"][:count]
 
 
 def test_a_film_without_a_ratio_has_no_panel(film, ratios):
@@ -170,4 +170,4 @@ def test_a_theory_that_is_far_off_leaves_the_axis_to_one_that_is_not(ratios):
     drawn = np.concatenate([one.get_ydata() for one in points])
     assert drawn.min() > 0.3
     labels = points[0].axes.get_legend_handles_labels()[1]
-    assert "over regime map: 0.005, not its regime, beyond the axis" in labels
+    assert "over regime map: 0.00500, not its regime, beyond the axis" in labels

@@ -9,6 +9,7 @@ from erlif.core.notes import warn
 from erlif.prediction import Estimate, FilmModel, ModelComparison, MotionFit
 from erlif.prediction.least_squares import Minimum
 from erlif.show.report.prediction import (
+    describe_band,
     describe_correlation,
     describe_difference,
     summarise_comparison,
@@ -40,6 +41,13 @@ def test_the_difference_has_no_mean_where_the_start_is_fitted():
     given = film.assign_attrs(start_film_fitted=0)
     assert describe_difference(given) == "mean -1 um, rms 2.24 um"
     assert describe_difference(film.drop_vars("film_min")) == ""
+
+
+def test_the_largest_error_of_the_prediction_is_stated_where_there_is_one():
+    film = films(film_predicted_min=SPEED, film_predicted_min_std=0.02 * abs(SPEED))
+    assert describe_band(film) == "± 0.07 um at most: viscosity, load, clearance"
+    assert describe_band(film.drop_vars("film_predicted_min_std")) == ""
+    assert describe_band(films(film_predicted_min_std=np.full(6, np.nan))) == ""
 
 
 def comparison(viscosity, inflation=1.0):

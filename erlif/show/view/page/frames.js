@@ -247,7 +247,7 @@ function drawShapes(stroke, at, pen) {
       label(pen, text, at(region.x[0], region.y[0]));
     }
     const place = hover ?? origin?.map((value) => value * file.pitch);
-    if (place && file.shapes.profile) drawProfile(place, outline, at, pen);
+    if (place && films[0] && file.shapes.profile) drawProfile(place, outline, at, pen);
   }
   strokes.forEach((path) => outline(path, false));
   if (points.length) outline(points.length === 2 && ["roi", "patch"].includes(tool)

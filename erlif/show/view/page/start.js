@@ -47,7 +47,8 @@ function showCard(name) {
   const card = byId(`card-${name}`);
   const part = (kind) => card.querySelector(kind);
   const file = state.files[name];
-  part(".folder").textContent = file ? file.folder : "not chosen";
+  const own = state.root.split(/[\\/]/).at(-1);
+  part(".folder").textContent = !file ? "not chosen" : file.folder === "." ? own : file.folder;
   part(".anew").hidden = !file;
   part(".take").hidden = file || state.suggested[name] === undefined;
   part(".take").textContent = `Take ${state.suggested[name] || "this folder"}`;
@@ -148,9 +149,18 @@ function showWork() {
     item.className = level;
     return item;
   }));
+  showCurve(work.name === "calibrate" && !work.running && !work.failed);
   byId("film").hidden = !work.film || work.running;
   byId("film").querySelector("span").textContent = work.film ?? "";
   document.body.dataset.work = work.running ? "running" : work.failed ? "failed" : work.name;
+}
+
+// the figure of a calibration, once it is made
+async function showCurve(made) {
+  const image = byId("curve");
+  if (image.hidden === !made) return;
+  image.hidden = !made;
+  if (made) image.src = URL.createObjectURL(await (await get("curve")).blob());
 }
 
 async function follow() {
