@@ -78,9 +78,6 @@ BALL = {
 """The film of a ball is within the range in an eighth of the picture: in fewer than 20 cells."""
 
 
-@pytest.mark.xfail(
-    reason="from three starts the parabola of a textured ball leaves thick films valid", strict=True
-)
 @pytest.mark.slow
 def test_the_error_bars_hold_films_below_a_ball_up_to_the_maximum_of_the_ratio(tmp_path):
     """Of pixels above 0.9 of the range 71 % were off by two standard deviations without it."""
