@@ -173,8 +173,8 @@ def with_light(draft: FilmDraft, maps: MapStore) -> FilmDraft:
     lights = {one.frame: one for one in draft.frame_results if one.frame in chosen}
     findings, counted, curve = ready.judge_light(lambda: lights)
     contact = GapShape(draft.film.attrs["contact"])
-    # the constriction of a plateau is no smooth gap
-    if findings.texture is None and findings.errors is None and contact is not GapShape.PLATEAU:
+    # a ball may be measured in a small part of the picture; that of a plateau is no smooth gap
+    if findings.texture is None and findings.errors is None and contact is GapShape.POINT:
         within = find_within(lights, maps, len(draft.results), ready.curve.at(0.5), ready.plane)
         findings = replace(findings, texture=within)
     light, notes = describe_light(findings, draft.results, run, ready.curve)

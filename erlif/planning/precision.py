@@ -56,6 +56,8 @@ def log_ratio_variance(
 ) -> tuple[Array, Array]:
     """Variance of the logarithm of the ratio of one pixel, in the mean over the field.
 
+    Both cameras are equally sharp; a blur of the sharper one lowers its noise.
+
     Parameters
     ----------
     design : Design

@@ -42,7 +42,7 @@ _STARTS = np.linspace(-0.8, 0.8, 5)  # places along both axes about which a firs
 _ABOUT = 0.25  # half width of the squares about them
 _FEWEST_OF_START = 12  # cells for the six amplitudes
 _OUTLIER = 2.0  # standard deviations beyond which a residual counts by its size
-_MOST_STEPS, _MOST_FITS = 40, 3
+_MOST_STEPS = 40
 _DENIED = 0.01  # share of the cells that are thin without doubt but beyond by the parabola
 
 
@@ -155,31 +155,24 @@ def _fit_parabola(mean: Array, shapes: Array, calibration: RatioCurve) -> Array 
     def derivative(amplitudes: Array) -> Array:
         return np.asarray((acts * np.interp(amplitudes @ acts, films, slopes)).T / scatter)
 
-    rising = slice(int(np.argmax(ratios)) + 1)
-    measured = np.interp(value, ratios[rising], films[rising])
-    starts = []
+    measured, best = calibration.inverse.look_up(value), None
     for y, x in itertools.product(_STARTS, _STARTS):
         about = (np.abs(acts[1] - y) < _ABOUT) & (np.abs(acts[2] - x) < _ABOUT)
         about &= measured < _BAND * thickest
-        if about.sum() >= _FEWEST_OF_START:
-            start = np.linalg.lstsq(acts[:, about].T, measured[about], rcond=None)[0]
-            if start[3] + start[5] > 0:
-                starts.append(start)
-
-    # the start that is nearest to all cells leads to the best fit, others often to a worse one
-    starts.sort(key=lambda start: float(np.hypot(1, rest(start) / _OUTLIER).sum()))
-    fits = [
-        scipy.optimize.least_squares(
-            rest,
-            start,
-            derivative,
-            loss="soft_l1",
-            f_scale=_OUTLIER,
-            max_nfev=_MOST_STEPS,
-        )
-        for start in starts[:_MOST_FITS]
-    ]
-    return min(fits, key=lambda fit: fit.cost).x if fits else None
+        if about.sum() < _FEWEST_OF_START:
+            continue
+        start = np.linalg.lstsq(acts[:, about].T, measured[about], rcond=None)[0]
+        if start[3] + start[5] > 0:
+            found = scipy.optimize.least_squares(
+                rest,
+                start,
+                derivative,
+                loss="soft_l1",
+                f_scale=_OUTLIER,
+                max_nfev=_MOST_STEPS,
+            )
+            best = found if best is None or found.cost < best.cost else best
+    return None if best is None else np.asarray(best.x)
 
 
 def _beyond_by_islands(mean: Array, highest: float, end: float, width: float) -> Mask:

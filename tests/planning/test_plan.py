@@ -48,12 +48,12 @@ def planned():
 def rehearsal(tmp_path_factory):
     """Film, truth and calibration of the example plan.
 
-    The beam is even, the pulse has its mean energy, and camera 2 is turned so far that the pixels
-    have all sub-pixel positions, as the plan assumes.
+    The beam is even, the pulse has its mean energy, both cameras are equally sharp, and camera 2 is
+    turned so far that the pixels have all sub-pixel positions, as the plan assumes.
     """
     folder = tmp_path_factory.mktemp("rehearsal") / "rig"
     size = {"width": 160, "height": 128, "fixture_frames": 6, "rotation": 1.5}
-    even = {"dust": 0, "marks": 0.0}
+    even = {"dust": 0, "marks": 0.0, "blur": (0.5, 0.5)}
     simulate(folder, seed=3, rig=replace(rig_of(settings_of()), **size, **even, pulse_jitter=0.0))
     calibration = erlif.calibrate(folder / "fixture")
     film = erlif.process(folder / "run", calibration=calibration)
@@ -88,7 +88,7 @@ BEST = (
 def test_standard_deviation_in_a_beam_that_falls_off(tmp_path, corner, changes):
     """Of the whole field, with dust, marks and scatter of the pulse energy; two rigs."""
     settings = settings_of(*changes, ("# corner = 1.0", f"corner = {corner}"))
-    size = {"width": 160, "height": 128, "fixture_frames": 6}
+    size = {"width": 160, "height": 128, "fixture_frames": 6, "blur": (0.5, 0.5)}
     simulate(tmp_path / "rig", seed=3, rig=replace(rig_of(settings), **size))
     calibration = erlif.calibrate(tmp_path / "rig" / "fixture")
     film = erlif.process(tmp_path / "rig" / "run", calibration=calibration)

@@ -70,6 +70,7 @@ BALL = {
     "contact": "ball",
     "field_width": 2.0,
     "ball_radius": 15.0,
+    "thin_line": 0.1,
     "film_table": tuple(np.linspace(1, 6, 24).tolist()),
     "fixture_frames": 6,
     "write_systematics": False,
