@@ -13,7 +13,6 @@ from typing import Any
 
 import numba
 from numba.core.caching import FunctionCache
-from numba.core.runtime.nrt import rtsys
 
 _logger = logging.getLogger(__name__)
 
@@ -22,12 +21,6 @@ _numba_cache: Any = FunctionCache  # numba has no types
 
 class _KernelCache(_numba_cache):  # type: ignore[misc]
     """The kept kernels of one function."""
-
-    def load_overload(self, sig: Any, target_context: Any) -> Any:
-        """As that of numba, without the tables for compiling, which take 0.3 s to load."""
-        rtsys.initialize(target_context)
-        with self._guard_against_spurious_io_errors():
-            return self._load_overload(sig, target_context)
 
     def _load_overload(self, sig: Any, target_context: Any) -> Any:
         """None, upon which numba compiles, where the file cannot be read."""
