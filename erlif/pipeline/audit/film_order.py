@@ -33,7 +33,7 @@ _FOLLOWED = 0.03
 FLAT, _OTHER = 0.02, 0.01
 
 
-def compare_film(drive: Array, levels: Array) -> Order | None:
+def compare_film(drive: Array, levels: Array, *, size: Array | None = None) -> Order | None:
     """Find the order of the rows in which the film follows the speed.
 
     Parameters
@@ -42,6 +42,8 @@ def compare_film(drive: Array, levels: Array) -> Order | None:
         Size of the speed, over the load where it is known, by the log.
     levels : array, (frame,)
         Logarithm of the ratio, which rises with the film; NaN where it is not known.
+    size : array, (frame,), optional
+        Size of the speed alone: not every film follows the load of its log.
 
     Returns
     -------
@@ -73,6 +75,8 @@ def compare_film(drive: Array, levels: Array) -> Order | None:
     best = min(orders, key=lambda one: one.left)
 
     plain = share_as_it_is(drive, levels, best.left)
+    if size is not None:
+        plain = min(plain, rest_share(speed_terms(size / size.max()), levels))
     bounds = {"gain": _GAIN_REVERSE, "factor": _BETTER_REVERSE} if best.reverse else {}
     most = _LEFT_BY_SQUEEZE if best.lag < 0 else LEFT
     return best if best.left < most and is_better(levels, plain, best.left, **bounds) else None

@@ -14,13 +14,7 @@ from erlif.core.notes import Note, list_some, warn
 from erlif.core.units import count_of
 from erlif.pipeline.audit.energies import Order
 from erlif.pipeline.audit.evidence import MOST, Evidence
-from erlif.pipeline.audit.film_order import (
-    compare_film,
-    find_other_films,
-    is_better,
-    rest_share,
-    speed_terms,
-)
+from erlif.pipeline.audit.film_order import compare_film, find_other_films
 
 
 def note_order(evidence: Evidence) -> Iterator[Note]:
@@ -59,9 +53,8 @@ def _note_by_film(evidence: Evidence, numbers: AnyArray, *, known: bool) -> Iter
     load = evidence.logged("joint_load")
     size = np.abs(speed[:MOST])
     drive = size if load is None else size * np.median(load) / load[:MOST]
-    found = None if known else compare_film(drive, levels)
-    # not every film follows the load of its log
-    if found is not None and is_better(levels, rest_share(speed_terms(size), levels), found.left):
+    found = None if known else compare_film(drive, levels, size=size)
+    if found is not None:
         yield _note_other_order(found, numbers, "the film follows the speed")
         return
     odd = find_other_films(drive, levels)

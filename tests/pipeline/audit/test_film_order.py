@@ -73,3 +73,20 @@ def test_a_film_of_another_speed_is_found():
     found = find_other_films(SPEED, level).tolist()
     assert 12 in found
     assert set(found) <= {12, 30}
+
+
+RAMP = np.linspace(0.4, 1.8, COUNT)
+
+
+@pytest.mark.parametrize("load", [RAMP, RAMP[::-1], np.where(np.arange(COUNT) < 20, 1, 2.5)])
+@pytest.mark.parametrize("seed", range(4))
+def test_a_film_that_does_not_follow_the_load_of_its_log_has_no_other_order(load, seed):
+    assert compare_film(SPEED / load, film(seed), size=SPEED) is None
+
+
+def test_reverse_pairs_are_found_beside_a_load_that_scatters():
+    """Two strokes that differ by little: the share that is left falls by a third alone."""
+    load = 1 + 0.01 * np.random.default_rng(3).normal(size=COUNT)
+    level = np.log1p(np.abs(np.sin(TURN) + 0.02 * np.sin(2 * TURN + 0.5)) ** 0.6)
+    drive = np.abs(np.sin(TURN) + 0.02 * np.sin(2 * TURN + 0.5))
+    assert compare_film(drive / load, film_of(level[::-1]), size=drive).reverse
