@@ -328,6 +328,7 @@ def describe_statistics(results: Sequence[TriggerResult], calibration: RunCurve)
     places = np.array([one.gap.place for one in statistics]).reshape(-1, 2)
     values: dict[str, Any] = {
         "share_beyond_range": [one.beyond_range for one in statistics],
+        "noise_correlation": [one.noise_correlation for one in statistics],
         "film_min_x": places[:, 0],
         "film_min_y": places[:, 1],
     }

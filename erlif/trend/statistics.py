@@ -39,6 +39,8 @@ class FilmStatistics:
         Mean of the inverse of the film over the measurable pixels. [1/um]
     measured : float
         Share of the measurable pixels in the region. [1]
+    noise_correlation : float
+        As of the sums of the ratio. [1]
     """
 
     mean: FilmNumber
@@ -46,6 +48,7 @@ class FilmStatistics:
     beyond_range: float
     inverse: FilmNumber
     measured: float = 1.0
+    noise_correlation: float = 1.0
 
     @property
     def region_inverse(self) -> FilmNumber:
@@ -176,7 +179,7 @@ def summarise_blocks(
     beyond = sums.beyond / max(sums.valid + sums.beyond, 1)
     mean, inverse = _average_film(sums, curve, region)
     measured = float(sums.measurable.sum()) / math.prod(sums.size)
-    return FilmStatistics(mean, minimum, beyond, inverse, measured)
+    return FilmStatistics(mean, minimum, beyond, inverse, measured, sums.noise_correlation)
 
 
 def _average_film(sums: BlockSums, curve: FilmCurve, region: Region) -> list[FilmNumber]:

@@ -223,6 +223,7 @@ class TriggerResult:
             float(arrays["film_beyond_range"]),
             _number(arrays, "film_inverse"),
             float(arrays["film_measured"]),
+            float(arrays["film_noise_correlation"]),
         )
         minima = {
             contact: _gap(arrays, f"gap_{contact}")

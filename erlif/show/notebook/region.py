@@ -61,7 +61,7 @@ def summarise_region(
     region = _find_region(film, x, y)
     along_x = settings_of(film).optics.x_axis == "sliding"
     contact = GapShape(film.attrs.get("contact", GapShape.LINE))
-    names = ["thickness", "thickness_std", "flags"]
+    names = ["thickness", "thickness_std", "flags", *{"noise_correlation"} & set(film.data_vars)]
     maps = film[names].isel(y=region.rows, x=region.columns)
 
     # one map in memory at a time
@@ -120,6 +120,7 @@ def _summarise(
     images |= {"flags": maps.flags.values}
     # ratio and map in one dataset: the statistics take from each what it has
     combined = xr.Dataset({name: (("y", "x"), image) for name, image in images.items()})
+    combined["noise_correlation"] = maps.get("noise_correlation", 1.0)
     pair = RatioImages(combined), ThicknessMaps(combined)
     whole = Region(slice(0, valid.shape[0]), slice(0, valid.shape[1]))
     return summarise_film(
