@@ -101,7 +101,17 @@ class Journal:
         return self.clearance + float(np.min(0.0 if self.axial_shape is None else self.axial_shape))
 
     def with_clearance(self, more: float) -> "Journal":
-        """The same pin in a bushing with so many times the radial clearance."""
+        """Return the same pin in a bushing with another radial clearance.
+
+        Parameters
+        ----------
+        more : float
+            Over the clearance of this one. [1]
+
+        Returns
+        -------
+        Journal
+        """
         return replace(self, bushing_radius=self.pin_radius + more * self.clearance)
 
     def clearance_at(self, axial: Array) -> Array:
