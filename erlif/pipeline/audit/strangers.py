@@ -62,19 +62,20 @@ def note_strangers(evidence: Evidence) -> Iterator[Note]:
             "out",
         )
         return
-    change = form_changes(evidence.ratios)
+    order = np.argsort(evidence.numbers)  # as recorded; frames of several cycles are in groups
+    change = form_changes(evidence.ratios[order])
     if change is None:
         return
     jumps = np.flatnonzero(change > _JUMP * np.quantile(change, _USUAL))
     if not jumps.size or jumps.size > _MANY * change.size:
         return
     groups = find_groups(jumps, change.size + 1)
-    numbers = evidence.numbers
+    numbers = evidence.numbers[order]
     for first, last in groups:
         if last == 0:
             continue  # a camera keeps nothing of a pulse before its first one
         edges = [k for k in (first - 1, last) if 0 <= k < change.size]
-        if all(_changes_itself(evidence, row) for row in edges):
+        if all(_changes_itself(evidence, order, row) for row in edges):
             continue
         size = float(np.max(change[edges]))
         where = f"pair {numbers[first]} is"
@@ -97,15 +98,15 @@ def find_lit(evidence: Evidence) -> AnyArray:
     return np.asarray(evidence.numbers[lit & (lit.mean() <= _MOST_LIT)])
 
 
-def _changes_itself(evidence: Evidence, row: int) -> bool:
+def _changes_itself(evidence: Evidence, order: AnyArray, row: int) -> bool:
     """Whether load or crank change between a frame and the next one, as a step of a program."""
     load, time = evidence.logged("joint_load"), evidence.logged("time")
     if load is not None and row + 1 < load.size:
-        factor = load[row + 1] / load[row]
+        factor = load[order[row + 1]] / load[order[row]]
         if not 1 / _STEADY < factor < _STEADY:
             return True
     if time is not None and row + 1 < time.size:
-        step = np.diff(time)
+        step = np.diff(time[order])
         return bool(step[row] > 3 * np.median(step))
     return False
 

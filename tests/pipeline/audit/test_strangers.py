@@ -1,5 +1,6 @@
 """Pairs of other recordings by the form of their film."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -60,6 +61,16 @@ def test_pairs_of_a_wedge_are_found(rows, words):
     (note,) = note_strangers(evidence(found))
     assert words in note.text
     assert note.level == "warning"
+
+
+def test_pairs_of_a_wedge_are_found_as_recorded_where_frames_of_cycles_are_in_groups():
+    """Frames 0, 12, 24 of three cycles are of one trigger; within a group no film changes."""
+    found = np.tile(ratios(12), (3, 1))
+    found[14:17] = wedge(3)
+    grouped = np.arange(36).reshape(3, 12).T.ravel()
+    whole = evidence(found)
+    (note,) = note_strangers(replace(whole, frames=[whole.frames[k] for k in grouped]))
+    assert "pairs 14 to 16 are" in note.text
 
 
 @pytest.mark.parametrize(("rows", "words"), [([5], "pair 5 is"), ([10, 11], "pairs 10 to 11 are")])
