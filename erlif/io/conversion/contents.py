@@ -27,8 +27,8 @@ _FIRST = (
 
 # Numbers that a table for spreadsheets leaves to the other formats.
 _DETAIL = re.compile(
-    r"share_passed|noise_correlation|flagged_pixels|reference|film_gap_mean|film_theory_central|attitude"
-    r"|film_predicted_mean|film_curvature|film_drag|friction_(torque|void|power)|pin_tilt"
+    r"share_passed|noise_correlation|flagged_pixels|reference|film_gap_mean|film_theory_central"
+    r"|attitude|film_predicted_mean|film_curvature|film_drag|friction_(torque|void|power)|pin_tilt"
     r"|film_over_.*_random"
 )
 
