@@ -44,10 +44,11 @@ PARAMETERS = (
 # end of the calibrated range.
 _BEYOND, _FLAT = 501, 0.1
 
-# Entries of the table of the inverse, and the fewer films at which its error is computed: they
-# begin at the thinnest one that differs from none. [um]
+# Entries of the table of the inverse.
 _ENTRIES = 20001
-_THINNEST, _FEW = 0.02, 1001
+
+# Films at which its error is computed, and the thinnest one where the range begins at 0. [um]
+_FEW, _THINNEST = 1001, 0.02
 
 # Points of the curve in a notebook.
 _CURVE_POINTS = 60

@@ -301,7 +301,7 @@ class FrameChain(PickledByFields):
             self.tables,
             self.noise,
             drift,
-            blur=self.blur,
+            softening=self.softening,
             no_film_below=self.no_film_below,
             warped=buffers.warped,
             out=buffers.ratio,

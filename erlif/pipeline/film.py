@@ -173,7 +173,7 @@ def with_light(draft: FilmDraft, maps: MapStore) -> FilmDraft:
     lights = {one.frame: one for one in draft.frame_results if one.frame in chosen}
     findings, counted, curve = ready.judge_light(lambda: lights)
     contact = GapShape(draft.film.attrs["contact"])
-    # a ball may be measured in a small part of the picture; that of a plateau is no smooth gap
+    # below a ball the film may be within the range in a small part of the picture alone
     if findings.texture is None and findings.errors is None and contact is GapShape.POINT:
         within = find_within(lights, maps, len(draft.results), ready.curve.at(0.5), ready.plane)
         findings = replace(findings, texture=within)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
@@ -13,10 +13,9 @@ from erlif.core.errors import ModelError
 from erlif.prediction.given import GivenErrors
 from erlif.prediction.start import INSENSITIVE
 
-# Relative change of viscosity and clearance from which derivatives are computed, above the jumps of
-# a film whose cells change to cavities; and changes of the start film that serve as well.
+# Relative change from which derivatives are computed, above the jumps of a film whose cells change
+# to cavities.
 _STEP = 0.01
-_BESIDE = 0.002, 0.1
 
 
 def find_band(
@@ -27,14 +26,13 @@ def find_band(
     clearance: float,
     full: bool,
     weight: Array | None = None,
-    tried: Sequence[float] = (),
 ) -> Array:
     """Standard deviation of the predicted minima by the errors of what is given.
 
-    One film more for each of them; but in a full film more load is less viscosity: there the film
-    depends on time times load over viscosity alone. Cavities form at a pressure that neither
-    changes. A fitted start film is fitted anew, so that the part of an error that it takes up is
-    left out.
+    The film is followed once more with each of them changed. A film without cavities depends on
+    time times load over viscosity alone, so that the change by the viscosity is that by the load.
+    Where cavities form, at a pressure that does not change with either, the load has a film of its
+    own. A fitted start film is fitted anew: it takes up a part of each error, to first order.
 
     Parameters
     ----------
@@ -50,8 +48,6 @@ def find_band(
         Whether the film has no cavities.
     weight : array, optional
         Of the logarithm of each minimum in the fit of the start film. Default: it is given.
-    tried : sequence of float, optional
-        Start films whose minima are known. [m]
 
     Returns
     -------
@@ -75,18 +71,18 @@ def find_band(
         sizes = {"viscosity": math.hypot(*sizes.values())}
     sizes["clearance"] = given.clearance / clearance
     errors = {name: size for name, size in sizes.items() if size}
+
+    def change(film: Array) -> Array:
+        return np.asarray((np.log(film) - here) / math.log(more))
+
     try:
         with ThreadPoolExecutor() as pool:
-            films = pool.map(lambda name: minima(start_film, **{name: more}), errors)
+            later = pool.map(lambda name: minima(start_film, **{name: more}), errors)
             causes = [
-                size / math.log(more) * (np.log(film) - here)
-                for size, film in zip(errors.values(), films, strict=True)
+                size * change(film) for size, film in zip(errors.values(), later, strict=True)
             ]
         if weight is not None and causes:
-            low, high = _BESIDE
-            apart = [one for one in tried if low < abs(math.log(one / start_film)) < high]
-            beside = apart[-1] if apart else more * start_film
-            slope = (np.log(minima(beside)) - here) / math.log(beside / start_film)
+            slope = change(minima(more * start_film))
             curvature = float(weight @ slope**2)
             if curvature > INSENSITIVE**2 * float(weight.sum()):
                 causes = [one - slope * float(weight @ (slope * one)) / curvature for one in causes]

@@ -225,24 +225,22 @@ def predict_triggers(
     fitted = start_film is None
     if fitted and sideways != "free" and motion.lead is not None:
         motion = motion.with_lead()
-    tried: list[float] = []
     weight = None
     if start_film is None:
         measured, std = film["film_min"].values / _MICRO, film["film_min_std"].values / _MICRO
 
         def of_triggers(start: float) -> Array:
-            tried.append(start)
             return minima(start)[: measured.size]
 
         start_film = find_start_film(of_triggers, measured, std, clearance=journal.least_clearance)
-        weight = np.append(log_weights(measured, std), 0.0 * trigger)
+        weight = np.append(log_weights(measured, std), np.zeros(len(trigger)))
     triggers, frames = positions(start_film, clearance=1.0)  # as `minima` calls it: it is kept
     predicted = _describe_positions(triggers, journal, view, "trigger")
     each = _describe_positions(frames, journal, view, "frame")
     if given is not None:
         full, own = sideways == "free", journal.clearance
         band = _MICRO * find_band(
-            minima, start_film, given, clearance=own, full=full, weight=weight, tried=tried
+            minima, start_film, given, clearance=own, full=full, weight=weight
         )
         count, name = triggers.sizes["trigger"], "film_predicted_min_std"
         predicted[name] = FILM[name].fill(band[:count])

@@ -227,9 +227,7 @@ def _detrend(values: Array) -> Array:
 
     y, x = np.indices((PLACES, PLACES)).reshape(2, -1) / (PLACES - 1) - 0.5
     surface = quadratic_surface(x, y)
-    whole = np.isfinite(rest).all(axis=1)
-    rest[whole] -= (surface @ np.linalg.lstsq(surface, rest[whole].T, rcond=None)[0]).T
-    for row in (rest[k] for k in np.flatnonzero(~whole)):
+    for row in rest:
         known = np.isfinite(row)
         if known.sum() < _FEWEST:
             row[:] = np.nan

@@ -9,7 +9,6 @@ from types import ModuleType
 from typing import Any, Final
 
 import numpy as np
-import numpy.typing as npt
 
 from erlif.core.arrays import AnyArray, Image
 from erlif.core.speed.kernels import njit
@@ -145,30 +144,6 @@ def encode_netcdf(
             planes = np.stack([values & 0xFF, values >> 8]).astype(np.uint8)  # low bytes first
         chunks[variable.name] = deflate(planes)
     return chunks
-
-
-def decode_netcdf(chunk: bytes, dtype: npt.DTypeLike) -> AnyArray:
-    """Values of a chunk of `encode_netcdf`, in one row.
-
-    Parameters
-    ----------
-    chunk : bytes
-    dtype : type of numpy
-        Of the variable.
-
-    Returns
-    -------
-    array
-
-    Examples
-    --------
-    >>> variables = [MapVariable("flags", "uint16", {})]
-    >>> chunks = encode_netcdf({"flags": np.array([[1, 256]], np.uint16)}, variables)
-    >>> decode_netcdf(chunks["flags"], "uint16")
-    array([  1, 256], dtype=uint16)
-    """
-    planes = np.frombuffer((isal_zlib or zlib).decompress(chunk), np.uint8)
-    return planes.reshape(np.dtype(dtype).itemsize, -1).T.ravel().view(dtype)
 
 
 def encode_zarr(maps: Mapping[str, AnyArray], variables: Sequence[MapVariable]) -> dict[str, bytes]:

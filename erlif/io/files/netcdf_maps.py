@@ -21,13 +21,7 @@ import xarray as xr
 
 from erlif.core.arrays import AnyArray
 from erlif.core.hdf5 import with_locks
-from erlif.io.files.compression import (
-    DEFLATE_LEVEL,
-    MapVariable,
-    checksum,
-    decode_netcdf,
-    encode_netcdf,
-)
+from erlif.io.files.compression import DEFLATE_LEVEL, MapVariable, checksum, encode_netcdf
 from erlif.io.files.coordinates import name_coordinates
 from erlif.io.files.netcdf import fix_text, write_netcdf
 from erlif.io.files.records import Record, read_record, write_record
@@ -205,10 +199,7 @@ class NetcdfMaps:
 
     def read(self, trigger: int, name: str) -> AnyArray:
         """One map of a finished trigger, (y, x); any thread may call it."""
-        target = self._targets[name]
-        return decode_netcdf(target.read_direct_chunk((trigger, 0, 0))[1], target.dtype).reshape(
-            target.shape[1:]
-        )
+        return np.asarray(self._file[name][trigger])
 
     def revise(self, trigger: int, chunks: Mapping[str, bytes]) -> None:
         """Replace maps of a finished trigger; resumed work begins from those before it.

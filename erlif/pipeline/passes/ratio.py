@@ -14,7 +14,7 @@ from erlif.core.flags import Flag
 from erlif.correction import NoiseTables, PairLight
 from erlif.correction.light import fill_noise
 from erlif.pipeline.passes.warp import MapTables, PairWarp, Warp
-from erlif.ratio import BlurDifference, PairRatio, flag_bubbles
+from erlif.ratio import PairRatio, flag_bubbles
 from erlif.ratio.log_ratio import correlate_noise, divide_rows
 from erlif.ratio.softening import FARTHEST, Softening
 
@@ -31,7 +31,7 @@ def measure_ratio(
     noise: tuple[NoiseTables, NoiseTables],
     drift: tuple[float, float],
     *,
-    blur: BlurDifference,
+    softening: Softening,
     no_film_below: float,
     warped: PairWarp,
     out: PairRatio,
@@ -46,8 +46,8 @@ def measure_ratio(
         Of camera 1, and of camera 2 turned as its image is.
     drift : tuple of float
         Translation (x, y) of camera 2; NaN where it is not known. [px]
-    blur : BlurDifference
-        Difference of sharpness, by which the sharper camera is blurred where it is significant.
+    softening : Softening
+        Blur of the sharper camera.
     no_film_below : float
         Light relative to the surroundings below which both bands show a bubble. [1]
     warped : PairWarp
@@ -60,7 +60,6 @@ def measure_ratio(
     PairRatio
         With the images of `out`.
     """
-    softening = Softening.of(blur)
     arrays, reach = softening.arrays, max(softening.reach, 1)
     warp = Warp(light, tables, noise[1], drift, warped, band=BAND)
     height = out.log_ratio.shape[0]

@@ -10,7 +10,6 @@ import numpy as np
 from erlif.calibration import RatioCurve, RunCurve
 from erlif.core.arrays import AnyArray, Array
 from erlif.core.notes import Note, warn
-from erlif.core.speed.kernels import njit
 from erlif.core.terms import CONSTANT, TERMS
 from erlif.io.files import MapStore
 from erlif.pipeline.engines.engine import Threads
@@ -194,34 +193,12 @@ def widen_maps(maps: MapStore, triggers: int, curve: RunCurve) -> None:
     ratio, slope = curve.predict_log(films), curve.slope(films)
     thicker = np.interp(np.minimum(ratio + 2 * size, ratio[-1]), ratio, films)
     added = np.maximum(size / slope, (thicker - films) / 2)
-    slopes = np.diff(added) / np.diff(films)
 
     def widen(trigger: int) -> dict[str, bytes]:
-        std = maps.read(trigger, name)
-        _add_error(maps.read(trigger, "thickness").ravel(), films, added, slopes, std.ravel())
-        return maps.encode({name: std})
+        film, std = maps.read(trigger, "thickness"), maps.read(trigger, name)
+        return maps.encode({name: np.hypot(std, np.interp(film, films, added))})
 
     Threads().compute(widen, range(triggers), maps.revise)
-
-
-@njit(nogil=True, cache=True)
-def _add_error(film, films, added, slopes, std):  # type: ignore[no-untyped-def]
-    """Add in squares to `std` what is tabulated as `added` at evenly spaced `films`."""
-    last = slopes.size - 1
-    per_film = slopes.size / (films[-1] - films[0])
-    for i in range(film.size):
-        value = np.float64(film[i])
-        if value != value:
-            std[i] = np.nan
-            continue
-        value = min(max(value, films[0]), films[-1])
-        at = min(int((value - films[0]) * per_film), last)
-        if value < films[at]:
-            at -= 1
-        elif at < last and value >= films[at + 1]:
-            at += 1
-        error = slopes[at] * (value - films[at]) + added[at]
-        std[i] = np.float32(np.sqrt(np.float64(std[i]) ** 2 + error * error))
 
 
 def describe_texture(texture: Texture | None, calibration: RunCurve) -> list[Note]:

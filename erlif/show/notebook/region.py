@@ -61,7 +61,8 @@ def summarise_region(
     region = _find_region(film, x, y)
     along_x = settings_of(film).optics.x_axis == "sliding"
     contact = GapShape(film.attrs.get("contact", GapShape.LINE))
-    names = ["thickness", "thickness_std", "flags", *{"noise_correlation"} & set(film.data_vars)]
+    names = ["thickness", "thickness_std", "flags"]
+    names += ["noise_correlation"] if "noise_correlation" in film else []
     maps = film[names].isel(y=region.rows, x=region.columns)
 
     # one map in memory at a time
