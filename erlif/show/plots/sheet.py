@@ -110,11 +110,10 @@ def map_sheet_figure(
         for ax in grid.ravel()[members.size :]:
             ax.set_axis_off()
 
-    # few rows of maps are lower than the label is long
+    # one line of the label is as long as two rows of maps are high, or three less their gap
     shown_as, missing = ("film less gap", "hatched") if less_gap else ("film thickness", "grey")
-    label = (
-        f"{shown_as} [µm]" + ("; " if sum(rows) > 1 + less_gap else "\n") + f"{missing}: flagged"
-    )
+    between = "; " if sum(rows) >= (3 if less_gap else 2) else "\n"
+    label = f"{shown_as} [µm]{between}{missing}: flagged"
     # beside all panels, the layout would measure it once for each; pad in widths of a column
     place: dict[str, Any] = {"ax": panels[:, -1].tolist(), "pad": 0.01 * columns}
     figure.colorbar(image, label=label, extend="both", aspect=40, shrink=0.9, **place)
