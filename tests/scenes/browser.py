@@ -51,4 +51,4 @@ def pages(browser, *, own):
     yield start
     for context in contexts:
         context.close()
-    assert not faults
+    assert not faults, "; ".join(faults)

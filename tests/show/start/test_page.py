@@ -4,7 +4,7 @@ import json
 import shutil
 import time
 import tomllib
-from contextlib import closing
+from contextlib import closing, contextmanager
 from pathlib import Path
 from urllib.error import HTTPError
 from urllib.request import Request, urlopen
@@ -129,17 +129,22 @@ def chromium():
 
 @pytest.fixture
 def visit(chromium):
-    """Open the page of a folder; errors and requests to other machines fail."""
-    with browser.pages(chromium, own=("http://127.0.0.1:", "data:")) as new_page:
+    """The page of a folder; errors and requests to other machines fail.
 
-        def start(address, *, width=1400, **options):
-            page = new_page(viewport={"width": width, "height": 900}, **options)
-            page.set_default_timeout(60_000)
-            page.goto(address)
-            page.wait_for_selector("body[data-ready]")
-            return page
+    The page is closed before its server, which pictures still come from.
+    """
 
-        yield start
+    @contextmanager
+    def start(directory, *, width=1400, **options):
+        with start_page(directory) as address:  # noqa: SIM117
+            with browser.pages(chromium, own=("http://127.0.0.1:", "data:")) as new_page:
+                page = new_page(viewport={"width": width, "height": 900}, **options)
+                page.set_default_timeout(60_000)
+                page.goto(address)
+                page.wait_for_selector("body[data-ready]")
+                yield page
+
+    return start
 
 
 @pytest.fixture(scope="module")
@@ -179,8 +184,7 @@ def assert_same_film(one, two):
 def test_from_the_frames_of_the_sample_to_the_film_of_the_command_line(
     visit, sample, tmp_path, command
 ):
-    with start_page(sample) as address:
-        page = visit(address)
+    with visit(sample) as page:
         take(page, "fixture")
 
         # the scale by two marks 150 pixels apart, and the origin by a click
@@ -245,8 +249,7 @@ def press(page, *keys):
 def test_a_pin_on_disc_by_the_keyboard_alone_on_a_narrow_dark_screen(
     visit, disc, tmp_path, command
 ):
-    with start_page(disc) as address:
-        page = visit(address, width=390, color_scheme="dark")
+    with visit(disc, width=390, color_scheme="dark") as page:
         assert page.evaluate("getComputedStyle(document.body).backgroundColor") == "rgb(22, 24, 27)"
         reach(page, "#card-fixture .take")
         press(page, "Enter")
@@ -297,8 +300,7 @@ def test_a_pin_on_disc_by_the_keyboard_alone_on_a_narrow_dark_screen(
 
 def test_the_origin_may_be_given_before_the_scale(visit, disc):
     """The profile is drawn again when the image has its scale; until then there is no size."""
-    with start_page(disc) as address:
-        page = visit(address)
+    with visit(disc) as page:
         take(page, "fixture")
         given = {"fixture.origin": "0, 48", "camera1.band": "580", "camera2.band": "610"}
         type_in(page, "fixture", given)
@@ -332,8 +334,7 @@ def test_a_hostile_name_a_huge_image_and_a_folder_without_rights_are_named(
         return listed(path)
 
     monkeypatch.setattr(Path, "iterdir", refuse)
-    with start_page(root) as address:
-        page = visit(address)
+    with visit(root) as page:
         page.click("#card-run .choose")
         page.click('#picker-folders >> text="private"')
         page.wait_for_selector("#picker-refusal:text('private may not (Permission denied)')")
@@ -362,8 +363,7 @@ def test_a_hostile_name_a_huge_image_and_a_folder_without_rights_are_named(
 
 def test_a_value_is_checked_while_it_is_typed_and_each_change_is_undone(visit, lab):
     before = (lab.run / "run.toml").read_bytes()
-    with start_page(lab.directory) as address:
-        page = visit(address)
+    with visit(lab.directory) as page:
         take(page, "run")
         page.click("text='All other settings'")
         field = page.locator('[id="run.optics.pixel_pitch"]')
@@ -396,8 +396,7 @@ def test_a_value_is_checked_while_it_is_typed_and_each_change_is_undone(visit, l
 
 
 def test_work_is_cancelled_and_leaves_no_film(visit, lab):
-    with start_page(lab.directory) as address:
-        page = visit(address)
+    with visit(lab.directory) as page:
         take(page, "run")
         page.click(".task[data-task=process]")
         page.click("#cancel")
@@ -407,8 +406,7 @@ def test_work_is_cancelled_and_leaves_no_film(visit, lab):
 
 
 def test_a_value_that_is_being_typed_stays_while_others_change(visit, lab):
-    with start_page(lab.directory) as address:
-        page = visit(address)
+    with visit(lab.directory) as page:
         take(page, "run")
         page.click("text='All other settings'")
         field = page.locator('[id="run.optics.pixel_pitch"]')
@@ -426,8 +424,7 @@ def test_a_value_that_is_being_typed_stays_while_others_change(visit, lab):
 
 
 def test_a_closed_way_of_the_brush_is_not_joined_to_the_next_one(visit, lab):
-    with start_page(lab.directory) as address:
-        page = visit(address)
+    with visit(lab.directory) as page:
         take(page, "run")
         page.check("input[value=brush]")
         drag(page, (20, 20), (60, 20), (60, 50), (20, 50), (20, 20))
@@ -440,8 +437,7 @@ def test_a_closed_way_of_the_brush_is_not_joined_to_the_next_one(visit, lab):
 
 
 def test_a_change_that_cannot_be_made_and_a_server_that_has_ended_are_named(visit, lab):
-    with start_page(lab.directory) as address:
-        page = visit(address)
+    with visit(lab.directory) as page:
         take(page, "run")
         (lab.run / "run.toml").write_text("no settings")
         page.select_option("#orientation", "mirrored_x")
