@@ -184,8 +184,8 @@ async function typeTrigger(id, which) {
 }
 
 async function refreshAll() {
-  await refreshMaps(); // numbers follow, and do not delay the maps
-  if (!state.playing) await refreshValues();
+  await refreshMaps(); // numbers follow, and delay neither maps nor messages
+  if (!state.playing) refreshValues();
 }
 const stride = () => Math.max(1, Math.round(byId("stride").valueAsNumber) || 1);
 const step = (change) => setTrigger(state.a.trigger + change);
