@@ -225,7 +225,9 @@ def _share_marks(covariances: Array, seen: Array) -> Array:
     run along the axis. Each trigger weighs them as the least-squares fit of both displacements to
     what it sees, scaled to its own covariance.
     """
-    known = np.isfinite(seen).all(axis=1) & np.isfinite(covariances).all(axis=(1, 2))
+    known: Mask = np.asarray(
+        np.isfinite(seen).all(axis=1) & np.isfinite(covariances).all(axis=(1, 2))
+    )
     shares = np.full((len(seen), 2, _PLACES), np.nan)
     if not known.any():
         return shares[:, :, :0]
