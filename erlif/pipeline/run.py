@@ -178,6 +178,7 @@ def process_run(
             release_memory()
             hashes = work.hash_inputs(results)
             draft = with_light(summarise_triggers(ready, triggers, results), unfinished.maps)
+            release_memory()
             wait([tables])  # what they lack is made, or refused, where the theory asks for it
             film, groups = with_record(with_theory(draft), hashes)
             widen_maps(unfinished.maps, len(results), draft.curve)

@@ -27,6 +27,8 @@ _MICRO, _MILLI = 1e6, 1e-3
 # Tilts of equal probability by which the mean torque of a tilted pin is found.
 _TILTS = (np.arange(256) + 0.5) / 256
 
+_TOGETHER = 500  # triggers, for their memory
+
 
 def find_drag(
     statistics: Sequence[FilmStatistics],
@@ -84,7 +86,7 @@ class _TiltFactor(NamedTuple):
     bend_std: Array
 
 
-def _tilt_factor(tilt: Array, std: Array, *, length: float, film: Array) -> _TiltFactor:
+def _tilt_factor(tilt: Array, std: Array, film: Array, *, length: float) -> _TiltFactor:
     """Factor of the torque over the tilts that a measured one leaves to a pin that is free."""
     std, most = np.maximum(std, 1e-12), 2 * film / length
     low, high = (scipy.special.ndtr((end - tilt) / std) for end in (-most, most))
@@ -184,7 +186,12 @@ def find_friction(
         distance / clearance, journal, viscosity=viscosity, speed=speed
     )
     tilt, tilt_std = film.pin_tilt.values[:, 0], np.sqrt(film.pin_position_cov.values[:, 2, 2])
-    tilts = _tilt_factor(_MILLI * tilt, _MILLI * tilt_std, length=journal.length, film=film_min)
+    each = np.stack([_MILLI * tilt, _MILLI * tilt_std, film_min])
+    parts = [
+        _tilt_factor(*each[:, at : at + _TOGETHER], length=journal.length)
+        for at in range(0, tilt.size, _TOGETHER)
+    ]
+    tilts = _TiltFactor(*(np.concatenate(one) for one in zip(*parts, strict=True)))
     couette = whole * (1 - voids / 2) * tilts.mean
     by_load, by_side = direction * ey * load / 2, -direction * ex * side / 2
     pressure = by_load + by_side
@@ -203,14 +210,14 @@ def find_friction(
         return np.asarray(found / _MICRO**2)
 
     # the wedge of a guided pin is in proportion to the viscosity
-    parts = (
+    causes = (
         viscosity_std * (couette + (by_side if mount.guided else 0.0)),
         given.clearance * wider,
         0.5 * ex * wedge_std,
         couette / tilts.mean * tilts.bend_std,
         voids / np.sqrt(12) * whole,
     )
-    but_load = np.sqrt(variance("pin_position_cov") + sum(part**2 for part in parts))
+    but_load = np.sqrt(variance("pin_position_cov") + sum(one**2 for one in causes))
     std = np.hypot(but_load, given.load * by_load)
 
     arm = load * journal.radius

@@ -18,6 +18,7 @@ from erlif.trend import load_line_covariance
 
 _MICRO, _MILLI = 1e6, 1e-3
 _THINNEST = 0.1  # film with which weights are computed [um]
+_TOGETHER = 500  # triggers, for their memory
 _PLACES = 96  # places along sliding at which marks count as independent
 _NEGLIGIBLE_MARKS = 1e-8  # share of the variance of the marks below which a source is left out
 _NEGLIGIBLE = 1e-12  # share of the largest variance below which a source of errors is left out
@@ -224,7 +225,9 @@ def _share_marks(covariances: Array, seen: Array) -> Array:
     run along the axis. Each trigger weighs them as the least-squares fit of both displacements to
     what it sees, scaled to its own covariance.
     """
-    known = np.isfinite(seen).all(axis=1) & np.isfinite(covariances).all(axis=(1, 2))
+    known: Mask = np.asarray(
+        np.isfinite(seen).all(axis=1) & np.isfinite(covariances).all(axis=(1, 2))
+    )
     shares = np.full((len(seen), 2, _PLACES), np.nan)
     if not known.any():
         return shares[:, :, :0]
@@ -232,14 +235,16 @@ def _share_marks(covariances: Array, seen: Array) -> Array:
     places = np.linspace(seen[known, 0].min(), seen[known, 1].max(), _PLACES)
     shapes = np.stack([np.cos(places), np.sin(places)], axis=1)
     width = places[1] - places[0]
-    # two displacements need two places, also where nothing of a film is within the range
-    middle, half = seen.mean(axis=1), np.maximum(0.5 * np.ptp(seen, axis=1), width)
-    # the place at an end counts as far as it is seen, so that windows change continuously
-    inside = (half[known, np.newaxis] - np.abs(places - middle[known, np.newaxis])) / width + 0.5
-    weight = np.clip(inside, 0.0, 1.0)[..., np.newaxis]
-    turned = np.linalg.pinv(shapes * weight) * np.swapaxes(weight, 1, 2)
-    own = np.linalg.inv(symmetric_root(turned @ np.swapaxes(turned, 1, 2)))
-    shares[known] = symmetric_root(covariances[known]) @ own @ turned
+    for start in range(0, len(seen), _TOGETHER):
+        at = start + np.flatnonzero(known[start : start + _TOGETHER])
+        # two displacements need two places, also where nothing of a film is within the range
+        middle, half = seen[at].mean(axis=1), np.maximum(0.5 * np.ptp(seen[at], axis=1), width)
+        # the place at an end counts as far as it is seen, so that windows change continuously
+        inside = (half[:, np.newaxis] - np.abs(places - middle[:, np.newaxis])) / width + 0.5
+        weight = np.clip(inside, 0.0, 1.0)[..., np.newaxis]
+        turned = np.linalg.pinv(shapes * weight) * np.swapaxes(weight, 1, 2)
+        own = np.linalg.inv(symmetric_root(turned @ np.swapaxes(turned, 1, 2)))
+        shares[at] = symmetric_root(covariances[at]) @ own @ turned
 
     # a few sources hold nearly all of it
     rows = shares[known].reshape(-1, _PLACES)

@@ -6,7 +6,7 @@ Of the gap, what the camera sees is summarised.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import cache, partial
 from typing import Any
 
 import numpy as np
@@ -25,6 +25,10 @@ from erlif.prediction.start import find_start_film, log_weights
 
 # Cells round the joint and along half of its length; the film of half as many is within 0.7 %.
 CELLS = (256, 8)
+
+# The same for the standard deviation of the film of a free pin, within 1 % of its largest. Where
+# cavities form, theirs jump with the cells.
+_BAND_CELLS = (96, 4)
 
 _MICRO = 1e6
 
@@ -209,7 +213,11 @@ def predict_triggers(
 
     @cache
     def positions(
-        start: float, viscosity: float = 1.0, load: float = 1.0, clearance: float = 1.0
+        start: float,
+        cells: tuple[int, int] = cells,
+        viscosity: float = 1.0,
+        load: float = 1.0,
+        clearance: float = 1.0,
     ) -> tuple[xr.Dataset, xr.Dataset]:
         path = replace(motion.motion, load=load * motion.motion.load)
         moved = replace(motion, motion=path, viscosity=viscosity * motion.viscosity)
@@ -217,9 +225,9 @@ def predict_triggers(
         frames = predict_frames(joint, moved, start_film=start, sideways=sideways, cells=cells)
         return average_triggers(frames, trigger, used=used), frames
 
-    def minima(start: float, *, clearance: float = 1.0, **times: float) -> Array:
-        joint = journal.with_clearance(clearance)
-        both = positions(start, clearance=clearance, **times)
+    def minima(start: float, cells: tuple[int, int] = cells, **times: float) -> Array:
+        joint = journal.with_clearance(times.get("clearance", 1.0))
+        both = positions(start, cells, **times)
         return np.concatenate([_summarise_positions(one, joint, view)[0] for one in both])
 
     fitted = start_film is None
@@ -234,13 +242,14 @@ def predict_triggers(
 
         start_film = find_start_film(of_triggers, measured, std, clearance=journal.least_clearance)
         weight = np.append(log_weights(measured, std), np.zeros(len(trigger)))
-    triggers, frames = positions(start_film, clearance=1.0)  # as `minima` calls it: it is kept
+    triggers, frames = positions(start_film, cells)  # as `minima` calls it: it is kept
     predicted = _describe_positions(triggers, journal, view, "trigger")
     each = _describe_positions(frames, journal, view, "frame")
     if given is not None:
         full, own = sideways == "free", journal.clearance
+        follow = partial(minima, cells=_BAND_CELLS if full else cells)
         band = _MICRO * find_band(
-            minima, start_film, given, clearance=own, full=full, weight=weight
+            follow, start_film, given, clearance=own, full=full, weight=weight
         )
         count, name = triggers.sizes["trigger"], "film_predicted_min_std"
         predicted[name] = FILM[name].fill(band[:count])

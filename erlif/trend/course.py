@@ -217,7 +217,7 @@ def find_ratio_change(
     if not std < _LOOSE:
         return None
     drifting = rows.find(courses[:1])[1]
-    del rows  # tens of megabytes, as those of each round
+    del rows  # tens of megabytes, before those of each round
     significance = abs(size) / max(std, _TINY)
 
     def settle(number: int, size: float) -> tuple[float, float]:
@@ -225,8 +225,9 @@ def find_ratio_change(
         course, total, step, rest, rate = courses[number], size, size, size, 1.0
         for _ in range(_ROUNDS - 1):
             shifted = log_ratio - total * course[:, None]
-            left = _light_rows(light, shifted, chosen, places, calibration)
-            _, size, std = left.find(course[None])
+            rows = _light_rows(light, shifted, chosen, places, calibration)
+            _, size, std = rows.find(course[None])
+            del rows
             if not std < _LOOSE:
                 return float("nan"), float("nan")
             if size == rest:

@@ -78,7 +78,7 @@ class NetcdfMaps:
         self.variables = tuple(variables)
         """The maps."""
         self._directory, self._grid = directory, grid
-        self._numbers: list[dict[str, AnyArray]] = []
+        self._lines: list[int] = []  # where that of each finished trigger begins in the journal
 
         earlier = _read_journal(directory / "journal")
         name = next(name for name in _NAMES if earlier is None or name != earlier[0])
@@ -147,7 +147,7 @@ class NetcdfMaps:
 
     def has(self, trigger: int) -> bool:
         """Check whether a trigger is finished."""
-        return trigger < len(self._numbers)
+        return trigger < len(self._lines)
 
     def put(
         self, trigger: int, chunks: Mapping[str, bytes], numbers: Mapping[str, npt.ArrayLike]
@@ -177,8 +177,8 @@ class NetcdfMaps:
             places[name] = [offset, len(chunk), checksum(chunk)]
 
         # the trigger is finished when its line is complete, and not before
+        self._lines.append(self._journal.tell())
         self._journal.write(write_record(trigger, numbers, places))
-        self._numbers.append({name: np.asarray(value) for name, value in numbers.items()})
 
     def _write(self, target: Any, place: tuple[int, int, int], chunk: bytes) -> int:
         """Write a chunk, and find where it is in the file."""
@@ -195,7 +195,11 @@ class NetcdfMaps:
 
     def numbers(self, trigger: int) -> dict[str, AnyArray]:
         """Small arrays of a finished trigger, by the names given to `put`."""
-        return dict(self._numbers[trigger])
+        with (self._directory / "journal").open("rb") as journal:
+            journal.seek(self._lines[trigger])
+            record = read_record(journal.readline())
+        assert record is not None  # this process has written it
+        return record.numbers
 
     def read(self, trigger: int, name: str) -> AnyArray:
         """One map of a finished trigger, (y, x); any thread may call it."""

@@ -170,24 +170,26 @@ def _solve(band, sides, width):  # type: ignore[no-untyped-def]
     """Solve a band in place, without exchange of rows: every column has its largest term first."""
     rows, count = sides.shape
     for r in range(rows):
-        pivot = 1.0 / band[r, width]
+        pivot, links, own = 1.0 / band[r, width], band[r, width + 1 :], sides[r]
         for i in range(1, min(width, rows - 1 - r) + 1):
             factor = band[r + i, width - i] * pivot
             if factor == 0.0:
                 continue
-            for j in range(1, width + 1):
-                band[r + i, width - i + j] -= factor * band[r, width + j]
+            row, other = band[r + i, width - i + 1 :], sides[r + i]
+            for j in range(width):
+                row[j] -= factor * links[j]
             for s in range(count):
-                sides[r + i, s] -= factor * sides[r, s]
+                other[s] -= factor * own[s]
     for r in range(rows - 1, -1, -1):
-        for j in range(1, min(width, rows - 1 - r) + 1):
-            link = band[r, width + j]
-            if link == 0.0:
+        links, own = band[r, width + 1 :], sides[r]
+        for j in range(min(width, rows - 1 - r)):
+            if links[j] == 0.0:
                 continue
+            other = sides[r + 1 + j]
             for s in range(count):
-                sides[r, s] -= link * sides[r + j, s]
+                own[s] -= links[j] * other[s]
         for s in range(count):
-            sides[r, s] /= band[r, width]
+            own[s] /= band[r, width]
 
 
 @_part

@@ -239,7 +239,7 @@ class TriggerResult:
                 float(energy),
                 (digests[0].decode(), digests[1].decode()),
                 PulseSample(*pulse),
-                LightCells(*cells),
+                LightCells(*cells) if np.isfinite(cells).any() else NO_CELLS,
                 PatchMean(*patch.tolist()),
                 tuple(map(tuple, dark.tolist())),
                 (float(sharpness[0]), float(sharpness[1])),

@@ -334,20 +334,20 @@ def run_triggers(
     finished = len(frames_of) - len(todo)
     place = {trigger: finished + n for n, trigger in enumerate(todo, 1)}
 
-    numbers: dict[int, dict[str, AnyArray]] = {}
+    results: dict[int, TriggerResult] = {}
 
     def collect(trigger: int, made: FinishedTrigger) -> None:
         if made.chunks:
             unfinished.put(trigger, made.chunks, made.numbers)
-        numbers[trigger] = made.numbers
+        results[trigger] = TriggerResult.from_arrays(made.numbers)
         progress("film", place[trigger], len(frames_of))
-        if inspect is not None and len(numbers) == EARLY:
-            inspect([TriggerResult.from_arrays(one) for one in numbers.values()])
+        if inspect is not None and len(results) == EARLY:
+            inspect(list(results.values()))
 
     engine.compute(TriggerWork(task, frames_of, unfinished.maps, tuple(places)), todo, collect)
 
     # a shared disk may show a file later than the process that wrote it reports it
     return [
-        TriggerResult.from_arrays(numbers.get(trigger) or unfinished.maps.numbers(trigger))
+        results.get(trigger) or TriggerResult.from_arrays(unfinished.maps.numbers(trigger))
         for trigger in triggers
     ]
