@@ -338,8 +338,6 @@ def estimate_errors(
     known = np.isfinite(record.log_ratio) & np.isfinite(record.light) & (record.variance > 0)
     film = calibration.inverse.look_up(np.where(known, record.log_ratio, 0.0))
     chosen = choose_cells(film, known, calibration)
-    if chosen.any(axis=1).sum() < FEWEST_FRAMES:
-        return None
     x, y = (view.pitch * centre for centre in centres)
     along, across = (x, y) if view.sliding_along_x else (y, x)
     gap = gap_of_pin(
@@ -349,10 +347,24 @@ def estimate_errors(
         clearance_std=float(np.hypot(clearance_std, CLEARANCE_STD * view.clearance)),
         flattening=flattening,
     )
+    # chosen by their own films, cells at the end of the range are those whose noise is negative
+    start = _fit_positions(film, chosen, gap[0], view.clearance)
+    chosen = choose_cells(view.clearance + start @ gap[0], known, calibration)
+    if chosen.any(axis=1).sum() < FEWEST_FRAMES:
+        return None
     record = LightCells(*(np.where(chosen, part, 0.0) for part in record))
     return _ErrorFit(
         record, chosen, calibration, passed[steps], gap, view.clearance, centres
-    ).solve(film)
+    ).solve(film, start)
+
+
+def _fit_positions(measured: Array, chosen: Mask, motion: Array, clearance: float) -> Array:
+    """Position of the pin in each frame by the measured films, (frame, motion). [um]"""
+    found = np.zeros((len(measured), len(motion)))
+    for k, used in enumerate(chosen):
+        rest = measured[k, used] - clearance
+        found[k, :-1] = np.linalg.lstsq(motion[:-1, used].T, rest, rcond=None)[0]
+    return found
 
 
 @dataclass(frozen=True)
@@ -367,15 +379,16 @@ class _ErrorFit:
     clearance: float
     place: tuple[Array, Array]
 
-    def solve(self, measured: Array) -> ErrorEstimate | None:
-        """The estimate; None where it does not settle within the widths."""
+    def solve(self, measured: Array, start: Array) -> ErrorEstimate | None:
+        """The estimate, from positions of the pin; None where it does not settle in the widths."""
         prior, noise = self.calibration.full_covariance, 0.0
-        state, bright = self._start(measured), self._illumination(measured)
+        nothing = np.zeros(len(prior)), np.zeros(measured.shape[1])
+        state, bright = RigidityUnknowns(*nothing, start), self._illumination(measured)
         for _ in range(_ROUNDS):
             film = self._film(state)
             if not (film > _THINNEST).all():
                 return None
-            equations = self._linearise(film, bright, noise)
+            equations = self._linearise(film - self._marks(state), bright, noise)
             rest = self._rest(film, equations.errors, state.errors)
             step, covariance, scatter = solve_equations(equations, prior, rest, state)
             state = RigidityUnknowns(*(old + new for old, new in zip(state, step, strict=True)))
@@ -396,17 +409,6 @@ class _ErrorFit:
             float(np.median(film[self.chosen])),
         )
 
-    def _start(self, measured: Array) -> RigidityUnknowns:
-        """Positions by the measured films."""
-        motion, cells = self.gap[0], measured.shape[1]
-        found = np.zeros((len(measured), len(motion)))
-        for k, used in enumerate(self.chosen):
-            rest = measured[k, used] - self.clearance
-            found[k, :-1] = np.linalg.lstsq(motion[:-1, used].T, rest, rcond=None)[0]
-        return RigidityUnknowns(
-            np.zeros(len(self.calibration.full_covariance)), np.zeros(cells), found
-        )
-
     def _illumination(self, measured: Array) -> Array:
         """Illumination of each cell relative to the median, (cell,). [1]"""
         film = np.where(self.chosen, measured, 3.0)
@@ -418,6 +420,14 @@ class _ErrorFit:
         """Film of each cell; 3 um where it is not used. [um]"""
         film = self.clearance + state.motion @ self.gap[0] + state.form
         return np.where(self.chosen, film, 3.0)
+
+    def _marks(self, state: RigidityUnknowns) -> Array:
+        """Part of the form that each cell has for itself, (cell,). [um]
+
+        It holds noise of the flats, which is the same in all frames. Derivatives at this part
+        would be correlated with the noise, and the noise itself would be an error of the ratio.
+        """
+        return np.asarray(_MARKS**2 * np.linalg.solve(self.gap[2], state.form))
 
     def _linearise(self, film: Array, bright: Array, noise: float) -> RatioEquations:
         """The equations at these films."""

@@ -127,6 +127,18 @@ def test_a_scale_of_the_ratio_is_found_and_taken_out():
     npt.assert_array_less(np.abs(after), 0.4 * before)
 
 
+def test_noise_of_the_flats_is_no_error_of_all_films():
+    """It is the same in all frames, other in each cell; the curve of 20 sound runs is right."""
+    rng, shifts = np.random.default_rng(9), []
+    for _ in range(20):
+        record = draw_run(rng, (0.0,) * 4)
+        flats = 1e-3 * rng.standard_normal(record.log_ratio.shape[1])
+        found = estimate(record._replace(log_ratio=record.log_ratio + flats))
+        shifts.append(found.film_shift(FILMS, CALIBRATION.at(0.5)))
+    scatter = np.std(shifts, axis=0) / np.sqrt(len(shifts))
+    npt.assert_array_less(np.abs(np.mean(shifts, axis=0)), 3.5 * scatter)
+
+
 def test_a_pin_that_stays_determines_less():
     """At one minimum film it only turns aside and tilts a little.
 
