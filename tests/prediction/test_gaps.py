@@ -6,9 +6,9 @@ import numpy as np
 import numpy.testing as npt
 import pytest
 import xarray as xr
-from scipy.interpolate import CubicSpline
 from scenes.orbits import RIG, SPEED, STATED
 from scenes.pin import follow_true_pin
+from scipy.interpolate import CubicSpline
 
 from erlif.prediction import follow_motion
 from erlif.prediction.gaps import MOST_FILLED, find_motion_in_gaps

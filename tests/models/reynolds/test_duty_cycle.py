@@ -107,7 +107,7 @@ def full_velocity(eccentricity, force):
 
 @cache
 def mobility_orbit(velocity, unit=UNIT):
-    """Places of the pin over the clearance, to 1e-5; the unit is that of force over velocity. [N s]"""
+    """Places of the pin over the clearance, to 1e-5; the unit is force over velocity. [N s]"""
 
     def rate(now, place):
         eccentricity, line = np.hypot(*place), complex(*place) / np.hypot(*place)
