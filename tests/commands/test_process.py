@@ -47,6 +47,7 @@ def test_output_may_lie_elsewhere_and_the_run_be_read_only(
     assert not list(lab.run.glob("film*"))
 
 
+@pytest.mark.usefixtures("maps_alone")
 def test_a_slider_crank_is_processed(lab, command):
     lab.edit(
         "run/run.toml",
@@ -76,6 +77,7 @@ def cycles(two_cycles, small_rig, tmp_path):
     return tmp_path / "run", small_rig.fixture / "calibration.nc"
 
 
+@pytest.mark.usefixtures("maps_alone")
 def test_several_cycles_fold_onto_one(cycles, command):
     run, calibration = cycles
     command("process", run, "--calibration", calibration)

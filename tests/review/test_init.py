@@ -87,6 +87,7 @@ KNOWN = {
 }
 
 
+@pytest.mark.usefixtures("maps_alone")
 def test_a_run_without_settings_becomes_the_same_film_once_the_gaps_are_filled(lab, film, command):
     original = (lab.run / "run.toml").read_text()
     zero, roi = (re.search(rf"{key} = .*", original)[0] for key in ("zero", "roi"))
@@ -169,6 +170,7 @@ def test_a_measurement_in_one_folder_becomes_the_same_film(lab, film, tmp_path, 
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("maps_alone")
 def test_a_run_with_a_log_in_time_goes_from_init_to_the_report(small_rig, film, tmp_path, command):
     """The frames of the same seed; a log at 10 kHz in the form of another logger."""
     simulate(tmp_path, seed=11, rig=RigSettings(**{**vars(SMALL), "log": "continuous"}))
