@@ -18,12 +18,18 @@ def test_chosen_figures_are_written(command, own, tmp_path):
     assert "figures: 2 done" in result.stderr
 
 
-@pytest.mark.parametrize("backend", ["nonsense", "module://matplotlib_inline.backend_inline"])
-def test_the_backend_of_the_environment_is_not_used(own, tmp_path, backend):
+@pytest.mark.parametrize(
+    "environment",
+    [
+        {"MPLBACKEND": "nonsense", "MPLCONFIGDIR": "/dev/null/none"},
+        {"MPLBACKEND": "module://matplotlib_inline.backend_inline"},
+    ],
+)
+def test_the_backend_of_the_environment_is_not_used(own, tmp_path, environment):
     figures = [sys.executable, "-m", "erlif", "figures", own, "-o", tmp_path / "chosen"]
     subprocess.run(
         [*figures, "--only", "film_over_cycle"],
-        env={**os.environ, "MPLBACKEND": backend, "MPLCONFIGDIR": "/dev/null/none"},
+        env=os.environ | environment,
         check=True,
     )
     assert list((tmp_path / "chosen").glob("film_over_cycle.*"))
