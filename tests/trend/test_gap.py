@@ -21,6 +21,7 @@ from scenes.gap import (
     true_log_ratio,
 )
 
+from conftest import FULL
 from erlif.core.products import RatioImages
 from erlif.rig import RigSettings
 from erlif.rig.film import Gap, draw_marks
@@ -259,11 +260,11 @@ def test_error_bar_covers_the_gap_that_each_contact_has(contact):
 
 @pytest.mark.slow
 def test_error_bar_covers_turned_and_scratched_surfaces():
-    """60 surfaces of the virtual rig: 68.3 and 95.4 % within one and two std."""
+    """Surfaces of the virtual rig: 68.3 and 95.4 % within one and two std."""
     marks = RigSettings()
     rows, columns = np.indices((Y.size, X.size), dtype=float)
     pulls = []
-    for seed in range(60):
+    for seed in range(60 if FULL else 30):
         rng = np.random.default_rng([7, seed])
         film = np.maximum(known_gap(3.0) + draw_marks(marks, rng)(columns + 60, rows + 40), 0.05)
         found = fit(noisy_ratios(film, 0.0135, rng))

@@ -43,10 +43,9 @@ def draw(record, rng, *, true=0.0, one_calibration=True, runs=2):
 
 
 @pytest.mark.parametrize("one_calibration", [True, False])
-@pytest.mark.parametrize("true", [0.0, 0.2])
-def test_a_stated_difference_covers_the_true_one(record, one_calibration, true):
+def test_a_stated_difference_covers_the_true_one(record, one_calibration):
     rng = np.random.default_rng(3)
-    count = 300
+    count, true = 300, 0.2
     for name in ("film_min", "film_mean"):
         pull = np.empty(count)
         for n in range(count):
