@@ -10,7 +10,9 @@ import pytest
 import xarray as xr
 from scenes.terminal import unwrapped
 
+import erlif.pipeline
 from conftest import read_film
+from erlif.core.errors import ErlifError
 
 
 def test_a_run_is_checked_and_processed(lab, film, command):
@@ -92,15 +94,17 @@ def test_several_cycles_fold_onto_one(cycles, command):
     assert frames.trigger.values.tolist() == [*range(6)] * 2
 
 
-# workers of dask
+def test_the_scheduler_of_workers_reaches_the_pipeline(lab, command, monkeypatch):
+    """Their film is that of threads: tests/pipeline/engines/test_cluster.py."""
+    given = []
 
+    def process(*_, scheduler, **options):
+        given.append(scheduler)
+        raise ErlifError("the end")
 
-def test_a_film_of_workers_is_that_of_threads(lab, film, command):
-    pytest.importorskip("distributed")
-    result = command("process", lab.run, "--scheduler", "local:1")
-    assert "film: 6 done" in result.stderr
-    assert lab.film.read_bytes() == film.read_bytes()
-    assert not list(lab.run.glob("*.partial"))
+    monkeypatch.setattr(erlif.pipeline, "process", process)
+    command("process", lab.run, "--scheduler", "local:1", status=2)
+    assert given == ["local:1"]
 
 
 MODULE = importlib.import_module("erlif.pipeline.batch")
