@@ -39,6 +39,7 @@ def printed(commands: str) -> str:
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("maps_alone")
 @pytest.mark.parametrize("name", ["friction.md", "planning.md", "compare.md"])
 def test_the_first_commands_of_a_page_print_what_it_shows(name, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)

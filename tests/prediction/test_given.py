@@ -272,7 +272,9 @@ def test_a_negative_error_is_refused():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("pin", "count"), [("free", 60), ("guided", 8 if FULL else 4)])
+@pytest.mark.parametrize(
+    ("pin", "count"), [("free", 60 if FULL else 30), ("guided", 8 if FULL else 4)]
+)
 def test_errors_hold_their_share_of_rigs_that_are_drawn_from_their_widths(pin, count):
     """Clearance, load, load line, tilt and drift together; orbits are those of the virtual rig."""
     options = {"sideways": pin, "given": WIDTHS, "profiles": False}

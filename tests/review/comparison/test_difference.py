@@ -7,6 +7,7 @@ import numpy as np
 import numpy.testing as npt
 import pytest
 
+from conftest import FULL
 from erlif.core.errors import ErlifError
 from erlif.review.comparison import average_difference, correct_for_many, difference_map
 from erlif.review.comparison.difference import common_angles, weights
@@ -59,7 +60,7 @@ def test_a_stated_difference_covers_the_true_one(record, one_calibration):
 
 def test_runs_that_do_not_differ_are_stated_to_in_five_per_cent_of_comparisons_at_most(record):
     rng = np.random.default_rng(4)
-    count, alarms = 200, 0
+    count, alarms = 200 if FULL else 100, 0
     for _ in range(count):
         runs = draw(record, rng, runs=3)
         probability = [
