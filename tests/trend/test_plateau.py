@@ -98,7 +98,7 @@ def test_errors_of_drawn_contacts_cover_their_films():
         pulls.append([(one.value - true) / own_std(one) for one, true in both])
     for pull in np.abs(pulls).T:
         pull = pull[np.isfinite(pull)]
-        assert pull.size > 0.83 * count
+        assert pull.size > count * 5 / 6
         for share, low in ((0.68, 1), (0.95, 2)):
             assert abs((pull < low).mean() - share) < 3 * np.sqrt(share * (1 - share) / pull.size)
 
