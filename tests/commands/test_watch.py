@@ -13,8 +13,8 @@ import pytest
 from erlif.commands.watch import ALARMED
 from erlif.pipeline.watch.watch import Watch
 from erlif.rig.live import Fault, write_live
-from tests.conftest import FULL, snapshot
-from tests.scenes.processes import end_command, limit_the_size_of_files, start_command
+from tests.conftest import FULL
+from tests.scenes.processes import start_command
 
 
 @pytest.fixture
@@ -156,16 +156,3 @@ def test_killed_at_any_moment_it_goes_on_and_ends_with_the_same_film(lab, film, 
         again.join()
         assert again.exitcode == 0, (tmp_path / "log").read_text()
         assert lab.film.read_bytes() == film.read_bytes()
-
-
-@pytest.mark.slow
-def test_a_disk_too_full_for_the_film_is_refused_and_what_was_recorded_is_kept(lab, tmp_path):
-    arguments = ("watch", lab.run, "--no-browser", "--quiet", "1 s", "--workers", "1")
-    before = snapshot(lab.run)
-    status, message = end_command(tmp_path / "log", *arguments, before=limit_the_size_of_files)
-    assert status == 2, message
-    assert message.count("erlif: ") == 1
-    assert "could not be written: File too large" in message
-    assert "Traceback" not in message
-    assert before.items() <= snapshot(lab.run).items()
-    assert not lab.film.exists()

@@ -21,7 +21,6 @@ from scenes.gap import (
     true_log_ratio,
 )
 
-from conftest import FULL
 from erlif.core.products import RatioImages
 from erlif.rig import RigSettings
 from erlif.rig.film import Gap, draw_marks
@@ -256,23 +255,6 @@ def test_error_bar_covers_the_gap_that_each_contact_has(contact):
             assert share_within(each, width) > share - 3 * spread
     assert np.std(lowest) > 0.6
     assert np.sqrt(np.mean(mean**2)) > 0.35
-
-
-@pytest.mark.slow
-def test_error_bar_covers_turned_and_scratched_surfaces():
-    """Surfaces of the virtual rig: 68.3 and 95.4 % within one and two std."""
-    marks = RigSettings()
-    rows, columns = np.indices((Y.size, X.size), dtype=float)
-    pulls = []
-    for seed in range(60 if FULL else 30):
-        rng = np.random.default_rng([7, seed])
-        film = np.maximum(known_gap(3.0) + draw_marks(marks, rng)(columns + 60, rows + 40), 0.05)
-        found = fit(noisy_ratios(film, 0.0135, rng))
-        pulls.append(
-            (found.minimum.value - 3.0)
-            / np.hypot(found.minimum.random_std, found.minimum.surface_std)
-        )
-    assert_covers(pulls)
 
 
 @pytest.mark.parametrize(
