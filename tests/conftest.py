@@ -229,9 +229,15 @@ def two_models(monkeypatch) -> None:
     monkeypatch.setattr(module, "compare_models", compare_two)
 
 
+@pytest.fixture
+def maps_alone(monkeypatch) -> None:
+    """Films without what theory adds, for tests that look at maps, statistics and notes alone."""
+    monkeypatch.setattr("erlif.pipeline.run.with_theory", lambda draft: draft)
+
+
 @pytest.fixture(scope="module")
 def without_theory():
-    """Films without what theory adds, for modules that look at maps, statistics and notes alone."""
+    """The same for all tests of a module."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("erlif.pipeline.run.with_theory", lambda draft: draft)
         yield

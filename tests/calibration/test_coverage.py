@@ -27,15 +27,17 @@ from erlif.calibration import Profile, compare_calibrations
 
 pytestmark = pytest.mark.slow
 
+COUNT = 100 if FULL else 50
+
 
 @pytest.fixture(scope="module")
 def photographed():
-    """A hundred fixtures with a noisy CMM, of 0.15 um; the first fifty photographed twice."""
+    """Fixtures with a noisy CMM, of 0.15 um; the first half photographed twice."""
     rng = np.random.default_rng(2)
-    profiles = [wedge_profile(rng) for _ in range(100)]
+    profiles = [wedge_profile(rng) for _ in range(COUNT)]
     first, second = (
         [calibrate_wedge(rng, profile=profile) for profile in chosen]
-        for chosen in (profiles, profiles[:50])
+        for chosen in (profiles, profiles[: COUNT // 2])
     )
     return first, second
 
@@ -49,28 +51,28 @@ def test_uncertainties_of_parameters_and_films_cover(photographed):
     assert not any(noted)
     pulls = [pulls_of_curve(calibration, FILMS) for calibration in photographed[0]]
 
-    # 100 draws scatter by 4.7 and 2.1 % about 68.3 and 95.4 %
-    assert np.all(np.abs(share_within(pulls, 1) - 0.683) < 3 * 0.047)
-    assert np.all(np.abs(share_within(pulls, 2) - 0.954) < 3 * 0.021)
-    assert np.all(np.abs(np.mean(pulls, axis=0)) < 4 / np.sqrt(100))
+    assert_covers(pulls)
+    assert np.all(np.abs(np.mean(pulls, axis=0)) < 4 / np.sqrt(COUNT))
 
 
 @pytest.mark.parametrize("shared", [False, True])
 def test_false_alarms_are_as_rare_as_stated(photographed, shared):
-    """Of fifty pairs of unchanged fixtures, at most a few are significant by chance.
+    """Of pairs of unchanged fixtures, at most a few are significant by chance.
 
     Half of them have a probability below a half.
     """
     first, second = photographed
-    one, other = (second, first[:50]) if shared else (first[::2], first[1::2])
+    count = COUNT // 2
+    one, other = (second, first[:count]) if shared else (first[::2], first[1::2])
     found = [compare_calibrations(*pair) for pair in zip(one, other, strict=True)]
-    assert len(found) == 50
-    assert sum(each.significant for each in found) <= binom.ppf(0.999, 50, 0.01)
-    assert sum(each.drifted for each in found) <= 4
+    assert len(found) == count
+    by_chance = binom.ppf(0.999, count, 0.01)
+    assert sum(each.significant for each in found) <= by_chance
+    assert sum(each.drifted for each in found) <= by_chance
     below = sum(each.probability < 0.5 for each in found)
-    assert abs(below - 25) < 3.3 * np.sqrt(50) / 2
+    assert abs(below - count / 2) < 3.3 * np.sqrt(count) / 2
     pulls = np.array([(each.difference / each.difference_std)[[10, 30, 50]] for each in found])
-    npt.assert_allclose(pulls.std(axis=0), 1, atol=0.35)
+    npt.assert_allclose(pulls.std(axis=0), 1, atol=3.5 / np.sqrt(2 * count))
 
 
 @pytest.mark.parametrize("reflectance", [0.0, 0.05, 0.1, 0.3, 0.6] if FULL else [0.3])
@@ -80,7 +82,7 @@ def test_films_before_a_wall_that_reflects_cover(reflectance):
     Measured with fifty each: 70 to 73 % and 93 to 97 %.
     """
     rng, true = np.random.default_rng(11), through_filters(reflectance)
-    pulls, count = [], 50 if FULL else 25
+    pulls, count = [], 50 if FULL else 15
     for _ in range(count):
         found = calibrate_wedge(rng, noise=0.1, true=true)
         low, high = found.thickness_range
@@ -104,7 +106,7 @@ def test_films_of_a_fixture_with_steps_cover(film):
     position = np.arange(0, PITCH * film.size, 0.1)
     readings = film[np.minimum(np.rint(position / PITCH).astype(int), film.size - 1)]
     light = gaussian_filter1d(np.exp(log_ratio(film)), 1.0, mode="nearest")
-    count = 50 if FULL else 15
+    count = 50 if FULL else 10
     for _ in range(count):
         profile = Profile(
             position, readings + rng.normal(0, 0.1, position.size), np.full(position.size, 0.1)

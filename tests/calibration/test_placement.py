@@ -140,7 +140,7 @@ def test_offset_scale_and_turn_of_a_line_are_found_and_its_film_with_them():
 @pytest.mark.slow
 def test_uncertainties_of_pose_and_curve_cover_on_a_line():
     rng = np.random.default_rng(4)
-    assert_covers([pulls_of_line(rng) for _ in range(40 if FULL else 20)])
+    assert_covers([pulls_of_line(rng) for _ in range(40 if FULL else 12)])
 
 
 @pytest.mark.slow
@@ -149,7 +149,7 @@ def test_scatter_of_pose_and_curve_matches_the_error_bars_on_a_surface():
 
     The cells of a surface are wide, and its form is that of a polynomial.
     """
-    rng, count = np.random.default_rng(5), 14 if FULL else 10
+    rng, count = np.random.default_rng(5), 14 if FULL else 7
     pulls = np.array([pulls_of_surface(rng) for _ in range(count)])
     scatter = np.sqrt((pulls**2).mean(axis=0))
     width = 1 / np.sqrt(2 * count)  # scatter of the root mean square of so many draws

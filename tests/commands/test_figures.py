@@ -4,8 +4,6 @@ import os
 import subprocess
 import sys
 
-import pytest
-
 
 def test_chosen_figures_are_written(command, own, tmp_path):
     out = tmp_path / "chosen"
@@ -18,12 +16,11 @@ def test_chosen_figures_are_written(command, own, tmp_path):
     assert "figures: 2 done" in result.stderr
 
 
-@pytest.mark.parametrize("backend", ["nonsense", "module://matplotlib_inline.backend_inline"])
-def test_the_backend_of_the_environment_is_not_used(own, tmp_path, backend):
+def test_the_backend_of_the_environment_is_not_used(own, tmp_path):
     figures = [sys.executable, "-m", "erlif", "figures", own, "-o", tmp_path / "chosen"]
     subprocess.run(
         [*figures, "--only", "film_over_cycle"],
-        env={**os.environ, "MPLBACKEND": backend, "MPLCONFIGDIR": "/dev/null/none"},
+        env={**os.environ, "MPLBACKEND": "nonsense", "MPLCONFIGDIR": "/dev/null/none"},
         check=True,
     )
     assert list((tmp_path / "chosen").glob("film_over_cycle.*"))

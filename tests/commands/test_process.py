@@ -47,6 +47,7 @@ def test_output_may_lie_elsewhere_and_the_run_be_read_only(
     assert not list(lab.run.glob("film*"))
 
 
+@pytest.mark.usefixtures("maps_alone")
 def test_a_slider_crank_is_processed(lab, command):
     lab.edit(
         "run/run.toml",
@@ -76,6 +77,7 @@ def cycles(two_cycles, small_rig, tmp_path):
     return tmp_path / "run", small_rig.fixture / "calibration.nc"
 
 
+@pytest.mark.usefixtures("maps_alone")
 def test_several_cycles_fold_onto_one(cycles, command):
     run, calibration = cycles
     command("process", run, "--calibration", calibration)
@@ -90,15 +92,10 @@ def test_several_cycles_fold_onto_one(cycles, command):
     assert frames.trigger.values.tolist() == [*range(6)] * 2
 
 
-# workers of dask
-
-
-def test_a_film_of_workers_is_that_of_threads(lab, film, command):
+def test_the_scheduler_of_workers_reaches_the_pipeline(lab, refused):
+    """Their film is that of threads: tests/pipeline/engines/test_cluster.py."""
     pytest.importorskip("distributed")
-    result = command("process", lab.run, "--scheduler", "local:1")
-    assert "film: 6 done" in result.stderr
-    assert lab.film.read_bytes() == film.read_bytes()
-    assert not list(lab.run.glob("*.partial"))
+    assert "local:N" in refused("process", lab.run, "--scheduler", "local:0")
 
 
 MODULE = importlib.import_module("erlif.pipeline.batch")

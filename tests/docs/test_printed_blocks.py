@@ -3,14 +3,15 @@
 import re
 import shlex
 import shutil
-import subprocess
-import sys
 from pathlib import Path
 
 import cv2
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
+from click.testing import CliRunner
+
+from erlif.commands.main import main
 
 ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
@@ -21,25 +22,24 @@ def read(name: str) -> str:
     return (DOCS / name).read_text(encoding="utf-8")
 
 
-def printed(commands: str, folder: Path) -> str:
+def printed(commands: str) -> str:
     """Output of all commands, each break of a line as one space."""
     texts = []
     for line in filter(None, commands.replace("\\\n", " ").splitlines()):
         name, *words = shlex.split(line, comments=True)
         assert name == "erlif"
         words, into = (words[:-2], words[-1]) if ">" in words else (words, None)
-        command = [sys.executable, "-m", "erlif", *words]
-        found = subprocess.run(
-            command, cwd=folder, capture_output=True, encoding="utf-8", check=True
-        )
+        found = CliRunner().invoke(main, words, catch_exceptions=False)
+        assert found.exit_code == 0, found.output
         if into is None:
             texts.append(found.stdout)
         else:
-            (folder / into).write_text(found.stdout, encoding="utf-8")
+            Path(into).write_text(found.stdout, encoding="utf-8")
     return " ".join("".join(texts).split())
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("maps_alone")
 @pytest.mark.parametrize("name", ["friction.md", "planning.md", "compare.md"])
 def test_the_first_commands_of_a_page_print_what_it_shows(name, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
@@ -48,25 +48,26 @@ def test_the_first_commands_of_a_page_print_what_it_shows(name, tmp_path, monkey
     for kind, code in blocks[:place]:
         if kind == "python":
             exec(code, {})
-    found = printed(blocks[place - 1][1], tmp_path)
+    found = printed(blocks[place - 1][1])
     lines = blocks[place][1].splitlines()
     assert [line for line in lines if " ".join(line.split()) not in found] == []
 
 
 @pytest.mark.slow
-def test_the_sample_gives_text_and_picture_of_the_readme(tmp_path):
+def test_the_sample_gives_text_and_picture_of_the_readme(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
     for part in ("data_samples/thick_oil", "calibration"):
-        shutil.copytree(ROOT / part, tmp_path / part)
+        shutil.copytree(ROOT / part, part)
     film = "data_samples/thick_oil/film.nc"
-    found = printed("erlif process data_samples/thick_oil --overwrite", tmp_path)
+    found = printed("erlif process data_samples/thick_oil --overwrite")
     for page in ("../README.md", "speed.md"):
         shown = next(code for kind, code in BLOCK.findall(read(page)) if kind == "text")
         lines = shown.splitlines()
         assert [line for line in lines if " ".join(line.split()) not in found] == []
 
-    printed(f"erlif figures {film} --only film_against_speed --format png", tmp_path)
+    printed(f"erlif figures {film} --only film_against_speed --format png")
     kept = cv2.imread(str(DOCS / "images" / "speed.png")).astype(float)
-    drawn = cv2.imread(str(tmp_path / Path(film).parent / "figures" / "film_against_speed.png"))
+    drawn = cv2.imread(str(Path(film).parent / "figures" / "film_against_speed.png"))
     drawn = cv2.resize(drawn, kept.shape[1::-1], interpolation=cv2.INTER_AREA)
     assert np.abs(kept - drawn).mean() < 2.5  # of 255; a shift of one pixel changes 4.9
 

@@ -8,6 +8,7 @@ import pytest
 import xarray as xr
 from scenes.orbits import RIG, SPEED, STATED
 from scenes.pin import follow_true_pin
+from scipy.interpolate import CubicSpline
 
 from erlif.prediction import follow_motion
 from erlif.prediction.gaps import MOST_FILLED, find_motion_in_gaps
@@ -24,6 +25,13 @@ CLOSING = np.arange(39, 44)
 @pytest.fixture(scope="module")
 def guided_pin():
     return follow_true_pin(COUNT, sideways="guided", elapsed=6.0, load=2000.0)
+
+
+@pytest.fixture(scope="module")
+def along(guided_pin):
+    """Its displacement along the load [m] as a function of time."""
+    time = np.linspace(0.0, 1.01 * PERIOD, 4001)
+    return CubicSpline(time, follow_pin(time, guided_pin.rig)[:, 0])
 
 
 def fill(pin, missing, position=None):
@@ -53,33 +61,32 @@ def fill(pin, missing, position=None):
     )
 
 
-def missed(pin, found):
+def missed(along, found):
     """Errors of the path between triggers with and without the prediction, [m], and its std."""
     between = ~found.recorded
-    true = follow_pin(found.time[between], pin.rig)[:, 0]
+    true = along(found.time[between])
     paths = (path.position[between, 0] - true for path in (found, found.otherwise))
     return *paths, np.sqrt(found.random_cov[between, 0, 0])
 
 
-def test_a_gap_that_closes_the_turn_is_crossed_as_the_rig_crosses_it(guided_pin):
+def test_a_gap_that_closes_the_turn_is_crossed_as_the_rig_crosses_it(guided_pin, along):
     """By the prediction to a third of what the smooth path is off, and within its errors."""
     found = fill(guided_pin, np.arange(45, 50))
-    filled, smooth, std = missed(guided_pin, found)
+    filled, smooth, std = missed(along, found)
     assert np.abs(filled).max() < 0.5 * np.abs(smooth).max()
     assert np.abs(filled / std).max() < 3
     assert found.widest_gap < 0.03
 
 
-def test_a_corner_in_a_gap_is_cut_by_no_more_than_without_a_prediction(guided_pin):
+def test_a_corner_in_a_gap_is_cut_by_no_more_than_without_a_prediction(guided_pin, along):
     found = fill(guided_pin, CLOSING)
-    filled, smooth, _ = missed(guided_pin, found)
+    filled, smooth, _ = missed(along, found)
     assert filled.size >= CLOSING.size
     assert found.recorded.sum() == COUNT - CLOSING.size
     assert np.abs(filled).max() < 1.1 * np.abs(smooth).max()
     # away from it the path is that of the triggers
     far = found.recorded & (np.abs(found.time - guided_pin.time[41]) > 0.2 * PERIOD)
-    true = follow_pin(found.time[far], guided_pin.rig)[:, 0]
-    npt.assert_allclose(found.position[far, 0], true, atol=3e-8)
+    npt.assert_allclose(found.position[far, 0], along(found.time[far]), atol=3e-8)
 
 
 def test_no_gap_is_filled_that_is_too_long_or_by_a_pin_that_is_not_guided(guided_pin):

@@ -121,14 +121,12 @@ def test_viscosity_is_found_on_a_bore_with_lobes_roughness_or_a_liner(name):
         covariance = np.diag(noise**2) * np.ones((TIME.size, 1, 1))
         measured = MeasuredMotion(seen, covariance, np.zeros((TIME.size, 2, 0)))
     held = BORES[name].get("sideways", "free")
-    found, plain = (
-        fit_motion(measured, one, moved, sideways=held, profiles=False)
-        for one in (joint, replace(SHORT, axial_shape=joint.axial_shape))
-    )
+    found = fit_motion(measured, joint, moved, sideways=held, profiles=False)
     viscosity = found.estimates["viscosity"]
     assert abs(viscosity.value - 0.12) < 2 * viscosity.std < 0.05 * 0.12
     assert found.inflation < 1.5
     if name != "lobes":
+        plain = fit_motion(measured, SHORT, moved, sideways=held, profiles=False)
         off = plain.estimates["viscosity"]
         assert abs(off.value - 0.12) > 4 * off.std
 

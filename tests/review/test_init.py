@@ -87,6 +87,7 @@ KNOWN = {
 }
 
 
+@pytest.mark.usefixtures("maps_alone")
 def test_a_run_without_settings_becomes_the_same_film_once_the_gaps_are_filled(lab, film, command):
     original = (lab.run / "run.toml").read_text()
     zero, roi = (re.search(rf"{key} = .*", original)[0] for key in ("zero", "roi"))
@@ -169,7 +170,10 @@ def test_a_measurement_in_one_folder_becomes_the_same_film(lab, film, tmp_path, 
 
 
 @pytest.mark.slow
-def test_a_run_with_a_log_in_time_goes_from_init_to_the_report(small_rig, film, tmp_path, command):
+@pytest.mark.usefixtures("maps_alone")
+def test_a_run_with_a_log_in_time_goes_from_init_to_the_report(
+    small_rig, film, tmp_path, command, monkeypatch
+):
     """The frames of the same seed; a log at 10 kHz in the form of another logger."""
     simulate(tmp_path, seed=11, rig=RigSettings(**{**vars(SMALL), "log": "continuous"}))
     run = tmp_path / "run"
@@ -183,6 +187,7 @@ def test_a_run_with_a_log_in_time_goes_from_init_to_the_report(small_rig, film, 
     fill_gaps(run / "run.toml", KNOWN)
     assert "error" not in command("check", run).stdout
     command("process", run)
+    monkeypatch.setattr("erlif.show.report.page.DRAWN", {})  # figures take most of the time
     command("report", run / "film.nc")
     assert "zero fitted to the dead points" in (run / "report.html").read_text(encoding="utf-8")
 

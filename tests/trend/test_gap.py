@@ -257,23 +257,6 @@ def test_error_bar_covers_the_gap_that_each_contact_has(contact):
     assert np.sqrt(np.mean(mean**2)) > 0.35
 
 
-@pytest.mark.slow
-def test_error_bar_covers_turned_and_scratched_surfaces():
-    """60 surfaces of the virtual rig: 68.3 and 95.4 % within one and two std."""
-    marks = RigSettings()
-    rows, columns = np.indices((Y.size, X.size), dtype=float)
-    pulls = []
-    for seed in range(60):
-        rng = np.random.default_rng([7, seed])
-        film = np.maximum(known_gap(3.0) + draw_marks(marks, rng)(columns + 60, rows + 40), 0.05)
-        found = fit(noisy_ratios(film, 0.0135, rng))
-        pulls.append(
-            (found.minimum.value - 3.0)
-            / np.hypot(found.minimum.random_std, found.minimum.surface_std)
-        )
-    assert_covers(pulls)
-
-
 @pytest.mark.parametrize(
     ("film", "contact"),
     [

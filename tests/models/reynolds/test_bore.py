@@ -78,10 +78,9 @@ def test_a_pin_sinks_on_a_shaped_bore_as_plain_differences_say(name):
     assert abs(straight / expected - 1) > 0.3
 
 
-@pytest.mark.parametrize("rough", [0.0, 1e-6])
-@pytest.mark.parametrize("name", SHAPES)
+@pytest.mark.parametrize(("name", "rough"), [("lobes", 1e-6), ("edges", 0.0)])
 def test_dampings_of_a_full_film_are_those_of_plain_differences(name, rough):
-    """Between smooth walls the damping at 2 um is 2 and 13 % less."""
+    """Between smooth walls the damping at 2 um on the lobes is 2 or 13 % less."""
     joint = replace(STRAIGHT, axial_shape=SHAPES[name], roughness=rough or None)
     films = np.array([30e-6, 12e-6, 5e-6, 2e-6])
     found = FullFilm.of(joint).damping(films / joint.least_clearance)[:, 0]

@@ -107,7 +107,7 @@ def full_velocity(eccentricity, force):
 
 @cache
 def mobility_orbit(velocity, unit=UNIT):
-    """Places of the pin over the clearance; the unit is that of force over velocity. [N s]"""
+    """Places of the pin over the clearance, to 1e-5; the unit is force over velocity. [N s]"""
 
     def rate(now, place):
         eccentricity, line = np.hypot(*place), complex(*place) / np.hypot(*place)
@@ -118,7 +118,7 @@ def mobility_orbit(velocity, unit=UNIT):
         return moved.real, moved.imag
 
     span, start = CYCLE[[0, -1]], [START.real, START.imag]
-    case = {"t_eval": CYCLE, "rtol": 1e-8, "atol": 1e-10, "max_step": 0.02}
+    case = {"t_eval": CYCLE, "rtol": 1e-6, "atol": 1e-8, "max_step": 0.1}
     along, side = solve_ivp(rate, span, start, method="DOP853", **case).y
     return along + 1j * side
 

@@ -171,59 +171,62 @@ def test_the_page_is_served_until_an_open_one_has_the_end():
     assert got[-1]["status"] == "film.nc is written"
 
 
+@pytest.fixture(scope="module")
+def browser():
+    with chromium() as started:
+        yield started
+
+
 class TestInTheBrowser:
     pytestmark = MARKS
 
     @pytest.mark.parametrize("size", SIZES)
-    def test_map_numbers_faults_and_alarms_are_shown(self, size):
+    def test_map_numbers_faults_and_alarms_are_shown(self, browser, size):
         source = Source()
-        with live_page(source) as address, chromium() as browser:  # noqa: SIM117
-            with pages(browser, own=address) as start:
-                page = start(viewport=size)
-                page.goto(address)
-                page.wait_for_selector("body[data-shown='pair 2']")
-                assert page.inner_text("#film_min") == "4.00 ± 0.10 µm"
-                assert page.inner_text("#saturated") == "0.0 % / 1.0 %"
-                assert page.inner_text("#drift") == "–, 0.25 px"
-                assert page.inner_text("#joint_load") == "222 N"
-                assert page.inner_text("#temperature") == "25.0 °C"
-                assert "camera 2 lacks frame 1" in page.inner_text("#faults")
-                assert "saturated: 1.0 %" in page.inner_text("#key")
-                assert page.is_hidden("#alarm")
-                wide = page.evaluate("document.documentElement.scrollWidth")
-                assert wide <= size["width"]
-                page.wait_for_selector("#film canvas")
+        with live_page(source) as address, pages(browser, own=address) as start:
+            page = start(viewport=size)
+            page.goto(address)
+            page.wait_for_selector("body[data-shown='pair 2']")
+            assert page.inner_text("#film_min") == "4.00 ± 0.10 µm"
+            assert page.inner_text("#saturated") == "0.0 % / 1.0 %"
+            assert page.inner_text("#drift") == "–, 0.25 px"
+            assert page.inner_text("#joint_load") == "222 N"
+            assert page.inner_text("#temperature") == "25.0 °C"
+            assert "camera 2 lacks frame 1" in page.inner_text("#faults")
+            assert "saturated: 1.0 %" in page.inner_text("#key")
+            assert page.is_hidden("#alarm")
+            wide = page.evaluate("document.documentElement.scrollWidth")
+            assert wide <= size["width"]
+            page.wait_for_selector("#film canvas")
 
-                source.alarms, source.version = {"film": "minimum film 4 um"}, 4
-                page.wait_for_selector("#alarm:not([hidden])")
-                assert page.inner_text("#alarm") == "minimum film 4 um"
-                assert page.title().startswith("ALARM")
+            source.alarms, source.version = {"film": "minimum film 4 um"}, 4
+            page.wait_for_selector("#alarm:not([hidden])")
+            assert page.inner_text("#alarm") == "minimum film 4 um"
+            assert page.title().startswith("ALARM")
 
-                source.ended, source.version = True, 5
-                page.wait_for_selector("#status.stated")
-                assert page.inner_text("#status") == "film.nc is written"
+            source.ended, source.version = True, 5
+            page.wait_for_selector("#status.stated")
+            assert page.inner_text("#status") == "film.nc is written"
 
-    def test_maps_that_pass_quickly_have_half_the_detail_and_the_last_all(self):
-        with live_page(Film()) as address, chromium() as browser:  # noqa: SIM117
-            with pages(browser, own=address) as start:
-                page = start(viewport={"width": 1280, "height": 900})
-                page.goto(address)
-                caption = page.locator("#panel figcaption")
-                caption.filter(has_text="2 × 2").wait_for()
-                caption.filter(has_text="pair 40").filter(has_not_text="2 × 2").wait_for()
+    def test_maps_that_pass_quickly_have_half_the_detail_and_the_last_all(self, browser):
+        with live_page(Film()) as address, pages(browser, own=address) as start:
+            page = start(viewport={"width": 1280, "height": 900})
+            page.goto(address)
+            caption = page.locator("#panel figcaption")
+            caption.filter(has_text="2 × 2").wait_for()
+            caption.filter(has_text="pair 40").filter(has_not_text="2 × 2").wait_for()
 
     @pytest.mark.parametrize("size", SIZES)
-    def test_both_cameras_and_what_to_turn_are_shown(self, size):
+    def test_both_cameras_and_what_to_turn_are_shown(self, browser, size):
         source = Trial()
-        with live_page(source, page="setup.html") as address, chromium() as browser:  # noqa: SIM117
-            with pages(browser, own=address) as start:
-                page = start(viewport=size)
-                page.goto(address)
-                page.wait_for_selector("#panel-2 canvas[data-text='pair 2']")
-                assert page.inner_text("#advice") == "camera 2 saturates"
-                assert "64.2 DN" in page.inner_text("#checks")
-                assert "no darks yet" in page.inner_text("#checks")
-                assert "4.0, −3.0 px" in page.inner_text("#checks")
-                page.wait_for_selector("#histogram-1 canvas")
-                wide = page.evaluate("document.documentElement.scrollWidth")
-                assert wide <= size["width"]
+        with live_page(source, page="setup.html") as address, pages(browser, own=address) as start:
+            page = start(viewport=size)
+            page.goto(address)
+            page.wait_for_selector("#panel-2 canvas[data-text='pair 2']")
+            assert page.inner_text("#advice") == "camera 2 saturates"
+            assert "64.2 DN" in page.inner_text("#checks")
+            assert "no darks yet" in page.inner_text("#checks")
+            assert "4.0, −3.0 px" in page.inner_text("#checks")
+            page.wait_for_selector("#histogram-1 canvas")
+            wide = page.evaluate("document.documentElement.scrollWidth")
+            assert wide <= size["width"]
