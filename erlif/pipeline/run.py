@@ -19,8 +19,10 @@ from erlif.io.files import (
     PartialFilm,
     expect_folder,
     open_film,
+    open_netcdf,
     refuse_existing,
     remove_remains,
+    set_coordinates,
     takes,
 )
 from erlif.io.ingest import Run, open_run
@@ -116,10 +118,10 @@ def process(
             path = Path(scratch) / "film.nc"
             with open_film(path) as film:
                 film.load()
-            groups = {}
+            groups = {}  # of a file that was checked just now
             for name in ("frames", "registration"):
-                with open_film(path, group=name) as group:
-                    groups[name] = group.load()
+                with open_netcdf(path, group=name) as group:
+                    groups[name] = set_coordinates(group).load()
 
             # the file goes; `film.erlif` finds its groups here
             film.encoding = {"groups": groups}

@@ -170,8 +170,7 @@ def test_budget_of_a_film_without_a_speed_is_that_of_its_first_trigger(case):
         assert float(table["std"].sel(term="total", quantity="mean film")) > 0
 
 
-@pytest.mark.parametrize("encoder", ["rocker", "crank"])
-@pytest.mark.parametrize("log", ["frames", "continuous"])
+@pytest.mark.parametrize(("encoder", "log"), [("rocker", "frames"), ("crank", "continuous")])
 def test_crank_pin_of_a_slider_crank(encoder, log, tmp_path):
     """With a crank of 16 cm and a rod of 44 cm its speed is 0.64 to 1.36 of that of the crank."""
     rig = replace(
@@ -300,24 +299,21 @@ def test_film_of_a_ball_is_that_of_reynolds_equation(tmp_path):
 def test_error_bar_of_film_min_covers_whole_runs(contact, kind, tmp_path):
     """Runs that each have their own cameras, surfaces and fixture; one trigger of each counts.
 
-    Bars of half and of twice the size are found with 95 and 54 %, as by the shares of 24 runs alone
-    with 93 and 33 %.
+    Bars of half and of twice the size are found with 86 and 16 %, in full number with 98 and 84 %.
     """
     rig = replace(
         SMALL,
-        width=160,
-        height=128,
         mechanism=kind,
         contact=contact,
         pictures=2,
         film_table=(1.1, 2.1),
-        field_width=3.75 if contact == "ball" else 12.0,
+        field_width=3.0 if contact == "ball" else 9.6,
         marks=0.04,
     )
-    pulls, contacts, count = [], [], 24 if FULL else 18
+    pulls, contacts, count = [], [], 24 if FULL else 12
     for seed in range(count):
         lab = Laboratory.simulated(tmp_path / str(seed), seed=400 + seed, rig=rig)
-        film = erlif.process(lab.run)
+        film = erlif.process(lab.run, output=lab.film, workers=1)
         error = film.film_min.values - np.array(rig.film_table)
         pulls.append((error / film.film_min_std.values)[seed % 2])
         contacts.append(film.attrs["contact"])

@@ -43,6 +43,12 @@ def sinking(small_rig, tmp_path_factory):
     return directory / "run"
 
 
+@pytest.fixture(scope="module")
+def found(sinking):
+    """The fit of that pin; never to be changed."""
+    return fit_film(sinking)
+
+
 def write_beside(run, film, path):
     """Write a changed film of a run with the frames of the original."""
     film.to_netcdf(path)
@@ -50,8 +56,7 @@ def write_beside(run, film, path):
         frames.to_netcdf(path, group="frames", mode="a")
 
 
-def test_free_pin_and_its_viscosity_are_found_in_photographs(sinking):
-    found = fit_film(sinking)
+def test_free_pin_and_its_viscosity_are_found_in_photographs(found):
     assert found.candidates[0].name == "a pin that is free sideways"
     assert len(found.candidates) == 6
     viscosity = found.fit.estimates["viscosity"]
@@ -63,7 +68,9 @@ def test_free_pin_and_its_viscosity_are_found_in_photographs(sinking):
 
 
 @pytest.mark.usefixtures("two_models")
-def test_the_clearance_enters_the_fit_as_in_a_film_of_other_radii(sinking, small_rig, tmp_path):
+def test_the_clearance_enters_the_fit_as_in_a_film_of_other_radii(
+    sinking, small_rig, found, tmp_path
+):
     """The photographs are processed and fitted again with bushings 10 um narrower and wider."""
     text = (sinking / "run.toml").read_text()
     calibration = small_rig.fixture / "calibration.nc"
@@ -76,13 +83,14 @@ def test_the_clearance_enters_the_fit_as_in_a_film_of_other_radii(sinking, small
         (run / "run.toml").write_text(other)
         erlif.process(run, calibration=calibration, output=run / "film.nc", workers=1).close()
         fitted[radius] = fit_film(run).fit.estimates["squeeze_time"].value
-    here = fit_film(sinking).fit.estimates["squeeze_time"]
+    here = found.fit.estimates["squeeze_time"]
 
     # radii of 33.36 and 33.59 mm: each digit is 10 um, uniform over it
     change = abs(fitted["33.6 mm"] - fitted["33.58 mm"]) / 20.0 * np.sqrt(2 / 12) * 10.0
     npt.assert_allclose(here.parts["clearance"], change, rtol=0.15)
 
 
+@pytest.mark.usefixtures("two_models")
 def test_the_law_of_the_oil_gives_drift_and_what_is_expected_of_it(sinking, tmp_path):
     """exp(b/(T - c)) falls by b/(T - c)^2 a kelvin: 5 % at 25 degC, where it is 0.13 Pa s."""
     place = tmp_path / "film.nc"
@@ -144,6 +152,7 @@ def test_a_tilt_that_moves_is_part_of_the_verdict(sinking):
     npt.assert_allclose(float(said[1]), np.ptp(1e3 * tilt[:, 0]), rtol=0.05)
 
 
+@pytest.mark.usefixtures("two_models")
 def test_minima_determine_the_viscosity_where_positions_are_absent(sinking, tmp_path):
     path = tmp_path / "film.nc"
     with erlif.open_film(sinking / "film.nc") as film:
@@ -179,7 +188,10 @@ def test_a_film_that_rises_under_its_load_is_carried_by_no_model(sinking, tmp_pa
     assert asked == [["free", "guided"], ["free", "guided", "spring"]]
 
 
-def test_a_film_about_another_load_line_than_that_of_its_orbit_is_reported(sinking, tmp_path):
+@pytest.mark.usefixtures("two_models")
+def test_a_film_about_another_load_line_than_that_of_its_orbit_is_reported(
+    sinking, found, tmp_path
+):
     """The rig states its line, from which the positions of this film are turned by 3 mm."""
     place, radius = tmp_path / "film.nc", np.sqrt(33.36 * 33.59)
     with erlif.open_film(sinking / "film.nc") as film:
@@ -192,10 +204,10 @@ def test_a_film_about_another_load_line_than_that_of_its_orbit_is_reported(sinki
     off.attrs["settings"] = re.sub(r"(?m)^load_line = .*$", "", off.attrs["settings"])
     write_beside(sinking, off, place)
 
-    assert "load_line" not in " ".join(map(str, fit_film(sinking).fit.notes))
-    found = fit_film(place).fit
-    estimate = found.estimates["load_line"]
+    assert "load_line" not in " ".join(map(str, found.fit.notes))
+    other = fit_film(place).fit
+    estimate = other.estimates["load_line"]
     npt.assert_allclose(estimate.value, 1e-3 * line, atol=3 * estimate.std)
-    notes = " ".join(map(str, found.notes))
+    notes = " ".join(map(str, other.notes))
     assert f"are about {line + 3:.2f} mm" in notes
     assert 'Set load_line = "' in notes

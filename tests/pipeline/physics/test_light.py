@@ -25,11 +25,6 @@ reported = processed("lab", "reported", add='\n[light]\nerrors = "report"\n')
 corrected = processed("lab", "corrected", add=f'\n[light]\nbackground = "correct"\n{PATCH}')
 
 
-@pytest.fixture(scope="module")
-def truth(lab):
-    return lab.truth
-
-
 def test_background_is_found_within_its_error(reported):
     """The unit is the median of all light, of which the background is a part."""
     npt.assert_array_less(
@@ -41,20 +36,20 @@ def test_background_is_found_within_its_error(reported):
     assert 'background = "correct"' in reported.attrs["notes"]
 
 
-def test_reported_background_is_in_the_errors_of_mean_and_minimum(reported, truth):
+def test_reported_background_is_in_the_errors_of_mean_and_minimum(lab, reported):
     """Without it the deviations would be many standard deviations."""
-    pull = (reported.film_min - truth.film_min) / reported.film_min_std
+    pull = (reported.film_min - lab.truth.film_min.values) / reported.film_min_std
     assert np.median(np.abs(pull)) < 2
 
 
-def test_reported_background_is_in_the_error_of_the_pin(reported, truth):
+def test_reported_background_is_in_the_error_of_the_pin(lab, reported):
     """The circles nearest to the true film of each trigger, by least squares over the region."""
     x, y = reported.x.values, reported.y.values
     inside_x, inside_y = (x >= 4) & (x <= 15), (y >= 2) & (y <= 13)
     load_line = float(reported.pin_displacement.attrs["load_line"])
     place = (x - load_line)[inside_x], (y - y.mean())[inside_y]
     inside = np.ix_(inside_y, inside_x)
-    known = [fit_true_film(film[inside], *place)[0] for film in truth.film.values]
+    known = [fit_true_film(film[inside], *place)[0] for film in lab.truth.film.values]
     error = reported.pin_displacement.values[:, 0] - known
     std = np.sqrt(reported.pin_position_cov.values[:, 0, 0])
     assert np.nanmedian(np.abs(error)) > 0.03  # 6 % of background moves a film of 3 um by 70 nm

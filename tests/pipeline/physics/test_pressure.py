@@ -282,7 +282,8 @@ def test_a_gap_at_a_dead_point_is_crossed_by_the_motion_of_a_guided_pin(monkeypa
     assert np.mean(pull < 1.96) > 0.9
     # which takes a load, and a gap of 15 % of a turn at most, on whatever cells
     monkeypatch.setattr(module, "find_pressures", partial(find, cells=(64, 4)))
-    for other in (gap.drop_vars("joint_load"), gap.isel(trigger=slice(0, 36))):
+    few = gap.isel(trigger=slice(None, None, 2))
+    for other in (few.drop_vars("joint_load"), few.isel(trigger=slice(0, 18))):
         refused = pressure_from_film(other)
         assert not refused.pressure_measured.values.any()
         assert "no trigger was recorded over 5 % or more of a turn" in refused.attrs["statement"]

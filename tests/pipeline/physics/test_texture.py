@@ -1,7 +1,8 @@
 """Films before a wall of uneven finish, from frames to error bars."""
 
+from dataclasses import replace
+
 import numpy as np
-import numpy.testing as npt
 import pytest
 from scenes.rig import small_rig
 
@@ -14,7 +15,7 @@ NOTE = "a pattern of the ratio stands still in the image"
 
 
 def photograph(tmp_path, **faults):
-    return Laboratory.simulated(tmp_path, seed=81, rig=EVEN.__class__(**{**vars(EVEN), **faults}))
+    return Laboratory.simulated(tmp_path, seed=81, rig=replace(EVEN, **faults))
 
 
 def share_within(film, truth, stds):
@@ -39,22 +40,20 @@ def test_the_error_bar_holds_an_exponent_before_an_uneven_wall(tmp_path):
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("without_theory")
-@pytest.mark.parametrize("length", [1.0, 3.0])
-def test_the_error_bars_hold_films_before_an_uneven_wall(tmp_path, length):
+@pytest.mark.parametrize(("length", "name"), [(1.0, "film.nc"), (3.0, "film.zarr")])
+def test_the_error_bars_hold_films_before_an_uneven_wall(tmp_path, length, name):
+    """In both kinds of store."""
     lab = photograph(tmp_path, wall_texture=(0.5, length))
-    film = erlif.process(lab.run)
+    film = erlif.process(lab.run, output=tmp_path / name)
     assert NOTE in film.attrs["notes"]
     truth = lab.truth.film.values
     assert share_within(film, truth, 1) > 0.6
     assert share_within(film, truth, 2) > 0.9
     assert (np.abs(film.film_min - lab.truth.film_min.values) < 3 * film.film_min_std).all()
 
-    # it is named beside the other terms, and the store of zarr has the same maps
+    # it is named beside the other terms
     texture = film.film_mean_error.sel(error_term=film.error_term == "texture")
     assert (texture > 0.02).all()
-    stored = erlif.process(lab.run, output=tmp_path / "film.zarr")
-    for name in ("thickness", "thickness_std_shared"):
-        npt.assert_allclose(stored[name], film[name], rtol=0.1)
 
 
 @pytest.mark.slow
@@ -71,7 +70,8 @@ BALL = {
     "field_width": 2.0,
     "ball_radius": 15.0,
     "thin_line": 0.1,
-    "film_table": tuple(np.linspace(1, 6, 24).tolist()),
+    "pictures": 12,
+    "film_table": tuple(np.linspace(1, 6, 12).tolist()),
     "fixture_frames": 6,
     "write_systematics": False,
 }
@@ -97,7 +97,6 @@ def test_the_error_bars_hold_films_below_a_ball_up_to_the_maximum_of_the_ratio(t
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("wall", [0.0, 0.3])
-def test_a_ball_before_an_even_wall_gives_no_warning(tmp_path, wall):
-    lab = Laboratory.simulated(tmp_path, seed=2, rig=RigSettings(**BALL, wall=(wall, wall)))
+def test_a_ball_before_an_even_wall_gives_no_warning(tmp_path):
+    lab = Laboratory.simulated(tmp_path, seed=2, rig=RigSettings(**BALL, wall=(0.3, 0.3)))
     assert NOTE not in erlif.process(lab.run).attrs["notes"]
