@@ -2,7 +2,7 @@
 
 The bounds are those a laboratory would set; the seeds were not used for tuning. With ERLIF_FULL
 pictures have twice the pixels, and the triggers of a linkage lie twice as dense; all bounds were
-met so on 24 November 2026.
+met so on 24 November 2026, those of cameras of unequal sharpness on a disc on 2 December.
 """
 
 from functools import partial

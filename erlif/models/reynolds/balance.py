@@ -555,13 +555,8 @@ def halfway(first: Walls, second: Walls) -> Walls:
 
 def deflected(walls: Walls, deflection: Array, grid: Grid) -> Walls:
     """Walls moved apart by a deflection of the cells, half of each neighbour at a face."""
-    around, beside = (
-        np.zeros((grid.along + 2, grid.across)),
-        np.zeros((grid.along, grid.across + 2)),
-    )
-    around[1:-1] = beside[:, 1:-1] = deflection
-    if grid.closed:
-        around[0], around[-1] = deflection[-1], deflection[0]
+    around = np.pad(deflection, ((1, 1), (0, 0)), mode="wrap" if grid.closed else "constant")
+    beside = np.pad(deflection, ((0, 0), (1, 1)))
     along = walls.along + 0.5 * (around[1:] + around[:-1])
     across = walls.across + 0.5 * (beside[:, 1:] + beside[:, :-1])
     return Walls(walls.centre + deflection, along, across)
