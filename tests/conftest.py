@@ -243,6 +243,17 @@ def without_theory():
         yield
 
 
+@pytest.fixture(scope="module")
+def without_prediction():
+    """Films without the prediction over the cycle and the physics that it tells apart."""
+    from erlif.pipeline.physics.prediction import NO_PREDICTION  # as for `film`
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("erlif.pipeline.film.try_prediction", lambda *run: NO_PREDICTION)
+        patch.setattr("erlif.pipeline.film.state_physics", lambda *film: ("", {}))
+        yield
+
+
 def snapshot(directory: Path) -> dict[str, str]:
     """Every file below a directory with the hash of its bytes."""
     files = [

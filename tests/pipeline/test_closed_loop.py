@@ -68,7 +68,7 @@ def of(*tables):
 
 
 @pytest.fixture(scope="module")
-def case(request, tmp_path_factory):
+def case(request, tmp_path_factory, without_prediction):
     return process(tmp_path_factory.mktemp("rig"), *CASES[request.param])
 
 

@@ -286,14 +286,6 @@ def test_threads_and_scheduler_together_are_refused():
 # runs
 
 
-@pytest.fixture(scope="module")
-def store(small_rig, tmp_path_factory):
-    """film.zarr of the rig as a single thread makes it."""
-    path = tmp_path_factory.mktemp("store") / "film.zarr"
-    erlif.process(small_rig.run, output=path, workers=1).close()
-    return path
-
-
 def test_a_film_of_two_workers_is_that_of_one_thread(
     small_rig, film, tmp_path, monkeypatch, address
 ):
@@ -305,15 +297,19 @@ def test_a_film_of_two_workers_is_that_of_one_thread(
     assert [entry.name for entry in tmp_path.iterdir()] == ["film.nc"]
 
 
-def test_a_film_that_threads_began_is_finished_by_workers(small_rig, store, tmp_path, address):
+def test_a_film_that_threads_began_is_finished_by_workers(
+    small_rig, tmp_path, address, maps_alone
+):
     def stop(what, done, total):
         if (what, done) == ("film", 2):
             raise KeyboardInterrupt
 
+    whole = tmp_path / "whole.zarr"
+    erlif.process(small_rig.run, output=whole, workers=1).close()
     with pytest.raises(KeyboardInterrupt):
         erlif.process(small_rig.run, output=tmp_path / "film.zarr", workers=1, progress=stop)
     erlif.process(small_rig.run, output=tmp_path / "film.zarr", scheduler=address).close()
-    assert contents(tmp_path / "film.zarr") == contents(store)
+    assert contents(tmp_path / "film.zarr") == contents(whole)
 
 
 def test_a_worker_that_does_not_see_the_run_is_refused(two_workers, tmp_path):
@@ -325,9 +321,9 @@ def test_a_worker_that_does_not_see_the_run_is_refused(two_workers, tmp_path):
         collect(two_workers, work, [0])
 
 
-@pytest.fixture(scope="module")
-def long_run(tmp_path_factory):
-    """A run of 24 triggers with its calibration, and its films as a single thread makes them."""
+@pytest.fixture
+def long_run(tmp_path_factory, maps_alone):
+    """A run of 24 triggers with its calibration, and its maps as a single thread makes them."""
     lab = Laboratory.simulated(tmp_path_factory.mktemp("long"), seed=14, rig=RIG)
     for name in ("film.nc", "film.zarr"):
         erlif.process(lab.run, output=lab.directory / name, workers=1).close()

@@ -13,6 +13,8 @@ from erlif.pipeline.engines.results import FrameResult
 from erlif.pipeline.physics.light import find_bleaching
 from erlif.ratio import NO_CELLS
 
+pytestmark = pytest.mark.usefixtures("without_prediction")
+
 SHARE = 0.06
 RIG = small_rig(spacing=0.96, film_reference=3.0, background=SHARE)
 """Fifty triggers with films from 0.3 um on, and 6 % of the median light in every pixel."""
