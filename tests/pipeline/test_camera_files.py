@@ -3,16 +3,21 @@
 from __future__ import annotations
 
 import shutil
+from dataclasses import replace
 
 import h5py
 import numpy as np
 import pytest
 import tifffile
+import xarray as xr
 from scenes.camera_files import write_im7
 from scenes.tiff_pages import rewrite
 
 import erlif
+from conftest import SMALL
+from erlif.core.flags import Flag
 from erlif.io.ingest import open_run, read_frames, read_reference_pages, select_counts
+from erlif.rig import simulate
 
 pytestmark = pytest.mark.usefixtures("without_theory")
 
@@ -126,3 +131,34 @@ def test_eight_bit_frames_give_the_mean_film_of_twelve_bits(lab, film):
     with erlif.open_film(film) as fine:
         np.testing.assert_allclose(coarse.film_mean, fine.film_mean, rtol=0.02)
     assert (coarse.flags == 0).mean() > 0.5
+
+
+def test_camera_2_turned_by_90_degrees_with_frames_that_are_not_square(tmp_path):
+    """Both have pages of 128 x 96 pixels; what both see is a square of 96 pixels.
+
+    The rig draws 128 x 128, of which each camera keeps the rows that its sensor has.
+    """
+    rig = replace(SMALL, height=128)
+    simulate(tmp_path, seed=1, rig=rig)
+    for folder in ("run", "fixture"):
+        for path in (tmp_path / folder).rglob("*.tif"):
+            turned = "camera2" in str(path.relative_to(tmp_path))
+            counts = np.rot90(tifffile.imread(path), -int(turned), axes=(-2, -1))
+            counts = np.ascontiguousarray(counts[..., 16:112, :])
+            tifffile.imwrite(path, counts, photometric="minisblack")
+        with (tmp_path / folder / f"{folder}.toml").open("a") as settings:
+            settings.write('\n[registration]\norientation = "rotated_90"\n')
+    calibration = erlif.calibrate(tmp_path / "fixture")
+    film = erlif.process(tmp_path / "run", calibration=calibration, workers=1)
+
+    flags, columns = film["flags"].values, np.arange(128)
+    unseen = (flags & int(Flag.OUTSIDE_OVERLAP)) > 0
+    assert unseen[..., (columns < 12) | (columns >= 116)].all()
+    inner = (columns >= 24) & (columns < 104)
+    assert np.mean(flags[..., inner] == 0) > 0.9
+    with xr.open_dataset(tmp_path / "truth.nc", engine="h5netcdf") as truth:
+        true = truth.film.values[:, 16:112]
+    std = np.hypot(film.thickness_std.values, film.thickness_std_shared.values)
+    pull = np.abs(film.thickness.values - true)[flags == 0] / std[flags == 0]
+    assert 0.6 < np.mean(pull < 1) < 0.76
+    assert 0.93 < np.mean(pull < 2) < 0.97

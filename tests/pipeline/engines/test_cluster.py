@@ -297,9 +297,7 @@ def test_a_film_of_two_workers_is_that_of_one_thread(
     assert [entry.name for entry in tmp_path.iterdir()] == ["film.nc"]
 
 
-def test_a_film_that_threads_began_is_finished_by_workers(
-    small_rig, tmp_path, address, maps_alone
-):
+def test_a_film_that_threads_began_is_finished_by_workers(small_rig, tmp_path, address, maps_alone):
     def stop(what, done, total):
         if (what, done) == ("film", 2):
             raise KeyboardInterrupt
