@@ -11,7 +11,7 @@ from contextlib import ExitStack
 from dataclasses import replace
 from itertools import combinations
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 import scipy
@@ -22,15 +22,9 @@ from erlif.core.arrays import Array
 from erlif.core.errors import ErlifError
 from erlif.core.progress import Progress, silent
 from erlif.core.version import __version__
-from erlif.io.conversion import choose_trigger
-from erlif.io.files import (
-    fastest_trigger,
-    label_films,
-    open_film,
-    reading_film,
-    refuse_repeated,
-    take,
-)
+from erlif.io.conversion.contents import choose_trigger
+from erlif.io.conversion.export import opened_film
+from erlif.io.files import fastest_trigger, label_films, refuse_repeated
 from erlif.io.settings import Settings
 from erlif.io.settings.toml import toml_value
 from erlif.review.comparison.calibrations import joint_covariance
@@ -99,7 +93,7 @@ def compare(
     """
     refuse_repeated([film for film in films if not isinstance(film, xr.Dataset)])
     with ExitStack() as stack:
-        opened = [_open_in(film, stack) for film in films]
+        opened = [stack.enter_context(opened_film(film, where="films")) for film in films]
         records = []
         for k, film in enumerate(opened):
             records.append(read_run(film))
@@ -147,15 +141,6 @@ def compare(
         **attrs,
         **comparison.attrs,
     )
-
-
-def _open_in(film: xr.Dataset | str | Path, stack: ExitStack) -> xr.Dataset:
-    """A film, closed with the stack where it is a file."""
-    if isinstance(film, xr.Dataset):
-        return cast(xr.Dataset, take(film, "film", where="films"))
-    opened = stack.enter_context(open_film(film))
-    stack.enter_context(reading_film(film))
-    return opened
 
 
 def _check_pair(pair: tuple[int, int], count: int) -> tuple[int, int]:
