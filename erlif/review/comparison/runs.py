@@ -178,10 +178,11 @@ def _distinct(records: list[RunRecord], further: list[Calibration]) -> list[Cali
 def _compare_pairs(records: list[RunRecord]) -> xr.Dataset:
     """Differences of the film statistics of all pairs of runs."""
     angle = common_angles(records)
-    pairs = list(combinations(range(len(records)), 2))
+    pairs = list(combinations(records, 2))
+    errors = [(first.errors, second.errors) for first, second in pairs]
     table = [
-        [average_difference(records[i], records[j], name, angle=angle) for name in STATISTICS]
-        for i, j in pairs
+        [average_difference(first, second, name, angle=angle) for name in STATISTICS]
+        for first, second in pairs
     ]
 
     def collect(field: str) -> Array:
@@ -206,27 +207,19 @@ def _compare_pairs(records: list[RunRecord]) -> xr.Dataset:
         "differs": (dims, (corrected < SIGNIFICANT).astype(np.uint8), one),
         "difference_at": ((*dims, "angle"), collect("at"), um),
         "difference_at_std": ((*dims, "angle"), collect("at_std"), um),
-        "same_calibration": (
-            "pair",
-            [int(records[i].errors.fixture == records[j].errors.fixture) for i, j in pairs],
-            one,
-        ),
-        "same_rig": (
-            "pair",
-            [int(records[i].errors.rig == records[j].errors.rig) for i, j in pairs],
-            one,
-        ),
+        "same_calibration": ("pair", [int(a.fixture == b.fixture) for a, b in errors], one),
+        "same_rig": ("pair", [int(a.rig == b.rig) for a, b in errors], one),
         "rig_differs": (
             "pair",
-            [_list_unlike(records[i].errors.rig, records[j].errors.rig) for i, j in pairs],
+            [", ".join(key for key in a.rig if a.rig[key] != b.rig.get(key)) for a, b in errors],
             {"long_name": "what makes the runs those of two rigs"},
         ),
     }
     coords = {
         "run": ("run", [record.name for record in records]),
         "statistic": ("statistic", list(STATISTICS)),
-        "first": ("pair", [records[i].name for i, _ in pairs]),
-        "second": ("pair", [records[j].name for _, j in pairs]),
+        "first": ("pair", [first.name for first, _ in pairs]),
+        "second": ("pair", [second.name for _, second in pairs]),
         "recorded": ("run", [record.errors.date for record in records]),
         "serials": ("run", [record.errors.serials for record in records]),
         "angle": ("angle", angle, {"units": "degree"} if records[0].by_angle else {}),
@@ -240,11 +233,6 @@ def _compare_pairs(records: list[RunRecord]) -> xr.Dataset:
             "difference can be that of two places"
         )
     return xr.Dataset(variables, coords, attrs)
-
-
-def _list_unlike(one: Mapping[str, str], other: Mapping[str, str]) -> str:
-    """Names of what differs between two rigs; empty where they are one."""
-    return ", ".join(name for name in one if one[name] != other.get(name))
 
 
 def _compare_powers(records: list[RunRecord]) -> xr.Dataset:
