@@ -17,22 +17,10 @@ import numpy as np
 from erlif.core.arrays import Array, Counts
 from erlif.core.bounded import read_rows
 from erlif.core.errors import FrameError
+from erlif.io.ingest import naming
 from erlif.io.ingest.depth import CountsSample, sample_counts
 from erlif.io.ingest.images import Page, read_headers
 from erlif.io.ingest.logs.proposal import LOG_SUFFIXES, PROFILE
-from erlif.io.ingest.naming import (
-    FIXTURE,
-    MASK,
-    PURPOSES,
-    Group,
-    assign_in_order,
-    common_wavelength,
-    find_pattern,
-    group_by_camera,
-    lower_name,
-    purpose_of,
-    split_words,
-)
 from erlif.io.ingest.order import sort_files, split_name
 from erlif.io.ingest.selection import WHOLE, Selection
 from erlif.io.readers import Format, open_frames
@@ -91,7 +79,7 @@ class ImageSet:
     @property
     def of_fixture(self) -> bool:
         """Whether the name of a recording is that of a fixture."""
-        return bool(FIXTURE.search(lower_name(self.files[0], self.files[0].parent)))
+        return bool(naming.FIXTURE.search(naming.lower_name(self.files[0], self.files[0].parent)))
 
 
 @dataclass(frozen=True)
@@ -193,8 +181,8 @@ class Survey:
     @property
     def lone_darks(self) -> tuple[Path, ...]:
         """Images named as darks that belong to no camera by their names."""
-        names = {path: lower_name(path, self.directory) for path in self.unassigned}
-        return tuple(path for path, name in names.items() if purpose_of(name) == "darks")
+        names = {path: naming.lower_name(path, self.directory) for path in self.unassigned}
+        return tuple(path for path, name in names.items() if naming.purpose_of(name) == "darks")
 
 
 def survey_directory(directory: Path, *, fixture: bool = False) -> Survey:
@@ -240,14 +228,14 @@ def survey_directory(directory: Path, *, fixture: bool = False) -> Survey:
     read = (_read_table(path) for path in files if path.suffix.lower() == ".csv")
     tables = tuple(table for table in read if table is not None)
     images = sort_files(_find_images(files))
-    names = {path: lower_name(path, directory) for path in images}
+    names = {path: naming.lower_name(path, directory) for path in images}
     left_out: tuple[Path, ...] = ()
     if not fixture:
         names, left_out = _leave_out_fixtures(names, directory, tables)
-    masks = tuple(path for path in names if MASK.search(split_words(path.stem)))
+    masks = tuple(path for path in names if naming.MASK.search(naming.split_words(path.stem)))
     names = {path: name for path, name in names.items() if path not in masks}
-    groups, unassigned = group_by_camera(names)
-    in_order = assign_in_order(groups, unassigned, names)
+    groups, unassigned = naming.group_by_camera(names)
+    in_order = naming.assign_in_order(groups, unassigned, names)
     cameras = [
         _choose_recording(_describe_camera(label, group, directory), directory, fixture=fixture)
         for label, group in groups.items()
@@ -341,10 +329,10 @@ def _leave_out_fixtures(
     for path in names:
         for folder in path.parents[: len(path.relative_to(directory).parts) - 1]:
             settings = (folder / "fixture.toml").is_file()
-            if settings or folder in profiles or FIXTURE.search(folder.name.lower()):
+            if settings or folder in profiles or naming.FIXTURE.search(folder.name.lower()):
                 inside[path] = folder
     rest = {path: name for path, name in names.items() if path not in inside}
-    if not any(purpose_of(name) == "frames" for name in rest.values()):
+    if not any(naming.purpose_of(name) == "frames" for name in rest.values()):
         return names, ()
     return rest, tuple(dict.fromkeys(inside.values()))
 
@@ -353,13 +341,13 @@ def _leave_out_fixtures(
 
 
 def _separate(
-    shared: SharedFile, label: str, group: Group, unassigned: Sequence[Path], directory: Path
+    shared: SharedFile, label: str, group: naming.Group, unassigned: Sequence[Path], directory: Path
 ) -> tuple[list[CameraSurvey], list[Path]]:
     """Both cameras of files that hold two, and the files of neither."""
     # no name has to name a camera where one file of darks holds both
     rest: list[Path] = []
     for path in unassigned:
-        purpose = purpose_of(lower_name(path, directory))
+        purpose = naming.purpose_of(naming.lower_name(path, directory))
         (rest if purpose == "frames" else group[purpose]).append(path)
 
     cameras = []
@@ -380,7 +368,7 @@ def _separate(
 
 
 def _describe_camera(
-    label: str, group: Group, directory: Path, selection: Selection = WHOLE
+    label: str, group: naming.Group, directory: Path, selection: Selection = WHOLE
 ) -> CameraSurvey:
     """Read the headers of a camera's files, and the counts of some."""
     sets = {
@@ -389,13 +377,13 @@ def _describe_camera(
         if files
     }
     frames = sets["frames"]
-    darks, flats, backgrounds = (sets.get(purpose) for purpose in PURPOSES)
+    darks, flats, backgrounds = (sets.get(purpose) for purpose in naming.PURPOSES)
 
     # flats are brighter than many a film: they show bits that the frames do not set
     sample = frames.sample + (flats.sample if flats else ())
     return CameraSurvey(
         label,
-        common_wavelength([lower_name(path, directory) for path in group["frames"]]),
+        naming.common_wavelength([naming.lower_name(path, directory) for path in group["frames"]]),
         frames,
         darks,
         flats,
@@ -445,7 +433,7 @@ def _describe_set(files: Sequence[Path], directory: Path, selection: Selection =
     step = max(len(readable) // SAMPLED_PAGES, 1)
     return ImageSet(
         tuple(files),
-        find_pattern(files, directory),
+        naming.find_pattern(files, directory),
         len(headers.pages),
         tuple(kind for kind, _ in kinds.most_common()),
         faults,
@@ -535,7 +523,7 @@ def _sort_datasets(names: list[str]) -> SharedFile | None:
     """Frames, darks and flats of both cameras by the names of their datasets."""
     groups: dict[str, list[str]] = defaultdict(list)
     for name in names:
-        groups[purpose_of(split_words(name))].append(name)
+        groups[naming.purpose_of(naming.split_words(name))].append(name)
     frames, darks, flats = (
         (found[0], found[1]) if len(found := groups[purpose]) == 2 else None
         for purpose in ("frames", "darks", "flats")
