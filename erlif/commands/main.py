@@ -19,19 +19,7 @@ from typing import Any
 
 import click
 
-from erlif.commands.ending import (
-    BAD_INPUT,
-    BY_SIGNAL,
-    DEFECT,
-    INTERRUPTED,
-    EndedBySignal,
-    echo_aside,
-    echo_refusal,
-    open_missing_streams,
-    refuse_little_memory,
-    signals_interrupt,
-    silence,
-)
+from erlif.commands import ending
 from erlif.commands.lines import verbosity
 from erlif.core.errors import ErlifError, RangeWarning, UnitWarning
 from erlif.core.version import version_and_sources
@@ -72,10 +60,10 @@ class _Commands(click.Group):
         os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
         # figures are files: the backend of a notebook or of a display may not be installed here
         os.environ["MPLBACKEND"] = "agg"
-        open_missing_streams()
+        ending.open_missing_streams()
         try:
-            refuse_little_memory()
-            with signals_interrupt(), warnings.catch_warnings():
+            ending.refuse_little_memory()
+            with ending.signals_interrupt(), warnings.catch_warnings():
                 for kind in _OF_MODELS:
                     warnings.filterwarnings("always", category=kind)
                 warnings.showwarning = _show_once()
@@ -85,41 +73,43 @@ class _Commands(click.Group):
         except (click.ClickException, click.exceptions.Exit, click.Abort):
             raise
         except ErlifError as error:
-            echo_refusal(f"erlif: {error}")
-            ctx.exit(BAD_INPUT)
-        except EndedBySignal as error:
+            ending.echo_refusal(f"erlif: {error}")
+            ctx.exit(ending.BAD_INPUT)
+        except ending.EndedBySignal as error:
             name = signal.Signals(error.args[0]).name
-            echo_aside(
+            ending.echo_aside(
                 f"erlif: ended by {name}. The previous output is intact; the same command resumes."
             )
-            ctx.exit(BY_SIGNAL + error.args[0])
+            ctx.exit(ending.BY_SIGNAL + error.args[0])
         except KeyboardInterrupt:
-            echo_aside(
+            ending.echo_aside(
                 "erlif: interrupted. The previous output is intact; the same command resumes."
             )
-            ctx.exit(INTERRUPTED)
+            ctx.exit(ending.INTERRUPTED)
 
         # a reader such as `head` has closed the pipe; nobody reads a message
         except BrokenPipeError:
-            silence("stdout")
+            ending.silence("stdout")
             ctx.exit(1)
         except OSError as error:
             reason = f"{error.strerror or error}: {error.filename or ''}"
-            echo_aside(
+            ending.echo_aside(
                 f"erlif: {reason}. The previous output is intact. Check that the file may be read "
                 "and written and that the disk has room, and start again."
             )
-            ctx.exit(BAD_INPUT)
+            ctx.exit(ending.BAD_INPUT)
         except MemoryError:
-            echo_aside(
+            ending.echo_aside(
                 "erlif: there is not enough memory. The previous output is intact. Raise the limit "
                 "(ulimit -v), use fewer workers, or a machine with more, and start again."
             )
-            ctx.exit(BAD_INPUT)
+            ctx.exit(ending.BAD_INPUT)
         except Exception:
-            echo_aside(traceback.format_exc())
-            echo_aside("erlif: this is a defect of erlif; please report it with the lines above.")
-            ctx.exit(DEFECT)
+            ending.echo_aside(traceback.format_exc())
+            ending.echo_aside(
+                "erlif: this is a defect of erlif; please report it with the lines above."
+            )
+            ctx.exit(ending.DEFECT)
 
 
 def _show_once() -> Callable[..., None]:
@@ -133,7 +123,7 @@ def _show_once() -> Callable[..., None]:
         line = f"  warning: {message}{place}"
         if line not in shown:
             shown.add(line)
-            echo_aside(line)
+            ending.echo_aside(line)
 
     return show
 
@@ -203,7 +193,7 @@ class TerminalHandler(logging.Handler):
 
     def emit(self, record: logging.LogRecord) -> None:
         """Write one line."""
-        echo_aside(self.format(record))
+        ending.echo_aside(self.format(record))
 
 
 class _ElapsedFormatter(logging.Formatter):

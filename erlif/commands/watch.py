@@ -35,7 +35,6 @@ if TYPE_CHECKING:
     from erlif.pipeline.watch.follow import Follower
     from erlif.pipeline.watch.setup import SetupWatch
     from erlif.pipeline.watch.watch import Watch, WatchState
-    from erlif.show.view.live import LiveSource
 
 # Exit status of a run in which an alarm was raised.
 ALARMED = 3
@@ -192,7 +191,9 @@ def _ending(watched: Follower) -> Iterator[None]:
 
 
 @contextmanager
-def _show_page(source: LiveSource, *, page: str, port: int, browser: bool) -> Iterator[None]:
+def _show_page(
+    source: Watch | SetupWatch, *, page: str, port: int, browser: bool
+) -> Iterator[None]:
     """Serve the page of a run, and open it in the browser."""
     from erlif.show.view.live import live_page
 

@@ -29,8 +29,8 @@ def read_table(package: str, name: str) -> dict[str, Any]:
 
     Examples
     --------
-    >>> read_table("erlif.core", "variables.toml")["film"]["joint_load"]["units"]
-    'N'
+    >>> read_table("erlif.core", "variables.toml")["film"]["frames_used"]["dtype"]
+    'int64'
     """
     return tomllib.loads(resources.files(package).joinpath(name).read_text(encoding="utf-8"))
 

@@ -26,12 +26,7 @@ from erlif.io.ingest.logs.checks import is_nearly_by_frame
 from erlif.io.ingest.logs.columns import CONTRACT, ColumnChoice, find_columns
 from erlif.io.ingest.logs.proposal import LogProposal, propose_log
 from erlif.io.ingest.logs.text import read_log_table
-from erlif.io.ingest.survey import (
-    CameraSurvey,
-    Survey,
-    TextTable,
-    survey_directory,
-)
+from erlif.io.ingest.survey import CameraSurvey, Survey, TextTable, survey_directory
 from erlif.io.readers.registry import why_unread
 from erlif.io.settings import (
     GAP,

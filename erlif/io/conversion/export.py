@@ -189,7 +189,7 @@ def export(
     refuse_existing(output, overwrite=overwrite)
     write, ending = EXPORTS[kind].write, EXPORTS[kind].ending
     named = {"name": output.name.removesuffix(ending)} if kind == "vtk" else {}
-    with _opened(film) as source:
+    with opened_film(film) as source:
         chosen = choose_trigger(
             source, trigger=trigger, crank_angle=crank_angle, encoder_angle=encoder_angle
         )
@@ -252,10 +252,10 @@ def format_of(output: Path, to: str | None) -> str:
 
 
 @contextmanager
-def _opened(film: xr.Dataset | str | Path) -> Iterator[xr.Dataset]:
-    """The film, opened and closed again where it is a file."""
+def opened_film(film: xr.Dataset | str | Path, *, where: str = "film") -> Iterator[xr.Dataset]:
+    """The film, opened and closed again where it is a file; `where` names the argument."""
     if isinstance(film, xr.Dataset):
-        yield take(film, "film", where="film")
+        yield take(film, "film", where=where)
         return
     with open_film(film) as opened, reading_film(film):
         yield opened

@@ -5,33 +5,25 @@ from __future__ import annotations
 import os
 import re
 from collections import Counter, defaultdict
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
+from contextlib import closing
 from dataclasses import dataclass, replace
 from itertools import islice
 from pathlib import Path
+from typing import Literal
 
+import numpy as np
+
+from erlif.core.arrays import Array, Counts
 from erlif.core.bounded import read_rows
 from erlif.core.errors import FrameError
+from erlif.io.ingest import naming
 from erlif.io.ingest.depth import CountsSample, sample_counts
 from erlif.io.ingest.images import Page, read_headers
 from erlif.io.ingest.logs.proposal import LOG_SUFFIXES, PROFILE
-from erlif.io.ingest.naming import (
-    FIXTURE,
-    MASK,
-    PURPOSES,
-    Group,
-    assign_in_order,
-    common_wavelength,
-    find_pattern,
-    group_by_camera,
-    lower_name,
-    purpose_of,
-    split_words,
-)
 from erlif.io.ingest.order import sort_files, split_name
 from erlif.io.ingest.selection import WHOLE, Selection
-from erlif.io.ingest.shared import SharedFile, find_cameras_in_file
-from erlif.io.readers import Format
+from erlif.io.readers import Format, open_frames
 from erlif.io.readers.hdf5 import HDF5, list_datasets
 from erlif.io.readers.registry import find_by_content, find_by_suffix, why_unread
 
@@ -87,7 +79,7 @@ class ImageSet:
     @property
     def of_fixture(self) -> bool:
         """Whether the name of a recording is that of a fixture."""
-        return bool(FIXTURE.search(lower_name(self.files[0], self.files[0].parent)))
+        return bool(naming.FIXTURE.search(naming.lower_name(self.files[0], self.files[0].parent)))
 
 
 @dataclass(frozen=True)
@@ -189,8 +181,8 @@ class Survey:
     @property
     def lone_darks(self) -> tuple[Path, ...]:
         """Images named as darks that belong to no camera by their names."""
-        names = {path: lower_name(path, self.directory) for path in self.unassigned}
-        return tuple(path for path, name in names.items() if purpose_of(name) == "darks")
+        names = {path: naming.lower_name(path, self.directory) for path in self.unassigned}
+        return tuple(path for path, name in names.items() if naming.purpose_of(name) == "darks")
 
 
 def survey_directory(directory: Path, *, fixture: bool = False) -> Survey:
@@ -236,14 +228,14 @@ def survey_directory(directory: Path, *, fixture: bool = False) -> Survey:
     read = (_read_table(path) for path in files if path.suffix.lower() == ".csv")
     tables = tuple(table for table in read if table is not None)
     images = sort_files(_find_images(files))
-    names = {path: lower_name(path, directory) for path in images}
+    names = {path: naming.lower_name(path, directory) for path in images}
     left_out: tuple[Path, ...] = ()
     if not fixture:
         names, left_out = _leave_out_fixtures(names, directory, tables)
-    masks = tuple(path for path in names if MASK.search(split_words(path.stem)))
+    masks = tuple(path for path in names if naming.MASK.search(naming.split_words(path.stem)))
     names = {path: name for path, name in names.items() if path not in masks}
-    groups, unassigned = group_by_camera(names)
-    in_order = assign_in_order(groups, unassigned, names)
+    groups, unassigned = naming.group_by_camera(names)
+    in_order = naming.assign_in_order(groups, unassigned, names)
     cameras = [
         _choose_recording(_describe_camera(label, group, directory), directory, fixture=fixture)
         for label, group in groups.items()
@@ -337,10 +329,10 @@ def _leave_out_fixtures(
     for path in names:
         for folder in path.parents[: len(path.relative_to(directory).parts) - 1]:
             settings = (folder / "fixture.toml").is_file()
-            if settings or folder in profiles or FIXTURE.search(folder.name.lower()):
+            if settings or folder in profiles or naming.FIXTURE.search(folder.name.lower()):
                 inside[path] = folder
     rest = {path: name for path, name in names.items() if path not in inside}
-    if not any(purpose_of(name) == "frames" for name in rest.values()):
+    if not any(naming.purpose_of(name) == "frames" for name in rest.values()):
         return names, ()
     return rest, tuple(dict.fromkeys(inside.values()))
 
@@ -349,13 +341,13 @@ def _leave_out_fixtures(
 
 
 def _separate(
-    shared: SharedFile, label: str, group: Group, unassigned: Sequence[Path], directory: Path
+    shared: SharedFile, label: str, group: naming.Group, unassigned: Sequence[Path], directory: Path
 ) -> tuple[list[CameraSurvey], list[Path]]:
     """Both cameras of files that hold two, and the files of neither."""
     # no name has to name a camera where one file of darks holds both
     rest: list[Path] = []
     for path in unassigned:
-        purpose = purpose_of(lower_name(path, directory))
+        purpose = naming.purpose_of(naming.lower_name(path, directory))
         (rest if purpose == "frames" else group[purpose]).append(path)
 
     cameras = []
@@ -376,7 +368,7 @@ def _separate(
 
 
 def _describe_camera(
-    label: str, group: Group, directory: Path, selection: Selection = WHOLE
+    label: str, group: naming.Group, directory: Path, selection: Selection = WHOLE
 ) -> CameraSurvey:
     """Read the headers of a camera's files, and the counts of some."""
     sets = {
@@ -385,13 +377,13 @@ def _describe_camera(
         if files
     }
     frames = sets["frames"]
-    darks, flats, backgrounds = (sets.get(purpose) for purpose in PURPOSES)
+    darks, flats, backgrounds = (sets.get(purpose) for purpose in naming.PURPOSES)
 
     # flats are brighter than many a film: they show bits that the frames do not set
     sample = frames.sample + (flats.sample if flats else ())
     return CameraSurvey(
         label,
-        common_wavelength([lower_name(path, directory) for path in group["frames"]]),
+        naming.common_wavelength([naming.lower_name(path, directory) for path in group["frames"]]),
         frames,
         darks,
         flats,
@@ -441,10 +433,133 @@ def _describe_set(files: Sequence[Path], directory: Path, selection: Selection =
     step = max(len(readable) // SAMPLED_PAGES, 1)
     return ImageSet(
         tuple(files),
-        find_pattern(files, directory),
+        naming.find_pattern(files, directory),
         len(headers.pages),
         tuple(kind for kind, _ in kinds.most_common()),
         faults,
         headers.bits,
         tuple((page, kind.shape) for page, kind in readable[::step]),
     )
+
+
+# both cameras in one file
+
+# Pixels along the longer side of the halves that are compared; larger ones are thinned.
+_MOST_SIDE = 256
+
+# Peak of the correlation of two halves over its own standard deviation from which they show the
+# same object; the highest of 2**15 values of pure noise is at 4.5.
+_ALIKE = 8.0
+
+
+@dataclass(frozen=True)
+class SharedFile:
+    """Separation of the counts of two cameras within one file.
+
+    Attributes
+    ----------
+    key : Literal["part", "dataset"]
+        Key in [camera1] and [camera2].
+    values : tuple[str, str]
+        Its value for camera 1 and camera 2.
+    reason : str
+        What in the file shows it.
+    darks : tuple[str, str] | None
+        Datasets of dark frames of both cameras; None where there are none.
+    flats : tuple[str, str] | None
+        Datasets of flat frames of both cameras; None where there are none.
+    """
+
+    key: Literal["part", "dataset"]
+    values: tuple[str, str]
+    reason: str
+    darks: tuple[str, str] | None = None
+    flats: tuple[str, str] | None = None
+
+
+def find_cameras_in_file(path: Path, rows: Collection[int] = ()) -> SharedFile | None:
+    """Look for two cameras in one file.
+
+    Parameters
+    ----------
+    path : Path
+        File with the only frames that were found.
+    rows : collection of int
+        Numbers of rows of the tables beside it: one row belongs to one frame pair.
+
+    Returns
+    -------
+    SharedFile or None
+        None where nothing in the file shows two cameras.
+
+    Examples
+    --------
+    Four alternating pages and a log of two rows:
+
+    >>> import tempfile, tifffile
+    >>> path = Path(tempfile.mkdtemp(), "both.tif")
+    >>> tifffile.imwrite(path, np.zeros((4, 64, 64), np.uint16), photometric="minisblack")
+    >>> find_cameras_in_file(path, rows=[2]).values
+    ('odd', 'even')
+    """
+    datasets = list_datasets(path)
+    if len(datasets) > 1:
+        return _sort_datasets(datasets)
+    try:
+        with closing(open_frames(path)) as file:
+            if file.channels is not None and set(file.channels) >= {1, 2}:
+                channels = ("channel 1", "channel 2")
+                return SharedFile("part", channels, "the file has several channels")
+            count = len(file.kinds)
+            if count not in rows and count % 2 == 0 and count // 2 in rows:
+                reason = f"{count} pages, and a table of {count // 2} rows"
+                return SharedFile("part", ("odd", "even"), reason)
+            return _compare_halves(file.read(0))
+    except FrameError:
+        return None
+
+
+def _sort_datasets(names: list[str]) -> SharedFile | None:
+    """Frames, darks and flats of both cameras by the names of their datasets."""
+    groups: dict[str, list[str]] = defaultdict(list)
+    for name in names:
+        groups[naming.purpose_of(naming.split_words(name))].append(name)
+    frames, darks, flats = (
+        (found[0], found[1]) if len(found := groups[purpose]) == 2 else None
+        for purpose in ("frames", "darks", "flats")
+    )
+    if frames is None:
+        return None
+    return SharedFile("dataset", frames, "the file has two datasets of frames", darks, flats)
+
+
+def _compare_halves(image: Counts) -> SharedFile | None:
+    """Halves of a sensor that show the same object, found by their correlation."""
+    if image.ndim != 2 or min(image.shape) < 128 or not np.isfinite(image).all():
+        return None
+    rows, columns = image.shape
+    pairs = {
+        ("left", "right"): (image[:, : columns // 2], image[:, columns - columns // 2 :]),
+        ("top", "bottom"): (image[: rows // 2], image[rows - rows // 2 :]),
+    }
+    peaks = {names: _similarity(*halves) for names, halves in pairs.items()}
+    best = max(peaks, key=lambda names: peaks[names])
+    if peaks[best] < _ALIKE:
+        return None
+    return SharedFile("part", best, f"its {best[0]} and {best[1]} halves show the same object")
+
+
+def _similarity(one: Counts, two: Counts) -> float:
+    """Peak of the phase correlation of two images over its standard deviation. [1]"""
+    step = max(1, max(one.shape) // _MOST_SIDE)
+    spectra = []
+    for image in (one, two):
+        thinned: Array = image[::step, ::step].astype(np.float64)
+        window = np.outer(np.hanning(thinned.shape[0]), np.hanning(thinned.shape[1]))
+        spectra.append(np.fft.rfft2((thinned - thinned.mean()) * window))
+
+    # all frequencies count alike, so that the profile of the laser does not decide
+    product = spectra[0] * np.conj(spectra[1])
+    correlation = np.fft.irfft2(product / np.maximum(np.abs(product), 1e-12))
+    deviation = float(correlation.std())
+    return float(correlation.max() / deviation) if deviation else 0.0

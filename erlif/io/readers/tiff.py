@@ -22,15 +22,7 @@ import tifffile
 
 from erlif.core.arrays import AnyArray
 from erlif.core.errors import FrameError, reason_of
-from erlif.io.readers.base import (
-    MOST_FRAMES,
-    TRUNCATED,
-    Format,
-    FrameFile,
-    FrameKind,
-    check_claim,
-    colour_camera,
-)
+from erlif.io.readers import base
 from erlif.io.readers.raw import FrameLayout, RawFrames
 from erlif.io.readers.source import Source
 from erlif.io.readers.tiff_metadata import Description, read_description
@@ -94,7 +86,7 @@ _LOSSY = {
 _LONGEST = 64 * 2**20
 
 
-class TiffFrames(FrameFile):
+class TiffFrames(base.FrameFile):
     """The pages of a TIFF file.
 
     Attributes
@@ -142,16 +134,16 @@ class TiffFrames(FrameFile):
             self.close()
             raise FrameError(f"the file is damaged or not a TIFF ({reason_of(error)})") from error
 
-    def _read_kinds(self, directories: Sequence[_Directory], size: int) -> list[FrameKind]:
+    def _read_kinds(self, directories: Sequence[_Directory], size: int) -> list[base.FrameKind]:
         """Kinds of all pages but previews; those whose directories are alike are read once."""
-        known: dict[bytes, tuple[FrameKind, bool]] = {}
+        known: dict[bytes, tuple[base.FrameKind, bool]] = {}
         found = []
         for k, one in enumerate(directories):
             entry = known.get(one.alike) if one.end <= size else None
             if entry is None:
                 page = self._page(k)
                 entry = _kind_of(page, size), bool(page.is_reduced)
-                if one.alike and entry[0] != TRUNCATED:
+                if one.alike and entry[0] != base.TRUNCATED:
                     known[one.alike] = entry
             found.append(entry)
         kept = [k for k, (_, is_preview) in enumerate(found) if not is_preview]
@@ -162,7 +154,7 @@ class TiffFrames(FrameFile):
     def read(self, index: int) -> AnyArray:
         """As `FrameFile.read`."""
         kind = self.kinds[index]
-        if kind == TRUNCATED:
+        if kind == base.TRUNCATED:
             raise FrameError("the file is truncated")
         try:
             # threads share one place in the file: each holds it while it reads, not to decode
@@ -249,7 +241,7 @@ def _is_plain_lzw(page: tifffile.TiffPage) -> bool:
     )
 
 
-def open_tiff(path: Path) -> FrameFile:
+def open_tiff(path: Path) -> base.FrameFile:
     """Open a TIFF file.
 
     As `Format.open`: FrameError if the file is damaged, or its images are no counts.
@@ -274,7 +266,7 @@ def open_tiff(path: Path) -> FrameFile:
     return stack
 
 
-TIFF = Format(
+TIFF = base.Format(
     "TIFF",
     (".tif", ".tiff", ".btf", ".tf8", ".tf2"),
     lambda path, head: head[:4] in _STARTS,
@@ -342,7 +334,7 @@ def _find_directories(source: Source) -> list[_Directory]:
         found.append(_Directory(place, alike.setdefault(text, text), end))
         place = after
         taken += number.size + len(table)
-        if taken > source.size or len(found) > MOST_FRAMES:
+        if taken > source.size or len(found) > base.MOST_FRAMES:
             raise FrameError("the file is damaged: its directories form a ring or overlap")
     return found
 
@@ -363,7 +355,7 @@ def _sign(table: bytes, order: str, entry: struct.Struct) -> tuple[bytes, int]:
     return (bytes(left), start + size) if start and size else (b"", 0)
 
 
-def _kind_of(page: tifffile.TiffPage, size: int) -> FrameKind:
+def _kind_of(page: tifffile.TiffPage, size: int) -> base.FrameKind:
     """Kind of a page; refuses values that are no counts, and sizes that no memory holds."""
     if page.photometric == _PALETTE:
         raise FrameError(
@@ -376,7 +368,7 @@ def _kind_of(page: tifffile.TiffPage, size: int) -> FrameKind:
             "> Grays removes an inverted table."
         )
     if page.photometric == _MOSAIC or _MOSAIC_COLOURS in page.tags:
-        raise colour_camera("image")
+        raise base.colour_camera("image")
     lossy = _LOSSY.get(int(page.compression))
     if lossy is not None:
         raise FrameError(
@@ -389,25 +381,25 @@ def _kind_of(page: tifffile.TiffPage, size: int) -> FrameKind:
     colours = (int(page.samplesperpixel),) if page.samplesperpixel > 1 else ()
     shape = (int(page.imagelength), int(page.imagewidth), *colours)
     tile = (int(page.tilelength), int(page.tilewidth)) if page.is_tiled else ()
-    kind = FrameKind(shape, np.dtype(page.dtype).name)
-    for claimed in (kind, FrameKind(tile or shape, kind.dtype)):
-        check_claim(1, claimed, size, packing=_DENSEST)
+    kind = base.FrameKind(shape, np.dtype(page.dtype).name)
+    for claimed in (kind, base.FrameKind(tile or shape, kind.dtype)):
+        base.check_claim(1, claimed, size, packing=_DENSEST)
 
     # data behind the end of the file were cut off; a page without data has none at all
     counts = page.databytecounts
     ends = [a + b for a, b in zip(page.dataoffsets, counts, strict=False) if a and b]
     if not ends or len(ends) != len(page.dataoffsets) or max(ends) > size:
-        return TRUNCATED
+        return base.TRUNCATED
     if page.is_contiguous and sum(counts) < page.nbytes:
-        return TRUNCATED
+        return base.TRUNCATED
     return kind
 
 
-def _without_previews(kinds: Sequence[FrameKind], pages: list[int]) -> list[int]:
+def _without_previews(kinds: Sequence[base.FrameKind], pages: list[int]) -> list[int]:
     """Pages but those that are smaller by a whole number than most: previews without a mark."""
     shapes = Counter(kinds[k].shape for k in pages)
     full = max(shapes, key=lambda shape: (math.prod(shape), shape))
-    others = set(shapes) - {full, TRUNCATED.shape}
+    others = set(shapes) - {full, base.TRUNCATED.shape}
     reduced = all(
         len(shape) == len(full) and all(a % b == 0 for a, b in zip(full, shape, strict=True))
         for shape in others

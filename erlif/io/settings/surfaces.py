@@ -5,9 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from pydantic import (
-    Field,
-)
+from pydantic import Field
 
 from erlif.io.settings.bore import BoreSettings
 from erlif.io.settings.values import (

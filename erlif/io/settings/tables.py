@@ -5,19 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Annotated, Any, Literal
 
-from pydantic import (
-    Field,
-    StrictFloat,
-    create_model,
-)
+from pydantic import Field, StrictFloat, create_model
 
 from erlif.core.terms import keys_in
-from erlif.io.settings.surfaces import (
-    ContactSettings,
-    JointSettings,
-    MaterialSettings,
-    OilSettings,
-)
+from erlif.io.settings.surfaces import ContactSettings, JointSettings, MaterialSettings, OilSettings
 from erlif.io.settings.values import (
     Angle,
     AngleUnit,

@@ -112,7 +112,7 @@ class Follower:
             return self._version
 
     def wait_for_map(self, after: int, timeout: float) -> None:
-        """As `erlif.show.view.live.LiveSource`."""
+        """Wait until the newest map is of a later pair than `after`, at most `timeout` seconds."""
         with self._changed:
             self._changed.wait_for(lambda: self.closed or self.place() > after, timeout)
 
@@ -121,7 +121,7 @@ class Follower:
         return self._arrived[-1].place if self._arrived else -1
 
     def describe(self) -> dict[str, Any]:
-        """Name of the run, and size of a pixel [mm], as `erlif.show.view.live.LiveSource`."""
+        """Name of the run, and size of a pixel. [mm]"""
         return {"name": self.settings.name, "pitch": self.settings.optics.pixel_pitch * 1e3}
 
     @property

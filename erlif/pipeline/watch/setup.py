@@ -56,7 +56,7 @@ class SetupWatch(Follower):
     # the source of the page
 
     def news(self, version: int, pairs: int, angles: int, timeout: float) -> dict[str, Any]:
-        """As `erlif.show.view.live.LiveSource`."""
+        """The state once it is newer than `version`."""
         self.wait(version, timeout)
         with self._changed:
             newest = self._arrived[self._looked] if self._looked >= 0 else None
@@ -80,7 +80,7 @@ class SetupWatch(Follower):
             }
 
     def newest(self, layer: str) -> tuple[int, str, Image, FlagImage] | None:
-        """As `erlif.show.view.live.LiveSource`: the counts of a camera."""
+        """Place, name, counts and flags of a camera of the newest pair, (y, x); None before one."""
         with self._changed:
             if not self._images or layer not in ("camera1", "camera2"):
                 return None

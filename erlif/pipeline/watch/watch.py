@@ -190,7 +190,11 @@ class Watch(Follower):
     # the source of the page
 
     def news(self, version: int, pairs: int, angles: int, timeout: float) -> dict[str, Any]:
-        """As `erlif.show.view.live.LiveSource`."""
+        """The state once it is newer than `version`, with the pairs and angles after so many.
+
+        All pairs come again where the minimum of another contact is theirs; `after` is the number
+        of pairs that precede those that come.
+        """
         self.wait(version, timeout)
         state = self.state()
         logged = state.logged.get("angle", np.empty(0))
@@ -218,7 +222,7 @@ class Watch(Follower):
         }
 
     def newest(self, layer: str) -> tuple[int, str, Image, FlagImage] | None:
-        """As `erlif.show.view.live.LiveSource`; the film thickness is the only layer."""
+        """Place, title, film thickness and flags of the newest pair, (y, x); None before one."""
         with self._changed:
             place, shown = self.place(), self._newest
         return None if shown is None else (place, shown.title, shown.thickness, shown.flags)

@@ -6,12 +6,12 @@ The film is set against the duty parameter: a power for each run, and one for al
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
 from itertools import combinations
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 import scipy
@@ -22,15 +22,11 @@ from erlif.core.arrays import Array
 from erlif.core.errors import ErlifError
 from erlif.core.progress import Progress, silent
 from erlif.core.version import __version__
-from erlif.io.conversion import choose_trigger
-from erlif.io.files import (
-    fastest_trigger,
-    label_films,
-    open_film,
-    reading_film,
-    refuse_repeated,
-    take,
-)
+from erlif.io.conversion.contents import choose_trigger
+from erlif.io.conversion.export import opened_film
+from erlif.io.files import fastest_trigger, label_films, refuse_repeated
+from erlif.io.settings import Settings
+from erlif.io.settings.toml import toml_value
 from erlif.review.comparison.calibrations import joint_covariance
 from erlif.review.comparison.charts import control_chart, drift_between
 from erlif.review.comparison.difference import (
@@ -40,7 +36,6 @@ from erlif.review.comparison.difference import (
     difference_map,
 )
 from erlif.review.comparison.records import STATISTICS, RunRecord, read_run, refuse_unlike
-from erlif.review.comparison.settings import list_differing
 from erlif.trend import SLOWEST, Exponent, fit_exponent
 
 # Corrected probability below which two runs are stated to differ.
@@ -98,7 +93,7 @@ def compare(
     """
     refuse_repeated([film for film in films if not isinstance(film, xr.Dataset)])
     with ExitStack() as stack:
-        opened = [_open_in(film, stack) for film in films]
+        opened = [stack.enter_context(opened_film(film, where="films")) for film in films]
         records = []
         for k, film in enumerate(opened):
             records.append(read_run(film))
@@ -148,15 +143,6 @@ def compare(
     )
 
 
-def _open_in(film: xr.Dataset | str | Path, stack: ExitStack) -> xr.Dataset:
-    """A film, closed with the stack where it is a file."""
-    if isinstance(film, xr.Dataset):
-        return cast(xr.Dataset, take(film, "film", where="films"))
-    opened = stack.enter_context(open_film(film))
-    stack.enter_context(reading_film(film))
-    return opened
-
-
 def _check_pair(pair: tuple[int, int], count: int) -> tuple[int, int]:
     first, second = pair
     if first == second or min(pair) < 0 or max(pair) >= count:
@@ -192,10 +178,11 @@ def _distinct(records: list[RunRecord], further: list[Calibration]) -> list[Cali
 def _compare_pairs(records: list[RunRecord]) -> xr.Dataset:
     """Differences of the film statistics of all pairs of runs."""
     angle = common_angles(records)
-    pairs = list(combinations(range(len(records)), 2))
+    pairs = list(combinations(records, 2))
+    errors = [(first.errors, second.errors) for first, second in pairs]
     table = [
-        [average_difference(records[i], records[j], name, angle=angle) for name in STATISTICS]
-        for i, j in pairs
+        [average_difference(first, second, name, angle=angle) for name in STATISTICS]
+        for first, second in pairs
     ]
 
     def collect(field: str) -> Array:
@@ -220,27 +207,19 @@ def _compare_pairs(records: list[RunRecord]) -> xr.Dataset:
         "differs": (dims, (corrected < SIGNIFICANT).astype(np.uint8), one),
         "difference_at": ((*dims, "angle"), collect("at"), um),
         "difference_at_std": ((*dims, "angle"), collect("at_std"), um),
-        "same_calibration": (
-            "pair",
-            [int(records[i].errors.fixture == records[j].errors.fixture) for i, j in pairs],
-            one,
-        ),
-        "same_rig": (
-            "pair",
-            [int(records[i].errors.rig == records[j].errors.rig) for i, j in pairs],
-            one,
-        ),
+        "same_calibration": ("pair", [int(a.fixture == b.fixture) for a, b in errors], one),
+        "same_rig": ("pair", [int(a.rig == b.rig) for a, b in errors], one),
         "rig_differs": (
             "pair",
-            [_list_unlike(records[i].errors.rig, records[j].errors.rig) for i, j in pairs],
+            [", ".join(key for key in a.rig if a.rig[key] != b.rig.get(key)) for a, b in errors],
             {"long_name": "what makes the runs those of two rigs"},
         ),
     }
     coords = {
         "run": ("run", [record.name for record in records]),
         "statistic": ("statistic", list(STATISTICS)),
-        "first": ("pair", [records[i].name for i, _ in pairs]),
-        "second": ("pair", [records[j].name for _, j in pairs]),
+        "first": ("pair", [first.name for first, _ in pairs]),
+        "second": ("pair", [second.name for _, second in pairs]),
         "recorded": ("run", [record.errors.date for record in records]),
         "serials": ("run", [record.errors.serials for record in records]),
         "angle": ("angle", angle, {"units": "degree"} if records[0].by_angle else {}),
@@ -254,11 +233,6 @@ def _compare_pairs(records: list[RunRecord]) -> xr.Dataset:
             "difference can be that of two places"
         )
     return xr.Dataset(variables, coords, attrs)
-
-
-def _list_unlike(one: Mapping[str, str], other: Mapping[str, str]) -> str:
-    """Names of what differs between two rigs; empty where they are one."""
-    return ", ".join(name for name in one if one[name] != other.get(name))
 
 
 def _compare_powers(records: list[RunRecord]) -> xr.Dataset:
@@ -419,3 +393,39 @@ def _fit_power(records: list[RunRecord], duties: list[Array], statistic: str) ->
 
 # Relative noise of a minimum film beside its marks; the scatter about the line adds to it.
 _SMALL = 1e-4
+
+
+def list_differing(settings: Sequence[Settings]) -> dict[str, list[str]]:
+    """List the settings that are not the same in all runs; the name of a run is its own.
+
+    Parameters
+    ----------
+    settings : sequence of Settings
+        Of each run.
+
+    Returns
+    -------
+    dict of list of str
+        By table and key, the value of each run as it stands in run.toml; "none" where it has none.
+
+    Examples
+    --------
+    >>> from erlif.io.settings import OpticsSettings
+    >>> list_differing([OpticsSettings(pixel_pitch=pitch) for pitch in ("60 um", "50 um")])
+    {'pixel_pitch': ['"60 um"', '"50 um"']}
+    """
+    runs = [dict(_list_values(each.model_dump(exclude_none=True))) for each in settings]
+    keys = dict.fromkeys(key for run in runs for key in run if key != "[run] name")
+    values = {key: [run.get(key, "none") for run in runs] for key in keys}
+    return {key: stated for key, stated in values.items() if len(set(stated)) > 1}
+
+
+def _list_values(
+    table: Mapping[str, Any], where: tuple[str, ...] = ()
+) -> Iterator[tuple[str, str]]:
+    """Values of a table and of those within it, by the names that run.toml gives them."""
+    for key, value in table.items():
+        if isinstance(value, Mapping):
+            yield from _list_values(value, (*where, key))
+        else:
+            yield f"[{'.'.join(where)}] {key}" if where else key, toml_value(value)

@@ -15,14 +15,7 @@ from erlif.core.html import captioned, card, colour_picture, findings_list, pict
 from erlif.core.notes import Level, split_notes
 from erlif.core.statistics import central_range
 from erlif.core.units import count_of
-from erlif.io.files import (
-    check_trigger,
-    describe_trigger,
-    driven_link,
-    flag_shares,
-    open_film,
-    settings_of,
-)
+from erlif.io import files
 from erlif.show.notebook.region import Interval, summarise_region
 
 
@@ -75,7 +68,7 @@ class FilmAccessor:
                 "this dataset names none. Open it with erlif.open_film, or name the file: "
                 f'erlif.open_film("film.nc", group="{group}").'
             )
-        return open_film(source, group=group)
+        return files.open_film(source, group=group)
 
     def mask(self, *names: str) -> xr.DataArray:
         """Pixels that have one of some flags.
@@ -158,7 +151,7 @@ class FilmAccessor:
                     f"Expected one map, got those of {one.sizes['trigger']} triggers. Give "
                     "trigger=, a number from 0."
                 )
-            check_trigger(self._film, trigger)
+            files.check_trigger(self._film, trigger)
             one = one.isel(trigger=trigger)
         return one.erlif.plot(**style)
 
@@ -320,7 +313,7 @@ def list_variables(dataset: xr.Dataset) -> str:
 
 def _name(film: xr.Dataset) -> str:
     try:
-        return settings_of(film).name
+        return files.settings_of(film).name
     except ErlifError:
         return str(film.attrs.get("title", "film"))
 
@@ -334,12 +327,12 @@ def _rows(film: xr.Dataset) -> list[tuple[str, str]]:
     """Rows of the summary of a film: name and value."""
     from erlif.show.report.summary import describe_briefly  # loads templates
 
-    rows = list(describe_briefly(film, flag_shares(film)).items())
+    rows = list(describe_briefly(film, files.flag_shares(film)).items())
     shown = [(title, how) for title, how in _QUANTITIES.items() if how[0] in film]
-    link = driven_link(film)
+    link = files.driven_link(film)
     rows += [(title.replace("crank", link), _range(film, *how)) for title, how in shown]
     with suppress(ErlifError):
-        oil = settings_of(film).oil
+        oil = files.settings_of(film).oil
         rows += [("oil", oil.name)] if oil is not None and oil.name else []
     return rows
 
@@ -365,7 +358,7 @@ def _maps(film: xr.Dataset) -> str:
     step = max(1, max(film.sizes["x"], film.sizes["y"]) // _SIDE)
     thin = film.thickness[:, ::step, ::step]
     images = [thin.isel(trigger=k).values for k in chosen]
-    captions = [describe_trigger(film, int(k)) for k in chosen]
+    captions = [files.describe_trigger(film, int(k)) for k in chosen]
     if not any(np.isfinite(image).any() for image in images):
         return ""
     # one colour scale, or the maps could not be compared

@@ -13,16 +13,7 @@ from matplotlib.image import AxesImage
 
 from erlif.core.arrays import Mask
 from erlif.io.files import driven_link, region_of
-from erlif.show.plots import style
-from erlif.show.plots.maps import (
-    MapBlocks,
-    average_in_blocks,
-    common_limits,
-    draw_blocks,
-    name_blocks,
-    pixel_edges,
-    thin_map,
-)
+from erlif.show.plots import maps, style
 from erlif.show.plots.naming import name_film
 from erlif.show.plots.style import TWO_COLUMNS, AnyFigure, Limits, pt, styled
 
@@ -76,7 +67,7 @@ def map_sheet_figure(
         groups.append(("mean", np.array([_MEAN])))
     columns = best_columns([members.size for _, members in groups])
     rows = [math.ceil(members.size / columns) for _, members in groups]
-    left, right, bottom, top = pixel_edges(film)
+    left, right, bottom, top = maps.pixel_edges(film)
     height = (TWO_COLUMNS - _BAR) / columns * (bottom - top) / (right - left) + _TITLE
     text = sum(rows) * _TITLE + _FOOT
     figure = style.new_figure(TWO_COLUMNS, sum(rows) * height + _FOOT, given=figure, text=text)
@@ -89,7 +80,7 @@ def map_sheet_figure(
         limits = style.even_limits(every, within=_WITHIN, least=_LEAST_REACH)
     else:
         # a dozen maps are enough for the limits, and are read much faster than all
-        limits = common_limits(film, chosen.tolist()[:: max(1, chosen.size // 12)])
+        limits = maps.common_limits(film, chosen.tolist()[:: max(1, chosen.size // 12)])
 
     # each stroke starts a row; panels without a map are hidden
     first = 0
@@ -120,7 +111,7 @@ def map_sheet_figure(
     size = f"{right - left:.1f} mm × {bottom - top:.1f} mm, x to the right, y down"
     foot = f"{quantity} above each map; each map {size}"
     if less_gap:
-        parts = (_LESS_GAP, name_blocks(departures[int(chosen[0])]))
+        parts = (_LESS_GAP, maps.name_blocks(departures[int(chosen[0])]))
         foot += "\n" + "; ".join(part for part in parts if part)
     figure.supxlabel(foot, fontsize=pt(6.5))
     shown = "" if chosen.size == film.sizes["trigger"] else f"{chosen.size} of "
@@ -167,7 +158,7 @@ def best_columns(sizes: list[int]) -> int:
     )
 
 
-def depart_from_gap(film: xr.Dataset, trigger: int) -> MapBlocks:
+def depart_from_gap(film: xr.Dataset, trigger: int) -> maps.MapBlocks:
     """Map of one trigger less the quadratic surface that fits its region of interest. [um]
 
     Examples
@@ -179,7 +170,9 @@ def depart_from_gap(film: xr.Dataset, trigger: int) -> MapBlocks:
     >>> bool(np.nanstd(departure) < 0.1)
     True
     """
-    means = average_in_blocks(film, film.thickness.isel(trigger=trigger).values, along_x=_BLOCKS)
+    means = maps.average_in_blocks(
+        film, film.thickness.isel(trigger=trigger).values, along_x=_BLOCKS
+    )
     left, right, bottom, top = means.extent
     high, wide = means.values.shape
     x = left + (np.arange(wide) + 0.5) * (right - left) / wide
@@ -196,7 +189,7 @@ def depart_from_gap(film: xr.Dataset, trigger: int) -> MapBlocks:
     return means._replace(values=(h - gap).reshape(means.values.shape))
 
 
-def _mean_departure(departures: list[MapBlocks]) -> MapBlocks:
+def _mean_departure(departures: list[maps.MapBlocks]) -> maps.MapBlocks:
     """Mean of the departures of all triggers, where half of them are known: marks of the wall."""
     values = np.stack([one.values for one in departures])
     known = np.isfinite(values).sum(axis=0)
@@ -206,16 +199,16 @@ def _mean_departure(departures: list[MapBlocks]) -> MapBlocks:
 
 
 def _draw_small_map(
-    ax: Axes, film: xr.Dataset, trigger: int, limits: Limits, departure: MapBlocks | None
+    ax: Axes, film: xr.Dataset, trigger: int, limits: Limits, departure: maps.MapBlocks | None
 ) -> AxesImage:
     """Draw one map of a sheet, thinned to the resolution of print, or what departs from its gap."""
     if departure is not None:
         values = departure.values
-        image = draw_blocks(ax, film, departure, limits)
+        image = maps.draw_blocks(ax, film, departure, limits)
         style.hatch_missing(ax)
     else:
-        values = thin_map(film, trigger)
-        image = style.draw_image(ax, values, limits, extent=pixel_edges(film))
+        values = maps.thin_map(film, trigger)
+        image = style.draw_image(ax, values, limits, extent=maps.pixel_edges(film))
     if not np.isfinite(values).any():
         ax.text(0.5, 0.5, "no valid\npixel", transform=ax.transAxes, ha="center", va="center")
     return image

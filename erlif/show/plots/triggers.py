@@ -15,15 +15,7 @@ from matplotlib.ticker import MaxNLocator
 from erlif.core.arrays import Array, Mask
 from erlif.io.files import driven_link, flag_shares, motion_of
 from erlif.show.plots.naming import describe_shares
-from erlif.show.plots.style import (
-    ONE_STD,
-    OUTWARD,
-    STROKES,
-    draw_line,
-    is_page,
-    pt,
-    state_empty,
-)
+from erlif.show.plots.style import ONE_STD, OUTWARD, STROKES, draw_line, is_page, pt, state_empty
 from erlif.trend import LARGEST_BEYOND
 
 _STEADY = 0.01  # relative range of a speed that is not drawn: that of a steady disc and its log

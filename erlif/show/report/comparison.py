@@ -13,14 +13,7 @@ from erlif.core.version import __version__
 from erlif.io.conversion import table_csv
 from erlif.io.files import write_file
 from erlif.review.comparison import NO_CHANCE, describe_comparison
-from erlif.show.report.layout import (
-    PageTable,
-    arrange_figures,
-    compose_page,
-    embed_image,
-    print_units,
-    render_part,
-)
+from erlif.show.report import layout
 
 # Titles of the figures, by the names of their files.
 FIGURES = {
@@ -88,14 +81,14 @@ def write_comparison_page(found: xr.Dataset, output: Path, figures: Sequence[Pat
     ...     (Path(directory) / "compare.html").read_text("utf-8").count("<h2")
     2
     """
-    *lines, conclusion = map(print_units, describe_comparison(found))
+    *lines, conclusion = map(layout.print_units, describe_comparison(found))
     sections = [("result", "Result", _nested([conclusion, *lines]))]
-    drawn = arrange_figures(
-        embed_image(path, FIGURES[path.stem], wide=path.stem == "films") for path in figures
+    drawn = layout.arrange_figures(
+        layout.embed_image(path, FIGURES[path.stem], wide=path.stem == "films") for path in figures
     )
     if drawn:
         sections.append(("figures", "Figures", drawn))
-    page = compose_page(
+    page = layout.compose_page(
         [*sections, ("pairs", "Pairs", _table(_columns(found)))],
         name="Runs compared",
         subject="differences",
@@ -154,7 +147,7 @@ def _table(columns: dict[str, list[str]]) -> Markup:
         for name, values in shown.items()
     }
     rows = list(zip(*shown.values(), strict=True))
-    pairs = PageTable(rows, tuple(shown), numbers=range(3, len(shown)))
-    table = render_part("macros.html", "scrolling", one=pairs, label="Table of the pairs")
+    pairs = layout.PageTable(rows, tuple(shown), numbers=range(3, len(shown)))
+    table = layout.render_part("macros.html", "scrolling", one=pairs, label="Table of the pairs")
     text = "Differences are the second run less the first; std is one standard deviation."
     return Markup("<p>{}</p>").format(text) + table

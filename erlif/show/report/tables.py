@@ -12,11 +12,7 @@ from markupsafe import Markup
 from erlif.core.arrays import AnyArray, Array
 from erlif.core.flags import FLAG_COLOURS, Flag, describe_share
 from erlif.io.conversion import table_columns, table_csv
-from erlif.io.files import (
-    applicable_theory,
-    motion_of,
-    settings_of,
-)
+from erlif.io.files import applicable_theory, motion_of, settings_of
 from erlif.show.plots.files import FigureSource
 from erlif.show.report.layout import (
     TABLES,

@@ -8,13 +8,16 @@ from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from threading import Event
-from typing import Any, Protocol
+from typing import TYPE_CHECKING
 
-from erlif.core.arrays import FlagImage, Image
 from erlif.core.errors import ErlifError
 from erlif.show.view.layers import LAYERS, describe_layers
 from erlif.show.view.queries import Found, Request, pack_values
 from erlif.show.view.serving import require_library, serving
+
+if TYPE_CHECKING:
+    from erlif.pipeline.watch.setup import SetupWatch
+    from erlif.pipeline.watch.watch import Watch
 
 # Time for which a request for news waits for some. [s]
 _PATIENCE = 5.0
@@ -26,36 +29,12 @@ _SENT = 1.0
 _THREADS = 16
 
 
-class LiveSource(Protocol):
-    """Protocol of the source of a page about a watched run."""
-
-    def describe(self) -> dict[str, Any]:
-        """Name of the run, size of a pixel [mm], and limits of the alarms."""
-        ...
-
-    def news(self, version: int, pairs: int, angles: int, timeout: float) -> dict[str, Any]:
-        """The state once it is newer than `version`, with the pairs and angles after so many.
-
-        All pairs come again where the minimum of another contact is theirs; `after` is the number
-        of pairs that precede those that come.
-        """
-        ...
-
-    def wait_for_map(self, after: int, timeout: float) -> None:
-        """Wait until the newest map is of a later pair than `after`, at most `timeout` seconds."""
-        ...
-
-    def newest(self, layer: str) -> tuple[int, str, Image, FlagImage] | None:
-        """Place, title, values and flags of a layer of the newest pair, (y, x); None before one."""
-        ...
-
-
-def readings_of(source: LiveSource) -> dict[str, Callable[[Request], Found]]:
+def readings_of(source: Watch | SetupWatch) -> dict[str, Callable[[Request], Found]]:
     """Functions that serve the requests of the page, by their name in the address.
 
     Parameters
     ----------
-    source : LiveSource
+    source : Watch or SetupWatch
 
     Returns
     -------
@@ -88,12 +67,14 @@ def readings_of(source: LiveSource) -> dict[str, Callable[[Request], Found]]:
 
 
 @contextmanager
-def live_page(source: LiveSource, *, page: str = "live.html", port: int = 0) -> Iterator[str]:
+def live_page(
+    source: Watch | SetupWatch, *, page: str = "live.html", port: int = 0
+) -> Iterator[str]:
     """Serve the page while the block runs, and until an open page has shown the end.
 
     Parameters
     ----------
-    source : LiveSource
+    source : Watch or SetupWatch
     page : str
         File of the page itself.
     port : int

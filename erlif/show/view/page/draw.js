@@ -1,8 +1,11 @@
 // What the pages share: elements, and of maps the colours, ticks, text and the colour bar.
 export const byId = (id) => document.getElementById(id);
 
+// an element, of the class behind the point where the kind has one
 export function element(kind, ...parts) {
-  const made = document.createElement(kind);
+  const [tag, look] = kind.split(".");
+  const made = document.createElement(tag);
+  if (look) made.className = look;
   made.append(...parts);
   return made;
 }
@@ -15,8 +18,7 @@ export function report(text, bad = false) {
 // colours of flags with a text each; one without a text is left out
 export function showKey(flags, texts) {
   byId("key").replaceChildren(...flags.flatMap((flag, n) => {
-    const swatch = element("span");
-    swatch.className = "swatch";
+    const swatch = element("span.swatch");
     swatch.style.background = flag.colour;
     return texts[n] ? [element("li", swatch, texts[n])] : [];
   }));

@@ -4,11 +4,9 @@ import { post } from "./server.js";
 
 // lines of a change, with what is added and removed in colours
 export function showLines(place, lines) {
-  place.replaceChildren(...lines.split("\n").map((line) => {
-    const part = element("span", `${line}\n`);
-    part.className = { "+": "added", "-": "removed" }[line[0]] ?? "";
-    return part;
-  }));
+  const kinds = { "+": "span.added", "-": "span.removed" };
+  place.replaceChildren(...lines.split("\n").map((line) =>
+    element(kinds[line[0]] ?? "span", `${line}\n`)));
 }
 
 // values that can be drawn on the frame, by the tool
@@ -23,21 +21,18 @@ class Field {
     this.input.id = `${name}.${about.place}`;
     this.input.autocomplete = "off";
     this.input.spellcheck = false;
-    const table = element("span", tables.length ? `[${tables.reverse().join(".")}]` : "top");
-    table.className = "table";
+    const table = element("span.table",
+      tables.length ? `[${tables.reverse().join(".")}]` : "top");
     const label = element("label", key, table);
     label.htmlFor = this.input.id;
-    this.other = element("button");
-    this.other.className = "other";
+    this.other = element("button.other");
     this.without = element("button", "Leave out");
     this.drawn = element("button", "Take it from the frame");
     for (const button of [this.other, this.without, this.drawn]) button.type = "button";
     this.drawn.hidden = !DRAWN[about.place];
     this.unit = element("span");
-    const value = element("div", this.input, this.unit, this.drawn, this.other, this.without);
-    value.className = "value";
-    this.fault = element("p");
-    this.fault.className = "bad";
+    const value = element("div.value", this.input, this.unit, this.drawn, this.other, this.without);
+    this.fault = element("p.bad");
     this.fault.id = `${this.input.id}.fault`;
     this.input.setAttribute("aria-describedby", this.fault.id);
     this.remark = element("p");

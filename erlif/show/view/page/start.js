@@ -56,11 +56,8 @@ function showCard(name) {
   part("details").hidden = !file?.notes.length;
   const odd = file?.notes.filter(({ level }) => level !== "note").length;
   part("summary").textContent = `What was found${odd ? `, ${odd} to look at` : ""}`;
-  part("ul").replaceChildren(...(file?.notes ?? []).map(({ subject, text, level }) => {
-    const item = element("li", `${subject}: ${text}`);
-    item.className = level === "note" ? "" : "bad";
-    return item;
-  }));
+  part("ul").replaceChildren(...(file?.notes ?? []).map(({ subject, text, level }) =>
+    element(level === "note" ? "li" : "li.bad", `${subject}: ${text}`)));
 }
 
 // another tribometer asks for other values
@@ -144,11 +141,8 @@ function showWork() {
     byId("progress").querySelector("span").textContent =
       `${work.name}: ${work.step || "begins"}${work.total ? ` ${work.done} of ${work.total}` : ""}`;
   }
-  byId("notes").replaceChildren(...work.notes.map(({ level, text }) => {
-    const item = element("li", text);
-    item.className = level;
-    return item;
-  }));
+  byId("notes").replaceChildren(...work.notes.map(({ level, text }) =>
+    element(`li.${level}`, text)));
   showCurve(work.name === "calibrate" && !work.running && !work.failed);
   byId("film").hidden = !work.film || work.running;
   byId("film").querySelector("span").textContent = work.film ?? "";
