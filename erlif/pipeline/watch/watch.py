@@ -48,6 +48,9 @@ _PULSES = 12
 # Errors of opening or reading that pass: no handle or memory is free, a share has a fault.
 _PASSING = errno.EMFILE, errno.ENFILE, errno.ENOMEM, errno.EIO, errno.ESTALE
 
+# Faults with which pairs that have come stay without their film.
+_HOLDING = {"film", "share"}
+
 # A file of this name in the run directory ends the watch.
 STOP = "stop"
 
@@ -135,6 +138,7 @@ class Watch(Follower):
         self._workers = workers or os.cpu_count() or 1
         self._waiting: list[int] = []
         self._failed: set[int] = set()
+        self._given_up = 0
         self._measured: list[LivePair] = []
         self._latest: LivePair | None = None
         self._newest: LiveMap | None = None
@@ -179,13 +183,19 @@ class Watch(Follower):
     def is_quiet(self, limit: float | None) -> bool:
         """Whether the run has ended: a file ``stop``, or no new pair for `limit` seconds.
 
-        Before the first pair, and while the directory is away, only the file ends it.
+        Before the first pair, while the directory is away, and while pairs that have come are
+        measured, only the file ends it.
         """
         if (self.directory / STOP).exists():
             return True
         if not self.is_there():
             self._away = time.time()
-        return limit is not None and min(self.silence, time.time() - self._away) > limit
+        if limit is None or min(self.silence, time.time() - self._away) <= limit:
+            return False
+        with self._changed:
+            left = len(self._arrived) - len(self._measured) - self._given_up
+            held = len(self._arrived) < _REFINED[0] or not self._faults.keys().isdisjoint(_HOLDING)
+        return held or not left
 
     # the source of the page
 
@@ -315,6 +325,8 @@ class Watch(Follower):
                 if again:
                     self._arrived[frame] = named
                     self._waiting.insert(0, frame)
+                else:
+                    self._given_up += 1
                 if away or not again:
                     self._note("share" if away else f"pair {arrival.place}", error)
                 self._notify()

@@ -144,6 +144,26 @@ def test_the_end_is_a_quiet_time_or_a_file(empty_run):
         assert watch.is_quiet(None)
 
 
+def test_no_quiet_time_ends_it_while_pairs_that_have_come_are_measured(empty_run, monkeypatch):
+    run_dir, write = empty_run
+    measure, held = LiveFilm.measure, threading.Event()
+
+    def measure_once_free(film, *pair):
+        held.wait(60)
+        return measure(film, *pair)
+
+    monkeypatch.setattr(LiveFilm, "measure", measure_once_free)
+    watch = Watch(run_dir, workers=1)
+    with watch.running():
+        for frame in range(3):
+            write(frame)
+        wait_until(lambda: watch.state().arrived == 3 and watch.silence > 0.2, watch)
+        assert not watch.is_quiet(0.1)
+        held.set()
+        wait_until(lambda: watch.is_quiet(0.1), watch)
+        assert len(watch.state().measured) == 3
+
+
 def test_a_pair_that_cannot_be_used_is_named_and_the_others_go_on(empty_run):
     run_dir, write = empty_run
     watch = Watch(run_dir, workers=1)
