@@ -164,9 +164,8 @@ def simulate_slider_crank(
         {"time": ("time", times, "s", "time")},
     )
     if contact is None and linkage.clearance > 0:
-        pull = -result.force_x * np.cos(result.rod_angle) - result.force_y * np.sin(
-            result.rod_angle
-        )
+        phi = result.rod_angle
+        pull = -result.force_x * np.cos(phi) - result.force_y * np.sin(phi)
         warn_of_compression(result.crank_angle.values, pull=pull.values)
     return result.assign_attrs(touches=touches)
 

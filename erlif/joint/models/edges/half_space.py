@@ -137,7 +137,7 @@ def solve_contact(
     dims = ("x", "z")[: heights.ndim]
     words = read_table("erlif.joint.models", "variables.toml")
     return describe_by(
-        words["half_space"] | (words["plane"] if plane else {}),
+        words["contact"] | words["half_space"] | (words["plane"] if plane else {}),
         {
             "pressure": (dims, balance.pressure),
             "deflection": (dims, balance.deflection),

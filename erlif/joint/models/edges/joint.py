@@ -344,7 +344,7 @@ def solve_joint(
     mean_bending = float(bending @ lengths) / lengths.sum()
     vertical = (pressure * round_pin * area).sum(axis=0)
     return describe_by(
-        _WORDS["joint"],
+        _WORDS["contact"] | _WORDS["joint"],
         {
             "pressure": (("angle", "z"), pressure),
             "gap": (("angle", "z"), balance.gap),
