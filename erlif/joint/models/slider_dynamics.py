@@ -31,6 +31,8 @@ if TYPE_CHECKING:
 
 __all__ = ["ContactLaw", "Torque", "simulate_slider_crank"]
 
+_Model = SimplifiedJoint | GeneralJoint
+
 # Absolute error allowed in a step over the relative one: the shortest length is a penetration.
 _ABSOLUTE = 1e-4
 
@@ -142,7 +144,7 @@ def simulate_slider_crank(
         raise ModelError(f"eccentricity must be two finite numbers, got {eccentricity}.")
     require_positive(rod_mass=bodies.rod_mass, slider_mass=bodies.slider_mass)
 
-    model: SimplifiedJoint | GeneralJoint
+    model: _Model
     if contact is None and worn is not None:
         raise ModelError("contact must be given where worn profiles are: they touch by its law.")
     links = linkage, bodies, torque, crank_inertia
@@ -171,11 +173,7 @@ def simulate_slider_crank(
 
 
 def _integrate(
-    model: SimplifiedJoint | GeneralJoint,
-    start: list[float],
-    times: Array,
-    crank_speed: float,
-    tolerance: float,
+    model: _Model, start: list[float], times: Array, crank_speed: float, tolerance: float
 ) -> tuple[Array, Array, int]:
     """States and speeds of the last touch at the times, and the number of touches.
 
@@ -223,9 +221,7 @@ def _integrate(
     return np.array(kept), np.array(speeds), touches
 
 
-def _touch(
-    _time: float, state: Array, model: SimplifiedJoint | GeneralJoint, _speed: float
-) -> float:
+def _touch(_time: float, state: Array, model: _Model, _speed: float) -> float:
     """Negative before a touch, positive after it.
 
     A flight begins at the gap zero, which rounding makes one or the other, and may be shorter than
@@ -235,9 +231,7 @@ def _touch(
     return -gap - _SHUT if gap >= 0 and model.approach(state) <= 0 else gap
 
 
-def _end_of_contact(
-    _time: float, state: Array, model: SimplifiedJoint | GeneralJoint, _speed: float
-) -> float:
+def _end_of_contact(_time: float, state: Array, model: _Model, _speed: float) -> float:
     """Positive before the end of a contact, negative after it: open and opening."""
     gap = model.gap(state)
     return -gap + _SHUT if gap <= 0 and model.approach(state) >= 0 else gap
