@@ -195,10 +195,8 @@ def example_joint() -> Joint:
     >>> example_joint().pin_diameter
     0.08
     """
-    return joint_of(
-        DesignSettings.model_validate(read_table("erlif.joint.sizing", "example.toml")["joint"]),
-        Path(),
-    )
+    example = read_table("erlif.joint.sizing", "example.toml")["joint"]
+    return joint_of(DesignSettings.model_validate(example), Path())
 
 
 @cache
