@@ -418,11 +418,9 @@ class Wedge:
 
     def profile(self, x: Array) -> Array:
         """Signed film along x [pixel]; negative beyond the line of contact. [um]"""
-        share = x / (self.rig.width - 1)
-        low, high = self.rig.wedge
-        return np.asarray(
-            low + (high - low) * share + self.rig.wedge_form * np.sin(3 * np.pi * share)
-        )
+        share, (low, high) = x / (self.rig.width - 1), self.rig.wedge
+        error = self.rig.wedge_form * np.sin(3 * np.pi * share)
+        return np.asarray(low + (high - low) * share + error)
 
     def __call__(self, x: Array, y: Array) -> Array:
         """Film at object points [pixel], not below what stays on the wall. [um]"""

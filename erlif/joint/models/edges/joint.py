@@ -85,11 +85,7 @@ class EdgeJoint:
         """Refuse radii, lengths and moduli that are no joint."""
         radii = ["pin_radius", "bushing_radius", "outer_radius"]
         check_fields(self, **dict.fromkeys(radii, "number"))
-        require_increasing(
-            pin_radius=self.pin_radius,
-            bushing_radius=self.bushing_radius,
-            outer_radius=self.outer_radius,
-        )
+        require_increasing(**{name: getattr(self, name) for name in radii})
         if not self.pin_length >= self.length:
             raise ModelError(
                 f"pin_length, {self.pin_length:g} m, is below the length of the bushing, "
