@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.ndimage import minimum_filter1d
 
 from erlif.core.arrays import Array
 from erlif.core.errors import EncoderError
@@ -127,8 +128,8 @@ def find_clock_offset(
     count = int(min(max(room / period * STEPS_IN_CYCLE, 2), MOST_STEPS))
     offsets = time[0] + np.linspace(0, room, count + 1)
     residual = np.array([model.residual(offset) for offset in offsets])
-    minima = _minima(residual)
-    refined = [_refine_offset(model, offsets, place) for place in minima]
+    minima = np.flatnonzero(residual == minimum_filter1d(residual, 3, mode="nearest"))
+    refined = [_refine_offset(model, offsets, int(place)) for place in minima]
     best = min(refined, key=model.residual)
 
     least = model.residual(best)
@@ -201,13 +202,6 @@ def _beside(columns: Array, values: Array) -> Array:
 
 def _squares(columns: Array, values: Array) -> float:
     return float(np.sum(_beside(columns, values) ** 2))
-
-
-def _minima(residual: Array) -> list[int]:
-    """Places of the local minima."""
-    padded = np.concatenate([[np.inf], residual, [np.inf]])
-    lower = (padded[1:-1] <= padded[:-2]) & (padded[1:-1] <= padded[2:])
-    return [int(place) for place in np.flatnonzero(lower)]
 
 
 def _refine_offset(model: _Model, offsets: Array, place: int) -> float:

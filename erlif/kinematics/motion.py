@@ -61,6 +61,7 @@ class Sinusoid:
 
 
 _USUAL_RPM = (0.1, 20_000.0)  # speeds of discs on test rigs [rpm]
+_GIVE_SPEED = 'Give the speed of rotation as speed = "60 rpm" in [mechanism].'
 
 
 def locate_rotation(
@@ -353,8 +354,7 @@ def _rate_of_frames(log: EncoderLog) -> Array:
     if "angle" not in log or "time" not in log or log.sizes["frame"] < 2:
         raise EncoderError(
             "Expected the speed of rotation in [mechanism], or the columns angle_deg and time_s in "
-            'the encoder log to compute it from. Give the speed of rotation as speed = "60 rpm" in '
-            "[mechanism]."
+            f"the encoder log to compute it from. {_GIVE_SPEED}"
         )
 
     # an encoder that counts on beyond a turn has no jumps; any other is below one turn
@@ -367,20 +367,18 @@ def _rate_of_frames(log: EncoderLog) -> Array:
             raise EncoderError(
                 f"Expected less than {_LARGEST_STEP:g} deg from frame to frame, from which the "
                 f"speed of rotation follows; from frame {int(log.number[worst])} to the next the "
-                f"logged angle turns by {step[worst]:.1f} deg, which may be whole turns more. Give "
-                'the speed of rotation as speed = "60 rpm" in [mechanism].'
+                f"logged angle turns by {step[worst]:.1f} deg, which may be whole turns more. "
+                f"{_GIVE_SPEED}"
             )
     if not np.all(np.diff(time) > 0):
         raise EncoderError(
             "Expected column time_s to rise from frame to frame, to compute the speed of rotation "
-            "from it and angle_deg; it does not. Correct the times. Give the speed of rotation as "
-            'speed = "60 rpm" in [mechanism].'
+            f"from it and angle_deg; it does not. Correct the times. {_GIVE_SPEED}"
         )
     if not np.any(step):
         raise EncoderError(
             "Expected the logged angle to change as the disc turns; it is the same in all frames, "
-            'as with one trigger in a turn. Give the speed of rotation as speed = "60 rpm" in '
-            "[mechanism]."
+            f"as with one trigger in a turn. {_GIVE_SPEED}"
         )
 
     turned = np.radians(angle[0] + np.concatenate([[0.0], np.cumsum(step)]))

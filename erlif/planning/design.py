@@ -310,10 +310,8 @@ def scaled_to(design: Design, thick_film: tuple[float, float]) -> Design:
     5000
     """
     cameras = []
-    for number, (camera, electrons) in enumerate(
-        zip(design.cameras, thick_film, strict=True), start=1
-    ):
-        band = band_of(design, number)
+    for n, (camera, electrons) in enumerate(zip(design.cameras, thick_film, strict=True), start=1):
+        band = band_of(design, n)
         thick = float((band.weight / band.attenuation).sum())
         cameras.append(replace(camera, scale=electrons / thick))
     return replace(design, cameras=tuple(cameras))

@@ -392,10 +392,10 @@ def _describe_tolerances(design: Design, film: WantedFilm, settings: PlanSetting
     sizes = {name: float(value) for name, value in settings.tolerances}
     changes = vary_tolerances(design, film, sizes)
     described = _as_variables(
-        tolerance_std=[change.std for change in changes],
-        tolerance_thinnest=[change.thinnest for change in changes],
-        tolerance_thickest=[change.thickest for change in changes],
-        tolerance_film=[change.film for change in changes],
+        **{
+            f"tolerance_{part}": [getattr(change, part) for change in changes]
+            for part in ("std", "thinnest", "thickest", "film")
+        }
     ).assign_coords(tolerance=[change.what for change in changes])
 
     # the size is text with its unit, as the unit differs from part to part

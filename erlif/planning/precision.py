@@ -174,17 +174,15 @@ def frames_needed(
     left = (np.asarray(uncertainty, float) * slope) ** 2 - fixed
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         needed = np.ceil(new / left)
-    reached = (left > 0) & (slope > 0) & _is_below_full_scale(design, thickness)
+    reached = (left > 0) & (slope > 0) & (_filled(design, thickness) <= 1)
     return np.where(reached, np.maximum(needed, 1.0), np.inf)
 
 
-def _is_below_full_scale(design: Design, thickness: npt.ArrayLike) -> npt.NDArray[np.bool_]:
-    """Whether no camera is saturated by the light of films. [um]"""
-    below = [
-        signal(design, number, thickness) <= camera.full_scale
-        for number, camera in enumerate(design.cameras, start=1)
-    ]
-    return np.asarray(np.all(below, axis=0))
+def _filled(design: Design, thickness: npt.ArrayLike) -> Array:
+    """Largest signal of a film [um] over the full scale of its camera. [1]"""
+    cameras = enumerate(design.cameras, start=1)
+    filled = [signal(design, n, thickness) / camera.full_scale for n, camera in cameras]
+    return np.asarray(np.max(filled, axis=0))
 
 
 def calibrated_range(design: Design, film: WantedFilm) -> tuple[float, float]:
@@ -256,7 +254,7 @@ def measurable_range(design: Design, film: WantedFilm) -> tuple[float, float]:
         margin = CLEAR * np.sqrt(new / film.frames + fixed)
         value = log_ratio(design, thickness)
         valid = (value - margin >= thinnest) & (value + margin <= thickest)
-        valid &= _is_below_full_scale(design, thickness)
+        valid &= _filled(design, thickness) <= 1
         for number in (1, 2):
             valid &= signal(design, number, thickness) >= LEAST_SIGNAL
         return np.asarray(valid)
@@ -301,8 +299,5 @@ def dimmed_to_full_scale(design: Design, thickest: float, fill: float) -> Design
     >>> round(dimmed_to_full_scale(example_dye_design(), 20.0, 0.3).energy, 2)
     0.47
     """
-    filled = max(
-        float(signal(design, number, thickest)) / camera.full_scale
-        for number, camera in enumerate(design.cameras, start=1)
-    )
+    filled = float(_filled(design, thickest))
     return replace(design, energy=design.energy * min(1.0, fill / filled))

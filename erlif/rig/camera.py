@@ -33,17 +33,9 @@ def map_coefficients(rig: RigSettings) -> Array:
     turns about the middle.
     """
     cos, sin = np.cos(np.radians(rig.rotation)), np.sin(np.radians(rig.rotation))
-    half_width, half_height = rig.centre
-    along_x = [
-        rig.shift[0],
-        (rig.scale[0] * cos - 1) * half_width,
-        -rig.scale[0] * sin * half_height,
-    ]
-    along_y = [
-        rig.shift[1],
-        rig.scale[1] * sin * half_width,
-        (rig.scale[1] * cos - 1) * half_height,
-    ]
+    (half_width, half_height), (wide, high) = rig.centre, rig.scale
+    along_x = [rig.shift[0], (wide * cos - 1) * half_width, -wide * sin * half_height]
+    along_y = [rig.shift[1], high * sin * half_width, (high * cos - 1) * half_height]
     return np.hstack([[along_x, along_y], rig.distortion * _BEND])
 
 

@@ -42,6 +42,9 @@ Left = tuple[float, float]
 
 _FRESH: Left = (1.0, 1.0)
 
+# Light behind the filters of cameras 1 and 2 over that of a thick film, by thickness. [um]
+Signals = tuple[Callable[[Array], Array], Callable[[Array], Array]]
+
 
 @dataclass(frozen=True)
 class DyedOil:
@@ -65,30 +68,24 @@ class DyedOil:
 _AS_FILLED = DyedOil()
 
 
-def _sum(
-    dyes: DyeSpectra, of: tuple[tuple[float, ...], tuple[float, ...]], wavelength: Array, left: Left
-) -> Array:
-    """A spectrum of both given dyes together, with what bleaching has left of each."""
-    one, two = (np.interp(wavelength, dyes.wavelength, values) for values in of)
-    return np.asarray(left[0] * one + left[1] * two)
-
-
 def absorption(wavelength: Array, left: Left = _FRESH, dyes: DyeSpectra | None = None) -> Array:
     """Napierian attenuation of the dyed oil, both dyes together. [1/um]"""
-    if dyes is not None:
-        return _sum(dyes, dyes.attenuation, wavelength, left)
-    dye_1 = 0.213 * np.exp(-(((wavelength - 543) / 14) ** 2) / 2)
-    dye_2 = 0.206 * np.exp(-(((wavelength - 572) / 22.3) ** 2) / 2)
+    if dyes is None:
+        dye_1 = 0.213 * np.exp(-(((wavelength - 543) / 14) ** 2) / 2)
+        dye_2 = 0.206 * np.exp(-(((wavelength - 572) / 22.3) ** 2) / 2)
+    else:
+        dye_1, dye_2 = (np.interp(wavelength, dyes.wavelength, one) for one in dyes.attenuation)
     return np.asarray(left[0] * dye_1 + left[1] * dye_2)
 
 
 def emission(wavelength: Array, left: Left = _FRESH, dyes: DyeSpectra | None = None) -> Array:
     """Light per depth and wavelength by unit laser light, both dyes. [arbitrary unit]"""
-    if dyes is not None:
-        return _sum(dyes, dyes.emission, wavelength, left)
-    above_1, above_2 = (np.maximum(wavelength - onset, 1e-9) for onset in (520, 560))
-    dye_1 = 0.157 * np.exp(-((np.log(above_1 / 48) / 0.38) ** 2) / 2)
-    dye_2 = 0.041 * np.exp(-((np.log(above_2 / 52) / 0.36) ** 2) / 2)
+    if dyes is None:
+        above_1, above_2 = (np.maximum(wavelength - onset, 1e-9) for onset in (520, 560))
+        dye_1 = 0.157 * np.exp(-((np.log(above_1 / 48) / 0.38) ** 2) / 2)
+        dye_2 = 0.041 * np.exp(-((np.log(above_2 / 52) / 0.36) ** 2) / 2)
+    else:
+        dye_1, dye_2 = (np.interp(wavelength, dyes.wavelength, one) for one in dyes.emission)
     return np.asarray(left[0] * dye_1 + left[1] * dye_2)
 
 
@@ -167,9 +164,7 @@ def tabulate_signal(
     return lambda film: np.asarray(table(np.minimum(film, end)))
 
 
-def signals_of(
-    dyes: DyeSpectra | None, oil: DyedOil
-) -> tuple[Callable[[Array], Array], Callable[[Array], Array]]:
+def signals_of(dyes: DyeSpectra | None, oil: DyedOil) -> Signals:
     """`tabulate_signal` behind the filters of cameras 1 and 2."""
     bands = BANDS if dyes is None else dyes.bands
     one, two = (tabulate_signal(band, dyes, oil) for band in bands)

@@ -166,8 +166,8 @@ def list_triggers(rig: RigSettings) -> Triggers:
 
     # time runs from just after the lower dead point, where the crank angle is defined
     crank = crank_angle(np.radians(zero + reading), rising, rig)
-    start = crank_angle(np.asarray(rocker_range(rig)[0] + 1e-12), np.asarray(True), rig)
-    time: Array = (crank - start) % (2 * np.pi) / (rig.crank_speed * 2 * np.pi / 60)
+    turned = (crank - crank_at(np.zeros(()), rig)) % (2 * np.pi)
+    time: Array = turned / (rig.crank_speed * 2 * np.pi / 60)
     if rig.pulses_per_cycle:
         number = np.arange(int(rig.pulses_per_cycle * rig.cycles))
         time = np.asarray((number + _FIRST_PULSE) * 60 / (rig.pulses_per_cycle * rig.crank_speed))
@@ -266,24 +266,16 @@ def draw_marks(rig: RigSettings, rng: np.random.Generator) -> Marks:
     direction = np.pi / 2 + rng.normal(0, _WAVE_SPREAD, count)
     phase = rng.uniform(0, 2 * np.pi, count)
     amplitude = np.full(count, rig.marks * np.sqrt(2 / count))
-    waves = np.stack(
-        [wave_number * np.cos(direction), wave_number * np.sin(direction), phase, amplitude], axis=1
-    )
+    along, across = wave_number * np.cos(direction), wave_number * np.sin(direction)
+    waves = np.column_stack([along, across, phase, amplitude])
 
     count = _SCRATCHES
     direction = rng.normal(0, _SCRATCH_SPREAD, count)
-    scratches = np.stack(
-        [
-            rng.uniform(0, rig.width, count),
-            rng.uniform(0, rig.height, count),
-            np.cos(direction),
-            np.sin(direction),
-            rng.uniform(*_SCRATCH_LENGTHS, count) * rig.width,
-            np.full(count, _SCRATCH_DEPTH * rig.marks),
-        ],
-        axis=1,
-    )
-    return Marks(waves, scratches)
+    x, y = rng.uniform(0, rig.width, count), rng.uniform(0, rig.height, count)
+    length = rng.uniform(*_SCRATCH_LENGTHS, count) * rig.width
+    depth = np.full(count, _SCRATCH_DEPTH * rig.marks)
+    scratches = [x, y, np.cos(direction), np.sin(direction), length, depth]
+    return Marks(waves, np.column_stack(scratches))
 
 
 @njit(cache=True, nogil=True)
@@ -426,11 +418,9 @@ class Wedge:
 
     def profile(self, x: Array) -> Array:
         """Signed film along x [pixel]; negative beyond the line of contact. [um]"""
-        share = x / (self.rig.width - 1)
-        low, high = self.rig.wedge
-        return np.asarray(
-            low + (high - low) * share + self.rig.wedge_form * np.sin(3 * np.pi * share)
-        )
+        share, (low, high) = x / (self.rig.width - 1), self.rig.wedge
+        error = self.rig.wedge_form * np.sin(3 * np.pi * share)
+        return np.asarray(low + (high - low) * share + error)
 
     def __call__(self, x: Array, y: Array) -> Array:
         """Film at object points [pixel], not below what stays on the wall. [um]"""

@@ -5,7 +5,6 @@ Its light is beam and laser speckle, as functions of continuous coordinates.
 No rendered picture is resampled: the light at any object point of a camera is exact.
 """
 
-from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 
@@ -14,10 +13,9 @@ import numpy as np
 from erlif.core.arrays import Array, Counts
 from erlif.core.speed.kernels import njit
 from erlif.rig.camera import Camera, build_camera, displacement, expose, seen_from_camera_2
-from erlif.rig.dyes import DyedOil, signals_of
+from erlif.rig.dyes import DyedOil, Signals, signals_of
 from erlif.rig.film import BARE_FILM, Bubbles, Field
 from erlif.rig.settings import RigSettings
-from erlif.rig.wall import Texture, draw_texture
 
 # Purposes with random numbers of their own. A new one is appended, so that the old ones keep
 # theirs.
@@ -49,6 +47,7 @@ def random_stream(seed: int, name: str, number: int = 0) -> np.random.Generator:
 
 _BEAM_AXIS = (0.04, -0.03)  # of width and height: offset of the beam from the middle
 _REACH = 4.5  # standard deviations; beyond them a grain adds less than 1e-4 of its brightness
+_WAVES = 128  # of which the texture of a wall is the sum
 _TABLE = 4096  # steps of the squared distance in a table of the Gaussian, good to 1e-6
 
 
@@ -155,6 +154,45 @@ def _sum_grains(
 
 
 @dataclass(frozen=True)
+class Texture:
+    """A wall whose reflectance varies over the picture.
+
+    Attributes
+    ----------
+    waves : Array
+        Cosines of which it is the sum: wave vector along x and y [1/pixel], phase [rad], (wave, 3).
+    share : float
+        Standard deviation of the reflectance, relative to its mean. [1]
+    signals : tuple[Signals, ...]
+        As those of a set-up, before a black wall, the mean one, and one of twice its reflectance;
+        empty before the even wall of the fixture.
+    """
+
+    waves: Array
+    share: float
+    signals: tuple[Signals, ...] = ()
+
+    def light(self, number: int, film: Array, x: Array, y: Array) -> Array:
+        """Light of a film in camera `number`, relative to a very thick film.
+
+        It is a parabola of the reflectance.
+        """
+        total = sum(np.cos(along * x + down * y + phase) for along, down, phase in self.waves)
+        over_mean = np.maximum(1 + self.share * np.sqrt(2 / _WAVES) * total, 0.0)
+        black, mean, twice = (each[number - 1](film) for each in self.signals)
+        bend = (black + twice) / 2 - mean
+        return np.asarray(black + over_mean * (mean - black + bend * (over_mean - 1)))
+
+
+def draw_texture(rig: RigSettings, rng: np.random.Generator) -> Texture | None:
+    """Draw the wall of the joint; None where it is even."""
+    share, size = rig.wall_texture
+    std = np.sqrt(2) * rig.field_width / rig.width / size
+    vectors, phases = rng.normal(0, std, (_WAVES, 2)), rng.uniform(0, 2 * np.pi, (_WAVES, 1))
+    return Texture(np.hstack([vectors, phases]), share) if share else None
+
+
+@dataclass(frozen=True)
 class Setup:
     """Properties of the rig that are the same in all frames.
 
@@ -164,7 +202,7 @@ class Setup:
         Settings of the rig.
     cameras : tuple[Camera, Camera]
         Sensors of camera 1 and 2.
-    signals : tuple[Callable[[Array], Array], Callable[[Array], Array]]
+    signals : Signals
         Light of a film [um] behind the filter of each camera, relative to a very thick film.
     grains : Grains
         Speckle that all pulses share.
@@ -182,7 +220,7 @@ class Setup:
 
     rig: RigSettings
     cameras: tuple[Camera, Camera]
-    signals: tuple[Callable[[Array], Array], Callable[[Array], Array]]
+    signals: Signals
     grains: Grains
     x: Array
     y: Array

@@ -160,8 +160,10 @@ def compare_designs(
 
 # ratio
 
+_Runs = Sequence[FailureLoad]
 
-def _as_failures(runs: Sequence[FailureLoad]) -> list[FailureLoad]:
+
+def _as_failures(runs: _Runs) -> list[FailureLoad]:
     """Replace undecided runs by failures at the load of the doubtful stage."""
     return [
         run
@@ -171,9 +173,7 @@ def _as_failures(runs: Sequence[FailureLoad]) -> list[FailureLoad]:
     ]
 
 
-def _posterior(
-    first: Sequence[FailureLoad], second: Sequence[FailureLoad], model: str
-) -> tuple[float, float, float, float]:
+def _posterior(first: _Runs, second: _Runs, model: str) -> tuple[float, float, float, float]:
     """Quantiles of the ratio, and the probability that it is above 1."""
     bounds = [_bounds(runs) for runs in (first, second)]
     known = np.concatenate([np.log(one[np.isfinite(one) & (one > 0)]) for one in bounds])
@@ -202,7 +202,7 @@ def _posterior(
     return low, middle, high, 1 - float(np.interp(0.0, differences, cumulative))
 
 
-def _bounds(runs: Sequence[FailureLoad]) -> Array:
+def _bounds(runs: _Runs) -> Array:
     """Load that each bearing carried, and load that it did not carry: (run, 2).
 
     A bearing that fails at a load that it carried before, as bolts relax or the load is lowered,
@@ -253,7 +253,7 @@ def _log_probability(lower: AnyArray | float, upper: AnyArray | float, model: st
 # log-rank test
 
 
-def _log_rank(first: Sequence[FailureLoad], second: Sequence[FailureLoad]) -> tuple[float, float]:
+def _log_rank(first: _Runs, second: _Runs) -> tuple[float, float]:
     """Two-sided p-value by permutation, and the smallest one possible."""
     from scipy.stats import permutation_test  # slow to load
 

@@ -245,11 +245,9 @@ def pool_spreads(spreads: Sequence[NoiseSpread]) -> list[NoiseSpread]:
     >>> unlike.freedom < 5
     True
     """
-    pooled = []
-    for place in range(len(spreads)):
-        others = [spread for k, spread in enumerate(spreads) if k != place]
-        pooled.append(combine_spreads(others) if len(others) >= _FEWEST else UNKNOWN)
-    return pooled
+    if len(spreads) <= _FEWEST:
+        return [UNKNOWN] * len(spreads)
+    return [combine_spreads([*spreads[:k], *spreads[k + 1 :]]) for k in range(len(spreads))]
 
 
 def combine_spreads(spreads: Sequence[NoiseSpread]) -> NoiseSpread:

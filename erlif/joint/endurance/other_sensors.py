@@ -17,7 +17,6 @@ from erlif.joint.endurance.stages import Stage
 # p-value below which a sensor confirms the onset. [1]
 CONFIRMS = 0.01
 
-_SENSORS = ("temperature", "vibration")
 _MOST_BLOCKS = 200
 _FEWEST_AFTER = 3
 _FEWEST = 16
@@ -92,10 +91,8 @@ def check_other_sensors(test: xr.Dataset, stage: Stage, onset: Onset) -> tuple[S
     changes: list[SensorChange] = []
     if time.size < _FEWEST:
         return ()
-    for name in _SENSORS:
-        if name not in test:
-            continue
-        values = test[name].values[stage.samples][clear]
+    for name, logged in _sensors(test).items():
+        values = logged[stage.samples][clear]
         if _stands_still(values):
             continue
         if name == "vibration":
@@ -139,10 +136,7 @@ def unusable_sensors(
     {'temperature': 'reads 30 throughout'}
     """
     reasons = {}
-    for name in _SENSORS:
-        if name not in test:
-            continue
-        values = test[name].values
+    for name, values in _sensors(test).items():
         if all(_stands_still(values[stage.samples]) for stage in stages):
             reasons[name] = f"reads {values[stages[0].first]:g} throughout"
         elif onset is not None and _stands_still(values[stages[onset.stage].samples]):
@@ -153,6 +147,10 @@ def unusable_sensors(
             if np.any(inside <= 0):
                 reasons[name] = "is not positive throughout, so that it has no level"
     return reasons
+
+
+def _sensors(test: xr.Dataset) -> dict[str, Array]:
+    return {name: test[name].values for name in ("temperature", "vibration") if name in test}
 
 
 def _stands_still(values: Array) -> bool:

@@ -230,11 +230,15 @@ def note_stages(
     return notes
 
 
+# First and last sample.
+_Span = tuple[int, int]
+
+
 def _join_parts(
-    spans: Sequence[tuple[int, int]], load: Array, pauses: AnyArray, floor: float
-) -> list[list[tuple[int, int]]]:
+    spans: Sequence[_Span], load: Array, pauses: AnyArray, floor: float
+) -> list[list[_Span]]:
     """Spans by their stage: those of one load with a pause of the log between them are parts."""
-    runs: list[list[tuple[int, int]]] = []
+    runs: list[list[_Span]] = []
     level = 0.0
     for first, last in spans:
         here = float(np.median(load[first : last + 1]))
@@ -247,9 +251,7 @@ def _join_parts(
     return runs
 
 
-def _steady_spans(
-    time: Array, load: Array, pauses: AnyArray, floor: float
-) -> list[tuple[int, int]]:
+def _steady_spans(time: Array, load: Array, pauses: AnyArray, floor: float) -> list[_Span]:
     """First and last sample of each stretch whose load follows its own recent mean."""
     same_load = SAME_LOAD
     parts = list(pairwise([0, *pauses.tolist(), time.size]))
@@ -261,7 +263,7 @@ def _steady_spans(
         smooth = [_running_mean(part, width) for part in smooth]
         same_load = max(same_load, min(_CLEAR * _scatter(smooth, width), _MOST_TOLERANCE))
 
-    spans: list[tuple[int, int]] = []
+    spans: list[_Span] = []
     for (start, end), values in zip(parts, smooth, strict=True):
         steady = values.tolist()
         first, mean = start, float("nan")
@@ -328,7 +330,7 @@ def _find_idle(loads: Array, durations: Sequence[float], floor: float) -> Mask:
     return idle
 
 
-def _cut_rest(torque: Array, first: int, last: int) -> tuple[int, int]:
+def _cut_rest(torque: Array, first: int, last: int) -> _Span:
     """A stage without the time before the machine starts and after it stops."""
     inside = torque[first : last + 1]
     running = np.flatnonzero(inside > _AT_REST * np.median(inside))

@@ -140,17 +140,20 @@ def variation_within(torque: Array, stretches: list[Stretch]) -> float:
     0.0
     """
     long = [one for one in stretches if one.last - one.first + 1 >= _PARTS]
-    courses = np.array(
-        [[part.mean() for part in np.array_split(torque[one.samples], _PARTS)] for one in long]
-    ).reshape(-1, _PARTS)
-    forward = np.array([one.forward for one in long], dtype=bool)
-    sides = courses[forward], courses[~forward]
+    parts = [np.array_split(torque[one.samples], _PARTS) for one in long]
+    courses = np.array([[part.mean() for part in each] for each in parts]).reshape(-1, _PARTS)
+    sides = _by_direction(courses, long)
     if min(map(len, sides)) < _FEWEST_LEVELS:
         return 0.0
     course = 0.5 * (sides[0].mean(axis=0) - sides[1].mean(axis=0))
     varied = float(np.ptp(course))
     error = 0.5 * float(np.hypot(*(side.std(axis=0).max() / np.sqrt(len(side)) for side in sides)))
     return varied / float(course.mean()) if varied > _CLEAR * error else 0.0
+
+
+def _by_direction(values: Array, stretches: list[Stretch]) -> tuple[Array, Array]:
+    forward = np.array([one.forward for one in stretches], dtype=bool)
+    return values[forward], values[~forward]
 
 
 def running_median(values: Array) -> Array:
@@ -276,8 +279,7 @@ def _split(values: Array, half: float) -> tuple[int, int]:
 def _require_levels(torque: Array, stretches: list[Stretch]) -> None:
     """Refuse noise: within a direction it scatters nearly as much as the directions differ."""
     levels = np.array([torque[one.samples].mean() for one in stretches])
-    forward = np.array([one.forward for one in stretches], dtype=bool)
-    sides = levels[forward], levels[~forward]
+    sides = _by_direction(levels, stretches)
     if min(map(len, sides)) < _FEWEST_LEVELS:
         return
     # friction may change over the log, so that only neighbours are compared

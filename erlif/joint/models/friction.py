@@ -7,12 +7,12 @@ the closed forms are those of Colbert et al. (2009).
 Arguments that are off by orders of magnitude raise `erlif.core.errors.UnitWarning`.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 import scipy
 
+from erlif.core.arrays import Array
 from erlif.core.errors import ModelError
 from erlif.models.arguments import Values, formula
 
@@ -317,7 +317,21 @@ def torque_ratio(angle: Values, *, pressure: Values) -> Values:
     >>> print(f"{torque_ratio(angle, pressure=np.cos(angle)):.4f} {4 / np.pi:.4f}")
     1.2732 1.2732
     """
-    angles, pressures, wrap = _samples(angle, pressure)
+    if not hasattr(pressure, "dims"):
+        return _torque_over_load(np.asarray(angle), np.asarray(pressure))
+    from xarray import apply_ufunc  # at use, because the models load without it
+
+    dim = angle.dims[-1] if hasattr(angle, "dims") else pressure.dims[-1]
+    return apply_ufunc(_torque_over_load, angle, pressure, input_core_dims=[[dim], [dim]])
+
+
+def _torque_over_load(angles: Array, pressures: Array) -> Values:
+    """Torque ratio of samples along the last axis."""
+    if not angles.ndim or not pressures.ndim or angles.shape[-1] != pressures.shape[-1]:
+        raise ModelError(
+            "angle and pressure must hold the same number of samples along their last axis, got "
+            f"shapes {angles.shape} and {pressures.shape}."
+        )
     if np.any(np.less_equal(np.diff(angles, axis=-1), 0)):
         raise ModelError("angle must rise along its last axis.")
 
@@ -328,7 +342,7 @@ def torque_ratio(angle: Values, *, pressure: Values) -> Values:
             "pressure must carry a load along the line at angle 0, got an integral of "
             f"{float(np.nanmin(carried)):g}."
         )
-    return wrap(np.trapezoid(pressures, angles, axis=-1) / carried)
+    return np.trapezoid(pressures, angles, axis=-1) / carried
 
 
 @dataclass(frozen=True)
@@ -411,25 +425,6 @@ def average_reversals(
         offset=float(forward.mean() + backward.mean()) / 2,
         standard_error=float(np.hypot(scipy.stats.sem(forward), scipy.stats.sem(backward))) / 2,
     )
-
-
-def _samples(angle: Values, pressure: Values) -> tuple[Values, Values, Callable[[Values], Values]]:
-    """Angle and pressure as arrays with the samples last, and the way back to a DataArray."""
-    if hasattr(pressure, "dims"):
-        dim = angle.dims[-1] if hasattr(angle, "dims") else pressure.dims[-1]
-        both = pressure * 0 + angle  # carries the dimensions of both
-        both = both.transpose(..., dim)
-        spread = (both * 0 + pressure).transpose(*both.dims)
-        template = both.isel({dim: 0}, drop=True)
-        return both.values, spread.values, lambda values: template.copy(data=values)
-
-    angles, pressures = np.asarray(angle), np.asarray(pressure)
-    if not angles.ndim or not pressures.ndim or angles.shape[-1] != pressures.shape[-1]:
-        raise ModelError(
-            "angle and pressure must hold the same number of samples along their last axis, got "
-            f"shapes {angles.shape} and {pressures.shape}."
-        )
-    return angles, pressures, lambda values: values
 
 
 def _sinc(x: Values) -> Values:

@@ -173,17 +173,9 @@ def run_in_bushing(
             "sliding_distance must be one row of rising distances without NaN, got "
             f"{np.array2string(distances, threshold=8)} m."
         )
-    cell = np.pi / cells
-    wall = _Wall(
-        shaft_radius,
-        bushing_radius,
-        width,
-        thickness,
-        modulus / thickness,
-        load,
-        np.asarray((np.arange(cells) + 0.5) * cell, np.float64),
-        cell,
-    )
+    cell, stiffness = np.pi / cells, modulus / thickness
+    angle = np.asarray((np.arange(cells) + 0.5) * cell, np.float64)
+    wall = _Wall(shaft_radius, bushing_radius, width, thickness, stiffness, load, angle, cell)
     return _describe(wall, distances, _wear(wall, distances, specific_wear))
 
 

@@ -31,6 +31,8 @@ if TYPE_CHECKING:
 
 __all__ = ["ContactLaw", "Torque", "simulate_slider_crank"]
 
+_Model = SimplifiedJoint | GeneralJoint
+
 # Absolute error allowed in a step over the relative one: the shortest length is a penetration.
 _ABSOLUTE = 1e-4
 
@@ -142,7 +144,7 @@ def simulate_slider_crank(
         raise ModelError(f"eccentricity must be two finite numbers, got {eccentricity}.")
     require_positive(rod_mass=bodies.rod_mass, slider_mass=bodies.slider_mass)
 
-    model: SimplifiedJoint | GeneralJoint
+    model: _Model
     if contact is None and worn is not None:
         raise ModelError("contact must be given where worn profiles are: they touch by its law.")
     links = linkage, bodies, torque, crank_inertia
@@ -164,19 +166,14 @@ def simulate_slider_crank(
         {"time": ("time", times, "s", "time")},
     )
     if contact is None and linkage.clearance > 0:
-        pull = -result.force_x * np.cos(result.rod_angle) - result.force_y * np.sin(
-            result.rod_angle
-        )
+        phi = result.rod_angle
+        pull = -result.force_x * np.cos(phi) - result.force_y * np.sin(phi)
         warn_of_compression(result.crank_angle.values, pull=pull.values)
     return result.assign_attrs(touches=touches)
 
 
 def _integrate(
-    model: SimplifiedJoint | GeneralJoint,
-    start: list[float],
-    times: Array,
-    crank_speed: float,
-    tolerance: float,
+    model: _Model, start: list[float], times: Array, crank_speed: float, tolerance: float
 ) -> tuple[Array, Array, int]:
     """States and speeds of the last touch at the times, and the number of touches.
 
@@ -224,9 +221,7 @@ def _integrate(
     return np.array(kept), np.array(speeds), touches
 
 
-def _touch(
-    _time: float, state: Array, model: SimplifiedJoint | GeneralJoint, _speed: float
-) -> float:
+def _touch(_time: float, state: Array, model: _Model, _speed: float) -> float:
     """Negative before a touch, positive after it.
 
     A flight begins at the gap zero, which rounding makes one or the other, and may be shorter than
@@ -236,9 +231,7 @@ def _touch(
     return -gap - _SHUT if gap >= 0 and model.approach(state) <= 0 else gap
 
 
-def _end_of_contact(
-    _time: float, state: Array, model: SimplifiedJoint | GeneralJoint, _speed: float
-) -> float:
+def _end_of_contact(_time: float, state: Array, model: _Model, _speed: float) -> float:
     """Positive before the end of a contact, negative after it: open and opening."""
     gap = model.gap(state)
     return -gap + _SHUT if gap <= 0 and model.approach(state) >= 0 else gap

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -208,8 +208,7 @@ def wear_slider_crank(
     return _wear(wall, joint, cycle_of, cycles, extrapolation)
 
 
-@dataclass(frozen=True)
-class _Cycle:
+class _Cycle(NamedTuple):
     """One cycle of the joint, step by step."""
 
     normal: Array  # normal force [N]
@@ -270,8 +269,7 @@ def _wear(
         loaded = cycle.normal > _UNLOADED * np.max(cycle.normal, initial=0.0)
         if not np.any(loaded):
             raise ModelError("The joint carries no force in any step of the cycle.")
-        pieces = [part[loaded] for part in (cycle.normal, cycle.place, cycle.turned, cycle.sliding)]
-        normal, direction, turned, sliding = pieces
+        normal, direction, turned, sliding = (part[loaded] for part in cycle)
         force = normal[:, None] * np.stack([np.cos(direction), np.sin(direction)], axis=1)
         if places is None:
             places = np.full((loaded.size, 2), np.nan)

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 
-from erlif.core.errors import UnitWarning
 from erlif.joint.sizing import fit, heat, lock, pin, pressure
-from erlif.joint.sizing.joint import Joint, warn_of_units
+from erlif.joint.sizing.joint import Joint, warn_of_units, without_unit_warnings
 from erlif.joint.sizing.state import JointState
 from erlif.joint.sizing.steps import Result, Step, make_step
 
@@ -140,9 +138,7 @@ def margin_of(joint: Joint, key: str) -> float:
     >>> margin_of(example_joint(), "weld") > 0
     True
     """
-    with warnings.catch_warnings():
-        # unusual joints are reported by their margins
-        warnings.simplefilter("ignore", UnitWarning)
+    with without_unit_warnings():
         result = EQUATIONS[key](JointState(joint))
     return float("nan") if result is None else result.share
 
@@ -179,11 +175,8 @@ def assess_joint(joint: Joint) -> Assessment:
     """
     warn_of_units(joint, dimensions=False)
     state, steps = JointState(joint), []
-    with warnings.catch_warnings():
-        # unusual joints are reported by their margins
-        warnings.simplefilter("ignore", UnitWarning)
+    with without_unit_warnings():
         for key, equation in EQUATIONS.items():
-            result = equation(state)
-            if result is not None:
+            if (result := equation(state)) is not None:
                 steps.append(make_step(key, result))
     return Assessment(joint, tuple(steps))

@@ -5,20 +5,26 @@ from __future__ import annotations
 import difflib
 import math
 import tomllib
-import warnings
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields, replace
 from functools import cache, cached_property
 from pathlib import Path
 from typing import Any
 
-from erlif.core.errors import ConfigError, UnitWarning
+from erlif.core.errors import ConfigError
 from erlif.core.tables import read_table
 from erlif.core.units import Quantity
 from erlif.io.settings import settings_of, to_toml, write_example
 from erlif.joint.settings import DesignSettings, LockOfJoint, PartOfJoint, read_design_settings
 from erlif.joint.sizing.assessment import Assessment, assess_joint
-from erlif.joint.sizing.joint import DIMENSIONS, PARTS, Joint, Lock, dimensions_of
+from erlif.joint.sizing.joint import (
+    DIMENSIONS,
+    PARTS,
+    Joint,
+    Lock,
+    dimensions_of,
+    without_unit_warnings,
+)
 from erlif.joint.sizing.materials import Material, read_materials
 from erlif.joint.sizing.practice import practice_notes, unchecked
 from erlif.joint.sizing.sensitivity import Sensitivity, Substitute, sensitivities, substitutes
@@ -159,9 +165,7 @@ def design(source: Path | str | DesignSettings, *, folder: Path | None = None) -
     """
     settings, folder = settings_of(source, read_design_settings, folder)
     wanted = joint_of(settings, folder)
-    with warnings.catch_warnings():
-        # quantities of joint.toml have units
-        warnings.simplefilter("ignore", UnitWarning)
+    with without_unit_warnings():  # quantities of joint.toml have units
         sized = size_joint(wanted, series=settings.sizing.series)
         assessment = assess_joint(sized)
     return BearingDesign(
@@ -191,10 +195,8 @@ def example_joint() -> Joint:
     >>> example_joint().pin_diameter
     0.08
     """
-    return joint_of(
-        DesignSettings.model_validate(read_table("erlif.joint.sizing", "example.toml")["joint"]),
-        Path(),
-    )
+    example = read_table("erlif.joint.sizing", "example.toml")["joint"]
+    return joint_of(DesignSettings.model_validate(example), Path())
 
 
 @cache

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import math
+import warnings
 from collections import defaultdict
 from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import reduce
 from typing import Literal, NamedTuple
 
-from erlif.core.errors import ModelError
+from erlif.core.errors import ModelError, UnitWarning
 from erlif.core.tables import read_table
 from erlif.joint.models.wear import mean_sliding_speed
 from erlif.joint.sizing.materials import Material
@@ -382,3 +384,11 @@ def warn_of_units(joint: Joint, *, dimensions: bool = True) -> None:
         given.pop("length", None)
     for quantity, values in given.items():
         arguments.warn_of_units(quantity, **values)
+
+
+@contextmanager
+def without_unit_warnings() -> Iterator[None]:
+    """Leave out the warnings of the models: unusual joints are reported by their margins."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UnitWarning)
+        yield

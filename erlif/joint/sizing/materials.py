@@ -183,7 +183,7 @@ def _read_row(cells: dict[str, str], known: dict[str, Material], where: str) -> 
     changed: dict[str, Any] = {key: cells[key] for key in ("use", "source") if cells.get(key)}
     for title, column in _columns().items():
         if cell := cells.get(title):
-            changed[column["field"]] = _read_cell(cell, title, where)
+            changed[column["field"]] = _read_cell(cell, title, column, where)
     material = replace(known.get(name, Material(name)), **changed)
     low, high = material.hardness_low or 0.0, material.hardness_high or math.inf
     if low > high:
@@ -194,8 +194,7 @@ def _read_row(cells: dict[str, str], known: dict[str, Material], where: str) -> 
     return material
 
 
-def _read_cell(cell: str, title: str, where: str) -> float:
-    column = _columns()[title]
+def _read_cell(cell: str, title: str, column: dict[str, Any], where: str) -> float:
     low, high = column["low"], column["high"]
     try:
         value = float(cell)

@@ -9,14 +9,13 @@ slides faster and leaves less of the eye.
 from __future__ import annotations
 
 import math
-import warnings
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
 import numpy as np
 
-from erlif.core.errors import ConfigError, UnitWarning
+from erlif.core.errors import ConfigError
 from erlif.joint.models.bearing import (
     LARGEST_HOLE_RATIO,
     RECOMMENDED_HOUSING,
@@ -25,7 +24,7 @@ from erlif.joint.models.bearing import (
 )
 from erlif.joint.sizing import fit, pin, pressure
 from erlif.joint.sizing.assessment import EQUATIONS
-from erlif.joint.sizing.joint import DIMENSIONS, Joint, known, warn_of_units
+from erlif.joint.sizing.joint import DIMENSIONS, Joint, known, warn_of_units, without_unit_warnings
 from erlif.joint.sizing.lock import size_lock
 from erlif.joint.sizing.practice import (
     NARROW_SEAT,
@@ -91,9 +90,7 @@ def size_joint(joint: Joint, *, series: Series = "none") -> Joint:
         )
 
     warn_of_units(joint)
-    with warnings.catch_warnings():
-        # unusual joints are reported by their margins
-        warnings.simplefilter("ignore", UnitWarning)
+    with without_unit_warnings():
         sized = _size(joint, series)
         if sized.lock is not None:
             sized = replace(sized, lock=size_lock(sized, sized.lock, series=series))

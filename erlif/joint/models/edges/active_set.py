@@ -26,6 +26,8 @@ class CellContact:
     ----------
     pressure, deflection : array
         Pressure of the cells [Pa], and deflection of both bodies under it [m].
+    gap : array
+        Gap that remains. [m]
     motion : array, (mode,)
         Amplitude of each rigid mode.
     iterations : int
@@ -36,6 +38,7 @@ class CellContact:
 
     pressure: Array
     deflection: Array
+    gap: Array
     motion: Array
     iterations: int
     residual: float
@@ -127,7 +130,7 @@ def solve_active_set(
             known, keep = False, False  # the deflection was updated; compute it once more
             continue
         if error <= tolerance:
-            return CellContact(pressure, deflection, amplitudes, step, error)
+            return CellContact(pressure, deflection, residual, amplitudes, step, error)
         if not touching.any():  # a given motion starts from the cells that overlap
             pressure = np.maximum(-residual, 0.0) / cells.own
             continue

@@ -133,17 +133,15 @@ def solve_contact(
         motion=motion,
         tolerance=tolerance,
     )
-    motions = np.zeros(3)
-    motions[: len(modes)] = balance.motion
-    remaining = heights + balance.deflection - np.tensordot(balance.motion, modes, 1)
+    motions = np.pad(balance.motion, (0, 3 - len(modes)))
     dims = ("x", "z")[: heights.ndim]
     words = read_table("erlif.joint.models", "variables.toml")
     return describe_by(
-        words["half_space"] | (words["plane"] if plane else {}),
+        words["contact"] | words["half_space"] | (words["plane"] if plane else {}),
         {
             "pressure": (dims, balance.pressure),
             "deflection": (dims, balance.deflection),
-            "gap": (dims, remaining),
+            "gap": (dims, balance.gap),
             "force": ((), balance.pressure.sum() * cell),
             "approach": ((), motions[0]),
             "tilt_x": ((), motions[1]),
@@ -181,22 +179,18 @@ def _deflection(
     if len(shape) == 1:
         plane = Convolution.of(displacement_of_strips(shape[0], steps[0], modulus))
         return plane, plane.diagonal
-    across, along = shape
-    if not mirror:
-        whole = Convolution.of(
-            displacement_of_cells((across, along), (steps[0], steps[1]), modulus)
-        )
-        return whole, whole.diagonal
 
     # images beside both ends: three lengths of pressure, of which the middle one is deflected
-    wide = Convolution.of(displacement_of_cells((across, 2 * along), (steps[0], steps[1]), modulus))
+    across, along = shape
+    extent = (across, 2 * along if mirror else along)
+    cells = Convolution.of(displacement_of_cells(extent, (steps[0], steps[1]), modulus))
 
     def deflect(pressure: Array) -> Array:
         image = mirror * pressure[:, ::-1]
         window = (slice(0, across), slice(along, 2 * along))
-        return wide.multiply(np.hstack([image, pressure, image]), window)
+        return cells.multiply(np.hstack([image, pressure, image]), window)
 
-    return deflect, wide.diagonal
+    return deflect if mirror else cells, cells.diagonal
 
 
 @formula(depth="number")

@@ -8,6 +8,7 @@ compliance.
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from itertools import product, starmap
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -84,11 +85,7 @@ class EdgeJoint:
         """Refuse radii, lengths and moduli that are no joint."""
         radii = ["pin_radius", "bushing_radius", "outer_radius"]
         check_fields(self, **dict.fromkeys(radii, "number"))
-        require_increasing(
-            pin_radius=self.pin_radius,
-            bushing_radius=self.bushing_radius,
-            outer_radius=self.outer_radius,
-        )
+        require_increasing(**{name: getattr(self, name) for name in radii})
         if not self.pin_length >= self.length:
             raise ModelError(
                 f"pin_length, {self.pin_length:g} m, is below the length of the bushing, "
@@ -326,29 +323,27 @@ def solve_joint(
     balance = solve_active_set(
         lambda pressure: _multiply(matrices, pressure),
         gap,
-        diagonal=np.broadcast_to(diagonal, gap.shape),
+        diagonal=diagonal,
         modes=modes,
         area=area,
         targets=targets,
         start=np.where(round_pin > 0.8, 1.0, 0.0) + np.zeros(gap.shape),
         tolerance=tolerance,
     )
-    motion = np.zeros(2)
-    motion[: targets.size] = balance.motion
+    motion = np.pad(balance.motion, (0, 2 - targets.size))
 
     # what a reader asks for
     pressure = balance.pressure
-    remaining = gap + balance.deflection - np.tensordot(balance.motion, modes, 1)
     row, column = np.unravel_index(int(pressure.argmax()), gap.shape)
     line = around // 2
     bending = bent - _multiply(pin_matrices, pressure)[line] + motion[1] * middles
     mean_bending = float(bending @ lengths) / lengths.sum()
     vertical = (pressure * round_pin * area).sum(axis=0)
     return describe_by(
-        _WORDS["joint"],
+        _WORDS["contact"] | _WORDS["joint"],
         {
             "pressure": (("angle", "z"), pressure),
-            "gap": (("angle", "z"), remaining),
+            "gap": (("angle", "z"), balance.gap),
             "cell_length": ("z", lengths),
             "line_load": ("z", vertical / lengths),
             "bending": ("z", bending - mean_bending),
@@ -487,32 +482,24 @@ def search_undercut(
     True
     """
 
-    def prepared(cut: Undercut | None, pin: Compliance | None) -> ElasticJoint:
-        return prepare_joint(
-            replace(joint, undercut=cut),
-            smallest_cell=smallest_cell,
-            load_span=load_span,
-            harmonics=harmonics,
-            pin=pin,
-        )
-
+    prepare = partial(
+        prepare_joint, smallest_cell=smallest_cell, load_span=load_span, harmonics=harmonics
+    )
     shape = (len(depths), len(widths), len(lips))
-    cuts = {
-        place: Undercut(depths[place[0]], widths[place[1]], lips[place[2]])
-        for place in np.ndindex(shape)
-    }
-    fitting = {place: cut for place, cut in cuts.items() if _fits(cut, joint)}
+    cuts = zip(np.ndindex(shape), starmap(Undercut, product(depths, widths, lips)), strict=True)
+    fitting = {place: cut for place, cut in cuts if _fits(cut, joint)}
     if not fitting:
         raise ModelError(
             "No undercut of these depths, widths and lips fits into the wall of "
             f"{joint.outer_radius - joint.bushing_radius:g} m."
         )
 
-    straight = prepared(None, None)
+    straight = prepare(replace(joint, undercut=None))
     uncut = solve_joint(straight, load=load, patch=patch)
     peak, mean = np.full(shape, np.nan), np.full(shape, np.nan)
     for place, cut in fitting.items():
-        solved = solve_joint(prepared(cut, straight.pin), load=load, patch=patch)
+        elastic = prepare(replace(joint, undercut=cut), pin=straight.pin)
+        solved = solve_joint(elastic, load=load, patch=patch)
         peak[place], mean[place] = solved["peak_pressure"], solved["patch_pressure"]
     best = np.unravel_index(int(np.nanargmin(mean)), shape)
     names = {"depth": depths, "width": widths, "lip": lips}

@@ -240,15 +240,12 @@ def link_sensitivity(linkage: CrankRocker) -> LinkSensitivity:
     # a linkage that almost folds flat stays a crank-rocker on both sides
     step = min(STEP * linkage.crank, float(measures.grashof_margin(linkage.links)) / 10)
 
-    def slope(index: int) -> list[float]:
-        sides = []
-        for sign in (1, -1):
-            changed = lengths.copy()
-            changed[index] += sign * step
-            sides.append(_measures(measures.Links(*(float(length) for length in changed))))
-        return [(high - low) / (2 * step) for high, low in zip(*sides, strict=True)]
-
-    return LinkSensitivity(*np.array([slope(index) for index in range(4)]).T)
+    moves = step * np.eye(4)
+    after, before = (
+        np.array([_measures(measures.Links(*changed)) for changed in moved.tolist()])
+        for moved in (lengths + moves, lengths - moves)
+    )
+    return LinkSensitivity(*((after - before) / (2 * step)).T)
 
 
 def _measures(links: measures.Links) -> list[float]:

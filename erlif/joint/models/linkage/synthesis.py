@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import product
+from operator import attrgetter
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -418,22 +419,14 @@ def _least_squares(
     domain: Domain, branch: list[_Target], deviations: Callable[[Array], Array]
 ) -> list[Array]:
     """All zeros of several functions, or the least sum of their squares."""
-    ends: list[tuple[float, float, Array]] = []
-
-    def refine(starts: list[Array], calls: int) -> None:
-        for start in starts:
-            fit = _fit(deviations, start, calls)
-            ends.append((float(np.abs(fit.fun).max()), float(fit.cost), fit.x))
-
-    # a minimum far from zero is refined only where nothing else is found
     crossings, minima = _starts(domain, branch, deviations)
-    refine(crossings, MOST_CALLS)
-    refine(minima, CALLS)
-    solved = [place for worst, _, place in ends if worst < ATTAINED]
-    if not solved:
-        refine([np.clip(_nearest(ends), 2 * EDGE, 1 - 2 * EDGE)], MOST_CALLS)
-        solved = [place for worst, _, place in ends if worst < ATTAINED]
-    return solved or [_nearest(ends)]
+    fits = [_fit(deviations, start, MOST_CALLS) for start in crossings]
+    fits += [_fit(deviations, start, CALLS) for start in minima]
+    # a minimum far from zero is refined only where nothing else is found
+    if not any(_is_solved(fit) for fit in fits):
+        nearest = np.clip(min(fits, key=attrgetter("cost")).x, 2 * EDGE, 1 - 2 * EDGE)
+        fits.append(_fit(deviations, nearest, MOST_CALLS))
+    return [fit.x for fit in fits if _is_solved(fit)] or [min(fits, key=attrgetter("cost")).x]
 
 
 def _fit(deviations: Callable[[Array], Values], start: Array, calls: int) -> Any:
@@ -449,9 +442,8 @@ def _fit(deviations: Callable[[Array], Values], start: Array, calls: int) -> Any
     )
 
 
-def _nearest(minima: list[tuple[float, float, Array]]) -> Array:
-    """Place with the least sum of squares."""
-    return min(minima, key=lambda entry: entry[1])[2]
+def _is_solved(fit: Any) -> bool:
+    return bool(np.abs(fit.fun).max() < ATTAINED)
 
 
 def _starts(
