@@ -19,6 +19,7 @@ import numpy as np
 import threadpoolctl
 import xarray as xr
 from click.testing import CliRunner, Result
+from hypothesis import settings
 from scenes.page import Page
 
 import erlif
@@ -28,6 +29,10 @@ from erlif.rig import RigSettings, simulate
 
 # in a single process a plugin has loaded numpy before
 threadpoolctl.threadpool_limits(1, user_api="blas")
+
+# the duration of an example depends on the load of the machine
+settings.register_profile("erlif", deadline=None, database=None)
+settings.load_profile("erlif")
 
 FULL = bool(os.environ.get("ERLIF_FULL"))
 """Whether kills and simulated cases are as many as for a release (CONTRIBUTING.md)."""

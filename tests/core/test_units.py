@@ -44,7 +44,6 @@ UNITS = [
 ]
 
 
-@settings(deadline=None, database=None)
 @given(st.floats(allow_nan=False, allow_infinity=False), st.sampled_from(UNITS))
 def test_number_in_the_requested_unit_is_unchanged(value, unit):
     assert parse_quantity(f"{value!r} {unit}", unit) == value
@@ -75,7 +74,7 @@ PIECES = [
 ]
 
 
-@settings(deadline=None, database=None, max_examples=150)
+@settings(max_examples=150)
 @given(
     st.one_of(
         st.text(max_size=12),

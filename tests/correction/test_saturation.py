@@ -23,7 +23,7 @@ def broad(start, stop, each):
     bits=st.sampled_from([8, 10, 12]),
     seed=st.integers(0, 10**6),
 )
-@settings(max_examples=60, deadline=None, database=None)
+@settings(max_examples=60)
 def test_images_of_any_light_do_not_look_saturated(light, gain, contrast, bits, seed):
     rng = np.random.default_rng(seed)
     full = 2**bits - 1
@@ -38,7 +38,7 @@ def test_images_of_any_light_do_not_look_saturated(light, gain, contrast, bits, 
     contrast=st.floats(0.02, 0.4),
     seed=st.integers(0, 10**6),
 )
-@settings(max_examples=40, deadline=None, database=None)
+@settings(max_examples=40)
 def test_counts_that_stop_below_full_scale_are_found(top, share, contrast, seed):
     rng = np.random.default_rng(seed)
     scene = 1 + contrast * rng.standard_normal((96, 96))

@@ -40,7 +40,7 @@ def test_rocker_speed_is_the_derivative_of_the_angle():
     np.testing.assert_allclose(found.sliding_speed, np.abs(derivative) * 33.36e-3, atol=1e-6)
 
 
-@settings(deadline=None, database=None, max_examples=40)
+@settings(max_examples=40)
 @given(st.integers(8, 60), st.floats(0, 360))
 def test_any_even_sampling_is_followed_through_the_dead_points(count, start):
     crank = start + np.arange(count) * 360 / count

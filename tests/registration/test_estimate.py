@@ -267,9 +267,7 @@ _SCENES = {
 
 
 @pytest.mark.slow
-@settings(
-    max_examples=8, deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow]
-)
+@settings(max_examples=8, derandomize=True, suppress_health_check=[HealthCheck.too_slow])
 @given(
     st.sampled_from(sorted(_SCENES)),
     st.tuples(st.floats(-80, 80), st.floats(-64, 64)),

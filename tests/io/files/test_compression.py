@@ -7,7 +7,7 @@ import numpy as np
 import numpy.testing as npt
 import pytest
 import zarr
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as drawn
 
@@ -42,7 +42,6 @@ def unpack(chunk, dtype, shape):
     return np.ascontiguousarray(planes.T).view(dtype).reshape(shape)
 
 
-@settings(deadline=None, database=None)
 @given(anything, anything)
 def test_rounding_error_is_at_most_a_tenth_of_the_standard_deviation(values, std):
     std = np.abs(std)
@@ -55,7 +54,6 @@ def test_rounding_error_is_at_most_a_tenth_of_the_standard_deviation(values, std
     assert (error <= limit).all()
 
 
-@settings(deadline=None, database=None)
 @given(anything, st.integers(1, 22))
 def test_rounded_values_are_as_near_as_their_bits_allow(values, bits):
     rounded = round_map(values, values, 2.0**-bits)
@@ -119,7 +117,6 @@ def test_both_formats_hold_the_same_values(maps):
         )
 
 
-@settings(deadline=None, database=None)
 @given(drawn.arrays(np.uint8, st.integers(1, 2000)))
 def test_deflated_bytes_come_back_with_and_without_isal(values):
     with pytest.MonkeyPatch.context() as patch:

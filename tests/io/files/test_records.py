@@ -2,7 +2,7 @@
 
 import numpy as np
 import numpy.testing as npt
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as drawn
 
@@ -14,7 +14,6 @@ arrays = drawn.arrays(
 )
 
 
-@settings(deadline=None, database=None)
 @given(st.integers(0, 10**6), st.dictionaries(st.text(), arrays, max_size=4))
 def test_numbers_come_back_exactly(trigger, numbers):
     line = write_record(trigger, numbers, {"flags": [2048, 117, 5]})

@@ -58,7 +58,7 @@ def test_the_mark_that_windows_puts_before_utf_8_is_no_fault(lab):
     assert read_run_settings(lab.run).name == "virtual straight bushing"
 
 
-@settings(deadline=None, database=None, max_examples=60)
+@settings(max_examples=60)
 @given(st.data())
 def test_a_byte_changed_in_the_settings_is_read_or_refused(small_rig, tmp_path_factory, data):
     content = bytearray((small_rig.run / "run.toml").read_bytes())

@@ -17,7 +17,7 @@ TEXT = st.text(st.characters(blacklist_categories=["Cs", "Cc"]), max_size=12) | 
 ORIGIN = st.tuples(st.floats(-99, 99), st.floats(-99, 99)).map(list)
 
 
-@settings(deadline=None, database=None, max_examples=60)
+@settings(max_examples=60)
 @given(name=TEXT, profile=TEXT.filter(bool), turn=st.floats(-360, 360), origin=ORIGIN)
 def test_texts_and_numbers_written_as_toml_read_back_the_same(name, profile, turn, origin):
     """Every key of a file, by its example: test_template."""
