@@ -43,8 +43,8 @@ EXPECTED_WITHIN = 0.75
 """Share of 12 triggers within two standard deviations, of 0.954: three times the binomial less."""
 
 
-def follow(time, rig):
-    return kept_orbit(name_of(rig), lambda: follow_pin(time, rig))
+def follow(time, rig, deflections=None):
+    return kept_orbit(name_of(rig), lambda: follow_pin(time, rig, deflections))
 
 
 @pytest.fixture(scope="module", autouse=True)
