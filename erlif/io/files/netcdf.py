@@ -11,10 +11,11 @@ from typing import IO, Any, Literal
 import numpy as np
 import xarray as xr
 
+from erlif.core.guarded import check_hdf5
 from erlif.core.hdf5 import open_hdf5
 
 
-def open_netcdf(path: Path, *, group: str | None = None) -> xr.Dataset:
+def open_netcdf(path: Path, *, group: str | None = None, own: bool = False) -> xr.Dataset:
     """Open a netCDF-4 file or one of its groups with xarray.
 
     Parameters
@@ -23,6 +24,8 @@ def open_netcdf(path: Path, *, group: str | None = None) -> xr.Dataset:
         File to open.
     group : str, optional
         Name of the group; default: the root.
+    own : bool
+        Whether this process has just written it, so that it holds nothing to guard against.
 
     Returns
     -------
@@ -46,26 +49,16 @@ def open_netcdf(path: Path, *, group: str | None = None) -> xr.Dataset:
     ...         float(dataset["joint_load"][0])
     220.0
     """
-    from erlif.io.files.kept import open_kept
+    from erlif.io.files.stored import StoredGroup
 
-    # A damaged file fails here. Within h5netcdf the failure would print a message of its own.
-    with open_hdf5(path) as file:
-        list(file.attrs.items())
-        file.visititems(lambda name, item: None)
-
-    # Dimensions that a file does not name get names, and impossible fill values are dropped. Both
-    # are found when the variables are checked, and stated there.
+    if not own:
+        check_hdf5(path)
+    place = Path(os.path.abspath(path))
+    # Impossible fill values are dropped; they are found when the variables are checked.
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", xr.SerializationWarning)
-
-        # as xr.open_dataset(path, engine="h5netcdf"), with the parts of the file kept open
-        name = os.path.abspath(path)
-        options = {"phony_dims": "access", "decode_vlen_strings": True}
-        manager = xr.backends.CachingFileManager(open_kept, name, mode="r", kwargs=options)
-        with manager.acquire_context():
-            store = xr.backends.H5NetCDFStore(manager, group=group, mode="r")
-            dataset = xr.open_dataset(store, engine="store")
-    dataset.encoding["source"] = name
+        dataset = xr.open_dataset(StoredGroup(place, group), engine="store")
+    dataset.encoding["source"] = str(place)
     return dataset
 
 
@@ -175,24 +168,23 @@ def fix_text(dataset: xr.Dataset) -> xr.Dataset:
     >>> fixed.file.dtype
     dtype('S5')
     """
-    changed = {}
-    for name, variable in dataset.variables.items():
-        one = variable.copy(deep=False)
-        if variable.dtype.kind in "UO":
-            text = np.char.encode(variable.values.astype(str), "utf-8")
-            one = xr.Variable(variable.dims, text, {**variable.attrs, "_Encoding": "utf-8"})
-        one.attrs = {key: _fix_attribute(value) for key, value in one.attrs.items()}
-        if name in dataset.coords:
-            one.encoding["_FillValue"] = None
-        changed[name] = one
-
-    # in two steps, since each assignment aligns all variables
     fixed = dataset.copy()
     fixed.attrs = {name: _fix_attribute(value) for name, value in dataset.attrs.items()}
-    indexed = {name: changed.pop(name) for name in dataset.xindexes}
-    fixed.update(changed)
-    for name, one in indexed.items():
-        fixed[name] = one
+    texts = {}
+    for name, variable in fixed.variables.items():
+        if variable.dtype.kind in "UO":
+            text = np.char.encode(variable.values.astype(str), "utf-8")
+            variable = xr.Variable(variable.dims, text, {**variable.attrs, "_Encoding": "utf-8"})
+            texts[name] = variable
+        variable.attrs = {key: _fix_attribute(value) for key, value in variable.attrs.items()}
+        if name in dataset.coords:
+            variable.encoding["_FillValue"] = None
+
+    # one by one what names places of a dim: together they would change the order in the file
+    indexed = {name: texts.pop(name) for name in dataset.xindexes if name in texts}
+    fixed.update(texts)
+    for name, variable in indexed.items():
+        fixed[name] = variable
     return fixed
 
 
