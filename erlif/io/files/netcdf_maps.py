@@ -246,11 +246,11 @@ class NetcdfMaps:
 
     def _name_coordinates(self, names: str) -> None:
         """Add the attribute `coordinates` to all maps, which were created without it."""
-        import h5netcdf
+        import h5py
 
         if names:
             attrs = fix_text(xr.Dataset(attrs={"coordinates": names})).attrs
-            with with_locks(h5netcdf.File, self.path, "a") as file:
+            with with_locks(h5py.File, self.path, "r+") as file:
                 for variable in self.variables:
                     file[variable.name].attrs.update(attrs)
 
