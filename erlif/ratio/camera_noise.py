@@ -16,7 +16,6 @@ from itertools import pairwise
 
 import cv2
 import numpy as np
-import scipy
 
 from erlif.core.arrays import Array
 from erlif.core.errors import FrameError
@@ -277,11 +276,26 @@ def _gather_cells(views: Iterable[NoiseView], blur: BlurDifference) -> NoiseCell
 
 def _difference_kernels(blur: BlurDifference) -> tuple[Array, Array]:
     """Weights of the log light of camera 1 and camera 2 in a difference, with their blur."""
-    one, two = (
-        scipy.signal.convolve2d(_RING, np.outer(taps[1], taps[0]))
-        for taps in Softening.of(blur).taps
-    )
+    one, two = (_convolve(_RING, np.outer(*taps[::-1])) for taps in Softening.of(blur).taps)
     return one, two
+
+
+def _convolve(image: Array, kernel: Array) -> Array:
+    """Convolution of two small images.
+
+    Added in the order of scipy.signal, which loads in a quarter of a second: products of four
+    columns, then those that are left.
+    """
+    margins = [(length - 1, length - 1) for length in kernel.shape]
+    windows = np.lib.stride_tricks.sliding_window_view(np.pad(image, margins), kernel.shape)
+    products = np.moveaxis(windows[..., ::-1, ::-1] * kernel, (2, 3), (0, 1))
+    whole = kernel.shape[1] // 4 * 4
+    parts = [
+        part
+        for row in products
+        for part in (*(sum(row[n : n + 4]) for n in range(0, whole, 4)), *row[whole:])
+    ]
+    return np.asarray(sum(parts))
 
 
 def _difference_cells(
@@ -338,7 +352,7 @@ def _overlap(kernel: Array, first: Array, second: Array) -> Array:
     The weights of the interpolation are those of the cardinal cubic spline. Places are those of the
     cells, (axis x y, row, column).
     """
-    together = scipy.signal.correlate2d(kernel, kernel)
+    together = _convolve(kernel[::-1, ::-1], kernel)[::-1, ::-1]
     reach = kernel.shape[0] - 1
     lags = range(-reach, reach + 1)
     along = [
