@@ -230,7 +230,7 @@ def measure_run(
 
 def _load(path: Path, group: str | None) -> xr.Dataset:
     """The root or a group of a film that was written just now."""
-    with open_netcdf(path, group=group, own=True) as stored:
+    with open_netcdf(path, group=group) as stored:
         return set_coordinates(stored).load()
 
 

@@ -15,7 +15,7 @@ from erlif.core.guarded import check_hdf5
 from erlif.core.hdf5 import open_hdf5
 
 
-def open_netcdf(path: Path, *, group: str | None = None, own: bool = False) -> xr.Dataset:
+def open_netcdf(path: Path, *, group: str | None = None) -> xr.Dataset:
     """Open a netCDF-4 file or one of its groups with xarray.
 
     Parameters
@@ -24,8 +24,6 @@ def open_netcdf(path: Path, *, group: str | None = None, own: bool = False) -> x
         File to open.
     group : str, optional
         Name of the group; default: the root.
-    own : bool
-        Whether this process has just written it, so that it holds nothing to guard against.
 
     Returns
     -------
@@ -51,8 +49,7 @@ def open_netcdf(path: Path, *, group: str | None = None, own: bool = False) -> x
     """
     from erlif.io.files.stored import StoredGroup
 
-    if not own:
-        check_hdf5(path)
+    check_hdf5(path)
     place = Path(os.path.abspath(path))
     # Impossible fill values are dropped; they are found when the variables are checked.
     with warnings.catch_warnings():

@@ -112,7 +112,7 @@ class StoredGroup(xr.backends.AbstractDataStore):
 class _Values(xr.backends.BackendArray):
     """Values of a variable, read when they are used."""
 
-    def __init__(self, manager: xr.backends.CachingFileManager, data: h5py.Dataset) -> None:
+    def __init__(self, manager: xr.backends.CachingFileManager[Any], data: h5py.Dataset) -> None:
         self._manager, self._path = manager, data.name
         self.shape, self.dtype = data.shape, data.dtype
         self.text = data.dtype.hasobject and h5py.check_string_dtype(data.dtype) is not None

@@ -135,11 +135,11 @@ def predict(
     progress = choose_progress(progress)
     if output is not None:
         _write_prediction(Path(path), Path(output), overwrite, allow_outside, progress)
-        return open_netcdf(Path(output), own=True)
+        return open_netcdf(Path(output))
     with tempfile.TemporaryDirectory(prefix="erlif-") as scratch:
         place = Path(scratch) / "prediction.nc"
         _write_prediction(Path(path), place, True, allow_outside, progress)
-        with open_netcdf(place, own=True) as prediction:
+        with open_netcdf(place) as prediction:
             return prediction.load()
 
 
