@@ -70,13 +70,9 @@ class StoredGroup(xr.backends.AbstractDataStore):
                 if not attrs.get("NAME", b"").startswith(_NO_VALUES)
             }
 
-    def get_variables(self) -> dict[str, xr.Variable]:
-        """Variables as they are stored, with lazy values."""
-        return self._variables
-
-    def get_attrs(self) -> dict[str, Any]:
-        """Attributes of the group."""
-        return self._attrs
+    def load(self) -> tuple[dict[str, xr.Variable], dict[str, Any]]:
+        """Variables as they are stored, with lazy values, and attributes of the group."""
+        return self._variables, self._attrs
 
     def get_encoding(self) -> dict[str, Any]:
         """No dim of a file of erlif grows."""
@@ -91,21 +87,13 @@ class StoredGroup(xr.backends.AbstractDataStore):
     ) -> xr.Variable:
         """A variable as it is stored."""
         values = _Values(self._manager, data)
-        encoding = {
-            "dtype": str if values.text else data.dtype,
-            "contiguous": data.chunks is None,
-            "chunksizes": data.chunks,
-            "source": source,
-            "original_shape": data.shape,
-        }
+        encoding = {"dtype": str if values.text else data.dtype, "contiguous": data.chunks is None}
+        encoding |= {"chunksizes": data.chunks, "source": source, "original_shape": data.shape}
         if data.chunks is not None:
             encoding["preferred_chunks"] = dict(zip(dims, data.chunks, strict=True))
             encoding |= {"shuffle": data.shuffle, "fletcher32": data.fletcher32}
         if data.compression == "gzip":
             encoding |= {"zlib": True, "complevel": data.compression_opts}
-        elif data.compression is not None:
-            encoding["compression"] = data.compression
-            encoding["compression_opts"] = data.compression_opts
         return xr.Variable(dims, indexing.LazilyIndexedArray(values), _public(attrs), encoding)
 
 

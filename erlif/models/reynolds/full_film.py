@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -186,46 +186,31 @@ def follow_full_film(
         raise ModelError(
             f"start lies outside the clearance of {clearance * 1e6:.4g} um, or leaves no film."
         )
-    drive, half = _drive_of(motion), 0.5 * motion.angle
+    (time, turns, applied), half = _drive_of(motion), 0.5 * motion.angle
     flow = np.broadcast_to(fluidity, len(place)) / (film.unit * clearance)
     spring = np.broadcast_to(stiffness, len(place)) * clearance
     unloaded = np.broadcast_to(rest, len(place)) / clearance
 
     # into the frame that turns with half the bushing
-    orbit = np.empty((len(place), drive.time.size, 2))
+    orbit = np.empty((len(place), time.size, 2))
     slope = np.empty_like(orbit)
     orbit[:, 0] = turn_vectors(place, -half[0])
     cases = np.stack([flow, spring, unloaded], axis=1)
     table = np.ascontiguousarray(film.table.c)
     width = float(film.table.x[1])
-    compiled_orbit.march(*drive, cases, table, width, THINNEST, orbit, slope)
+    compiled_orbit.march(time, turns, applied, cases, table, width, THINNEST, orbit, slope)
 
     # back to the laboratory at every step of the motion
-    if drive.time.size < motion.time.size:
-        orbit = CubicHermiteSpline(drive.time, orbit, slope, axis=1)(motion.time)
+    if time.size < motion.time.size:
+        orbit = CubicHermiteSpline(time, orbit, slope, axis=1)(motion.time)
     return np.asarray(turn_vectors(orbit, half) * clearance)
 
 
-class _Drive(NamedTuple):
-    """A motion at the steps of an orbit and in their middle.
-
-    Attributes
-    ----------
-    time : array, (step,)
-        [s]
-    turns : array, (step and middle, 2)
-        Cosine and sine of half the bushing angle.
-    forces : array, (step and middle, axis)
-        [N]
-    """
-
-    time: Array
-    turns: Array
-    forces: Array
-
-
 @lru_cache(maxsize=4)  # the orbits of a fit have one motion
-def _drive_of(motion: Motion) -> _Drive:
+def _drive_of(motion: Motion) -> tuple[Array, Array, Array]:
+    """Times of the steps of an orbit; at them and in their middle, cosine and sine of half the
+    bushing angle, and forces.
+    """
     from scipy.interpolate import CubicSpline
 
     stride = _stride(motion)
@@ -240,7 +225,7 @@ def _drive_of(motion: Motion) -> _Drive:
     forces = np.empty((2 * time.size - 1, 2))
     forces[::2] = loads[:, steps].T
     forces[1::2] = np.stack([np.interp(between, motion.time, one) for one in loads], axis=1)
-    return _Drive(time, np.stack([np.cos(turned), np.sin(turned)], axis=1), forces)
+    return time, np.stack([np.cos(turned), np.sin(turned)], axis=1), forces
 
 
 def _stride(motion: Motion) -> int:
