@@ -16,6 +16,7 @@ from itertools import pairwise
 
 import cv2
 import numpy as np
+from scipy import ndimage
 
 from erlif.core.arrays import Array
 from erlif.core.errors import FrameError
@@ -281,21 +282,13 @@ def _difference_kernels(blur: BlurDifference) -> tuple[Array, Array]:
 
 
 def _convolve(image: Array, kernel: Array) -> Array:
-    """Convolution of two small images.
+    """Convolution of two small images, of all places at which they overlap.
 
-    Added in the order of scipy.signal, which loads in a quarter of a second: products of four
-    columns, then those that are left.
+    By scipy.ndimage: scipy.signal loads in a quarter of a second.
     """
-    margins = [(length - 1, length - 1) for length in kernel.shape]
-    windows = np.lib.stride_tricks.sliding_window_view(np.pad(image, margins), kernel.shape)
-    products = np.moveaxis(windows[..., ::-1, ::-1] * kernel, (2, 3), (0, 1))
-    whole = kernel.shape[1] // 4 * 4
-    parts = [
-        part
-        for row in products
-        for part in (*(sum(row[n : n + 4]) for n in range(0, whole, 4)), *row[whole:])
-    ]
-    return np.asarray(sum(parts))
+    margins = [(length // 2, length // 2) for length in kernel.shape]
+    whole = ndimage.convolve(np.pad(image, margins), kernel, mode="constant")
+    return np.asarray(whole)
 
 
 def _difference_cells(
@@ -352,7 +345,7 @@ def _overlap(kernel: Array, first: Array, second: Array) -> Array:
     The weights of the interpolation are those of the cardinal cubic spline. Places are those of the
     cells, (axis x y, row, column).
     """
-    together = _convolve(kernel[::-1, ::-1], kernel)[::-1, ::-1]
+    together = _convolve(kernel, kernel[::-1, ::-1])
     reach = kernel.shape[0] - 1
     lags = range(-reach, reach + 1)
     along = [

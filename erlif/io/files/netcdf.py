@@ -12,7 +12,6 @@ from typing import IO, Any, Literal
 import numpy as np
 import xarray as xr
 
-from erlif.core.guarded import check_hdf5
 from erlif.core.hdf5 import open_hdf5
 
 
@@ -48,15 +47,26 @@ def open_netcdf(path: Path, *, group: str | None = None) -> xr.Dataset:
     ...         float(dataset["joint_load"][0])
     220.0
     """
-    from erlif.io.files.stored import StoredGroup
+    from erlif.io.files.kept import open_kept
 
-    check_hdf5(path)
-    place = Path(os.path.abspath(path))
-    # Impossible fill values are dropped; they are found when the variables are checked.
+    # A damaged file fails here. Within h5netcdf the failure would print a message of its own.
+    with open_hdf5(path) as file:
+        list(file.attrs.items())
+        file.visititems(lambda name, item: None)
+
+    # Dimensions that a file does not name get names, and impossible fill values are dropped. Both
+    # are found when the variables are checked, and stated there.
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", xr.SerializationWarning)
-        dataset = xr.open_dataset(StoredGroup(place, group), engine="store")
-    dataset.encoding["source"] = str(place)
+
+        # as xr.open_dataset(path, engine="h5netcdf"), with the parts of the file kept open
+        name = os.path.abspath(path)
+        options = {"phony_dims": "access", "decode_vlen_strings": True}
+        manager = xr.backends.CachingFileManager(open_kept, name, mode="r", kwargs=options)
+        with manager.acquire_context():
+            store = xr.backends.H5NetCDFStore(manager, group=group, mode="r")
+            dataset = xr.open_dataset(store, engine="store")
+    dataset.encoding["source"] = name
     return dataset
 
 

@@ -1,10 +1,29 @@
-"""Files whose parts are kept open: the same file as that of h5netcdf."""
+"""Files whose parts are kept open: the same dataset as that of xarray, and a file that closes."""
+
+import pickle
 
 import h5py
+import numpy as np
 import pytest
 import xarray as xr
 
+from erlif.io.files import open_netcdf
 from erlif.io.files.netcdf import _fix_text, write_netcdf
+
+
+@pytest.mark.parametrize("group", [None, "frames", "registration"])
+def test_a_film_is_opened_as_xarray_opens_it(film, group):
+    """With the same values, attributes and encodings; also in a copy for another process."""
+    with (
+        xr.open_dataset(film, engine="h5netcdf", group=group) as expected,
+        open_netcdf(film, group=group) as found,
+        pickle.loads(pickle.dumps(found)) as copy,
+    ):
+        for one in (found, copy):
+            assert one.identical(expected)
+            assert one.encoding == expected.encoding
+            for name, variable in expected.variables.items():
+                np.testing.assert_equal(one[name].encoding, variable.encoding)
 
 
 @pytest.mark.parametrize("group", [None, "frames"])
@@ -31,3 +50,14 @@ def _describe(path):
     with h5py.File(path) as file:
         file.visititems(describe)
     return parts
+
+
+def test_a_closed_file_may_be_written_again(tmp_path):
+    path = tmp_path / "film.nc"
+    write_netcdf(xr.Dataset({"a": ("x", [1.0, 2.0])}), path)
+    with open_netcdf(path) as dataset:
+        assert dataset.a.values.tolist() == [1, 2]
+    with h5py.File(path, "a") as file:
+        file["a"][:] = [5, 6]
+    with open_netcdf(path) as dataset:
+        assert dataset.a.values.tolist() == [5, 6]
