@@ -296,12 +296,12 @@ def _test_curves(calibration: Calibration, earlier: Calibration, film: Array) ->
     std = np.sqrt(variance[resolved])
     own = shapes[:, resolved].T @ difference / std
     count = int(resolved.sum())
-    probability = float(scipy.stats.chi2.sf(float(own @ own), count))
+    probability = float(scipy.special.chdtrc(count, float(own @ own)))
 
     # what the best constant leaves is a bend
     constant = shapes[:, resolved].T @ np.ones(difference.size) / std
     left = own - constant * float(constant @ own) / float(constant @ constant)
-    bends = bool(scipy.stats.chi2.sf(float(left @ left), max(count - 1, 1)) < FALSE_ALARM)
+    bends = bool(scipy.special.chdtrc(max(count - 1, 1), float(left @ left)) < FALSE_ALARM)
     return _Change(difference, np.sqrt(np.diag(covariance)), probability, bends)
 
 
@@ -378,10 +378,12 @@ def _test_pairs(
 
     # F test of the whole change, then of what a constant does not explain
     explained = float(change[use] @ change[use] - residual[use] @ residual[use])
-    probability = float(scipy.stats.f.sf(explained / count / variance, count, freedom))
+    probability = float(scipy.special.fdtrc(count, freedom, explained / count / variance))
     beyond_constant = explained - points * float(change[use].mean()) ** 2
     bend = max(count - 1, 1)
-    bends = bool(scipy.stats.f.sf(beyond_constant / bend / variance, bend, freedom) < FALSE_ALARM)
+    bends = bool(
+        scipy.special.fdtrc(bend, freedom, beyond_constant / bend / variance) < FALSE_ALARM
+    )
 
     at = calibration.fitted_gradient(film).T @ basis
     std = np.sqrt(variance) * np.linalg.norm(at, axis=1)

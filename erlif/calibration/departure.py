@@ -194,7 +194,7 @@ def choose_departure(points: Points, fit: Fit, freedom: Freedom) -> Choice | Non
     return Choice(
         candidate=smooth if used else None,
         evidence=evidence,
-        chance=float(scipy.stats.chi2.sf(of_test, tested.freedom)),
+        chance=float(scipy.special.chdtrc(tested.freedom, of_test)),
         tested=tested,
         falling=used and _falls(fit, smooth),
     )

@@ -61,7 +61,17 @@ def check_hdf5(path: Path) -> None:
     OSError
         If the file is missing, damaged or of another format.
     """
-    _check_once(str(path.absolute()), *file_stamp(path))
+    known = str(path.absolute()), *file_stamp(path)
+    if known not in _written:
+        _check_once(*known)
+
+
+def know_hdf5(path: Path) -> None:
+    """Keep in mind that this process has just written an HDF5 file: it is not checked."""
+    _written.add((str(path.absolute()), *file_stamp(path)))
+
+
+_written: set[tuple[str | int, ...]] = set()
 
 
 @lru_cache(maxsize=256)

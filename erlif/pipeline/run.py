@@ -115,16 +115,11 @@ def process(
             return open_film(output)
         with tempfile.TemporaryDirectory(prefix="erlif-") as scratch:
             process_run(Path(run_dir), Path(scratch) / "film.nc", overwrite=True, **options)
-            path = Path(scratch) / "film.nc"
-            with open_film(path) as film:
-                film.load()
-            groups = {}  # of a file that was checked just now
-            for name in ("frames", "registration"):
-                with open_netcdf(path, group=name) as group:
-                    groups[name] = set_coordinates(group).load()
+            names = (None, "frames", "registration")
+            film, *groups = (_load(Path(scratch) / "film.nc", name) for name in names)
 
             # the file goes; `film.erlif` finds its groups here
-            film.encoding = {"groups": groups}
+            film.encoding = {"groups": dict(zip(names[1:], groups, strict=True))}
             return film
 
 
@@ -231,6 +226,12 @@ def measure_run(
             places=[pairs.pages[0][0].path, pairs.pages[1][0].path],
             inspect=inspect,
         )
+
+
+def _load(path: Path, group: str | None) -> xr.Dataset:
+    """The root or a group of a film that was written just now."""
+    with open_netcdf(path, group=group) as stored:
+        return set_coordinates(stored).load()
 
 
 def _log_inputs(run: Run, cycle: xr.Dataset, calibration: Calibration) -> None:

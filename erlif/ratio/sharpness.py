@@ -12,7 +12,6 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-import scipy
 
 from erlif.core.arrays import AnyArray, Array, Image, Mask
 from erlif.core.products import AlignedFrames, require
@@ -188,11 +187,7 @@ def _multiply_noise(taps: Array) -> Array:
 
     For noise of variance 1 before a blur, (axis x y, 2 reach + 1): without one -n times -2 n. [1]
     """
-    point = np.zeros((2 * _APART + 1, 2 * _APART + 1))
-    point[_APART, _APART] = 1
-    blur = np.outer(taps[1], taps[0])
-    size = taps.shape[1] // 2 + 1  # zeros about the point, so that nothing is cut off
-    wide = scipy.signal.convolve2d(np.pad(point, size), blur, mode="same")
+    wide = np.pad(np.outer(taps[1], taps[0]), _APART + 1)  # so that nothing is cut off
     less = wide.copy()
     for axis in (0, 1):
         less -= 0.25 * (np.roll(wide, _APART, axis) + np.roll(wide, -_APART, axis))

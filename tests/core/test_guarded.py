@@ -18,7 +18,7 @@ import pytest
 from scipy.io import loadmat, savemat
 
 from erlif.core import guarded
-from erlif.core.guarded import check_hdf5, read_matlab
+from erlif.core.guarded import check_hdf5, know_hdf5, read_matlab
 
 
 def write(path, **options):
@@ -32,6 +32,20 @@ def write(path, **options):
 @pytest.mark.parametrize("options", [{}, {"libver": "latest"}, {"userblock_size": 512}])
 def test_a_whole_file_is_accepted(tmp_path, options):
     check_hdf5(write(tmp_path / "a.h5", **options))
+
+
+def test_a_file_that_this_process_has_written_is_checked_after_a_change_alone(
+    tmp_path, monkeypatch
+):
+    asked = []
+    monkeypatch.setattr(guarded._child, "ask", lambda *wanted: asked.append(wanted))
+    path = write(tmp_path / "a.h5")
+    know_hdf5(path)
+    check_hdf5(path)
+    assert asked == []
+    os.utime(path, (1.0, 1.0))
+    check_hdf5(path)
+    assert asked == [("hdf5", str(path))]
 
 
 def test_a_length_that_ends_the_process_ends_that_of_the_child_alone(tmp_path):

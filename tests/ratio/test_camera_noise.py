@@ -6,12 +6,12 @@ import pytest
 import xarray as xr
 from scenes.pair import map_with, ratio_images, references_of, unknown
 from scenes.plain import soften
-from scipy import ndimage
+from scipy import ndimage, signal
 
 from erlif.core.errors import FrameError
 from erlif.core.products import AlignedFrames
 from erlif.ratio import BlurDifference, NoiseView, estimate_camera_noise
-from erlif.ratio.camera_noise import _overlap
+from erlif.ratio.camera_noise import _convolve, _overlap
 from erlif.ratio.softening import Softening
 from erlif.registration import interpolation_variance_factor
 
@@ -176,6 +176,14 @@ def test_interpolated_noise_of_differences_has_the_predicted_covariance():
     for a, b in np.ndindex(2, 2):
         expected = (images[a] * images[b]).mean()
         npt.assert_allclose(_overlap(kernel, at[a], at[b])[0, 0], expected, rtol=0.02)
+
+
+@pytest.mark.parametrize("columns", [1, 3, 9])
+def test_a_convolution_has_all_places_at_which_both_images_overlap(columns):
+    """Against scipy.signal; the weights have an odd number of rows and columns."""
+    rng = np.random.default_rng(columns)
+    image, kernel = rng.normal(size=(5, 7)), rng.normal(size=(9, columns))
+    npt.assert_allclose(_convolve(image, kernel), signal.convolve2d(image, kernel), atol=1e-14)
 
 
 def test_film_and_marks_that_stand_still_have_no_effect():

@@ -22,7 +22,6 @@ from .film import write_dataset as write_dataset
 from .film import write_film as write_film
 from .labels import label_films as label_films
 from .labels import refuse_repeated as refuse_repeated
-from .netcdf import fix_text as fix_text
 from .netcdf import has_group as has_group
 from .netcdf import open_netcdf as open_netcdf
 from .netcdf_maps import NetcdfMaps as NetcdfMaps

@@ -14,11 +14,12 @@ import xarray as xr
 
 from erlif.core.errors import OutputError, reason_of
 from erlif.core.format import LaterVersionError
+from erlif.core.guarded import know_hdf5
 from erlif.core.version import __version__
 from erlif.io.files.coordinates import set_coordinates
 from erlif.io.files.headers import check_netcdf, check_zarr
 from erlif.io.files.kinds import KINDS, kind_of
-from erlif.io.files.netcdf import fix_text, open_netcdf, write_netcdf
+from erlif.io.files.netcdf import open_netcdf, write_netcdf
 from erlif.io.files.replacement import take_name, write_error, write_file
 from erlif.io.files.soundness import check_film, check_frames, check_registration
 from erlif.io.files.unfinished import PartialFilm
@@ -57,10 +58,11 @@ def write_dataset(
     """
     # The bytes are made in memory and written at once: HDF5 does not survive a full disk.
     buffer = BytesIO()
-    write_netcdf(fix_text(set_coordinates(dataset)), buffer)
+    write_netcdf(set_coordinates(dataset), buffer)
     for name, group in (groups or {}).items():
-        write_netcdf(fix_text(set_coordinates(group)), buffer, mode="a", group=name)
+        write_netcdf(set_coordinates(group), buffer, mode="a", group=name)
     write_file(output, buffer.getvalue())
+    know_hdf5(output)
 
 
 def write_film(partial: PartialFilm, film: xr.Dataset, groups: Mapping[str, xr.Dataset]) -> None:
@@ -106,6 +108,8 @@ def write_film(partial: PartialFilm, film: xr.Dataset, groups: Mapping[str, xr.D
         take_name(partial.maps.path, partial.output)
     except OSError as error:
         raise write_error(partial.output, error) from error
+    if partial.output.is_file():
+        know_hdf5(partial.output)
     partial.discard()
 
 

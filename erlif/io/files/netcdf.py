@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import os
 import warnings
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
+from functools import partial
 from pathlib import Path
 from typing import IO, Any, Literal
 
@@ -84,7 +85,7 @@ def write_netcdf(
     Parameters
     ----------
     dataset : Dataset
-        As `fix_text` returns it.
+        Its text gets a fixed length; read back, it is text again.
     path : Path or IO
         The file, or a buffer in memory.
     mode : str
@@ -111,17 +112,30 @@ def write_netcdf(
 
     with open_kept(path, mode=mode) as file:
         place = file if group is None else file.create_group(group)
-        dataset.dump_to_store(xr.backends.H5NetCDFStore(place), encoder=_fix_coordinates)
+        store, encoder = xr.backends.H5NetCDFStore(place), partial(_fix_text, dataset.coords)
+        dataset.assign().dump_to_store(store, encoder=encoder)  # a merge brings coordinates forward
 
 
-def _fix_coordinates(
-    variables: Mapping[Any, xr.Variable], attrs: Mapping[Any, Any]
-) -> tuple[Mapping[Any, xr.Variable], Mapping[Any, Any]]:
-    """Convert all attributes as `fix_text` does, with the `coordinates` that xarray adds."""
-    for variable in variables.values():
-        if "coordinates" in variable.attrs:
-            variable.attrs["coordinates"] = _fix_attribute(variable.attrs["coordinates"])
-    return variables, {name: _fix_attribute(value) for name, value in attrs.items()}
+def _fix_text(
+    coords: Iterable[Any], variables: Mapping[Any, xr.Variable], attrs: Mapping[Any, Any]
+) -> tuple[dict[Any, xr.Variable], dict[Any, Any]]:
+    """Turn text into characters of a fixed length, and leave coordinates without a fill value.
+
+    xarray writes text of any length (NC_STRING), which Octave and older programs do not read; CF
+    allows no missing values in a coordinate.
+    """
+    fixed = {}
+    for name, variable in variables.items():
+        one = variable.copy(deep=False)
+        if variable.dtype.kind in "UO":
+            text = np.char.encode(variable.values.astype(str), "utf-8")
+            named = {key: one.attrs.pop(key) for key in ("coordinates",) if key in one.attrs}
+            one = xr.Variable(variable.dims, text, {**one.attrs, "_Encoding": "utf-8", **named})
+        one.attrs = fix_attributes(one.attrs)
+        if name in coords:
+            one.encoding["_FillValue"] = None
+        fixed[name] = one
+    return fixed, fix_attributes(attrs)
 
 
 def has_group(path: Path, group: str) -> bool:
@@ -153,54 +167,14 @@ def has_group(path: Path, group: str) -> bool:
         return isinstance(file.get(group), h5py.Group)
 
 
-def fix_text(dataset: xr.Dataset) -> xr.Dataset:
-    """Turn text into characters of a fixed length, and leave coordinates without a fill value.
-
-    xarray writes text of any length (NC_STRING), which Octave and older programs do not read; CF
-    allows no missing values in a coordinate.
-
-    Parameters
-    ----------
-    dataset : Dataset
-        With attributes and variables of text.
-
-    Returns
-    -------
-    Dataset
-        The same, ready to be written by h5netcdf; read back, text is text again.
-
-    Examples
-    --------
-    >>> fixed = fix_text(xr.Dataset({"file": ("frame", ["a.tif", "b.tif"])}))
-    >>> fixed.file.dtype
-    dtype('S5')
-    """
-    changed = {}
-    for name, variable in dataset.variables.items():
-        one = variable.copy(deep=False)
-        if variable.dtype.kind in "UO":
-            text = np.char.encode(variable.values.astype(str), "utf-8")
-            one = xr.Variable(variable.dims, text, {**variable.attrs, "_Encoding": "utf-8"})
-        one.attrs = {key: _fix_attribute(value) for key, value in one.attrs.items()}
-        if name in dataset.coords:
-            one.encoding["_FillValue"] = None
-        changed[name] = one
-
-    # in two steps, since each assignment aligns all variables
-    fixed = dataset.copy()
-    fixed.attrs = {name: _fix_attribute(value) for name, value in dataset.attrs.items()}
-    indexed = {name: changed.pop(name) for name in dataset.xindexes}
-    fixed.update(changed)
-    for name, one in indexed.items():
-        fixed[name] = one
-    return fixed
-
-
-def _fix_attribute(value: Any) -> Any:
+def fix_attributes(attrs: Mapping[Any, Any]) -> dict[Any, Any]:
     """Text of a fixed length in place of text of any length; other values as they are."""
     import h5py
 
-    if not isinstance(value, str):
-        return value
-    encoded = value.encode()
-    return np.array(encoded, h5py.string_dtype("utf-8", max(len(encoded), 1)))
+    fixed = dict(attrs)
+    for name, value in attrs.items():
+        if isinstance(value, str):
+            encoded = value.encode()
+            kind = h5py.string_dtype("utf-8", max(len(encoded), 1))
+            fixed[name] = np.array(encoded, kind)
+    return fixed

@@ -23,7 +23,7 @@ from erlif.core.arrays import AnyArray
 from erlif.core.hdf5 import with_locks
 from erlif.io.files.compression import DEFLATE_LEVEL, MapVariable, checksum, encode_netcdf
 from erlif.io.files.coordinates import name_coordinates
-from erlif.io.files.netcdf import fix_text, write_netcdf
+from erlif.io.files.netcdf import fix_attributes, write_netcdf
 from erlif.io.files.records import Record, read_record, write_record
 from erlif.io.files.replacement import remove
 
@@ -100,7 +100,7 @@ class NetcdfMaps:
         import h5netcdf
         import h5py
 
-        write_netcdf(fix_text(self._grid), self.path)
+        write_netcdf(self._grid, self.path)
         shape = tuple(self._grid.sizes[dim] for dim in _DIMS)
         with with_locks(h5netcdf.File, self.path, "a") as file:
             for variable in self.variables:
@@ -114,8 +114,7 @@ class NetcdfMaps:
                     compression_opts=DEFLATE_LEVEL,
                     shuffle=True,
                 )
-                attrs = fix_text(xr.Dataset(attrs=dict(variable.attrs))).attrs
-                created.attrs.update(attrs)
+                created.attrs.update(fix_attributes(variable.attrs))
         self._file: Any = with_locks(h5py.File, self.path, "r+")
         self._reader = self.path.open("rb", buffering=0)
         self._targets = {one.name: self._file[one.name].id for one in self.variables}
@@ -238,19 +237,19 @@ class NetcdfMaps:
         small = film.drop_vars(list(self._grid.coords), errors="ignore")
         self._reserve(small.nbytes)
         self._file.close()
-        write_netcdf(fix_text(small), self.path, mode="a")
+        write_netcdf(small, self.path, mode="a")
         for name, group in groups.items():
             self._reserve(group.nbytes)
-            write_netcdf(fix_text(group), self.path, mode="a", group=name)
+            write_netcdf(group, self.path, mode="a", group=name)
         self._name_coordinates(name_coordinates(film))
 
     def _name_coordinates(self, names: str) -> None:
         """Add the attribute `coordinates` to all maps, which were created without it."""
-        import h5netcdf
+        import h5py
 
         if names:
-            attrs = fix_text(xr.Dataset(attrs={"coordinates": names})).attrs
-            with with_locks(h5netcdf.File, self.path, "a") as file:
+            attrs = fix_attributes({"coordinates": names})
+            with with_locks(h5py.File, self.path, "r+") as file:
                 for variable in self.variables:
                     file[variable.name].attrs.update(attrs)
 

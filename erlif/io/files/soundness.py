@@ -10,6 +10,7 @@ import json
 import tomllib
 from collections.abc import Mapping
 from contextlib import suppress
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -50,6 +51,7 @@ _TEXTS = ("title", "settings", "calibration")
 _OPTIONAL_TEXTS = ("notes", "history", "input_hashes", "erlif_version", "identity")
 
 
+@lru_cache(maxsize=8)  # a film is asked for its settings many times
 def read_settings(text: str) -> RunSettings:
     """Settings as a film records them.
 

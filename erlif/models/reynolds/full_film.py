@@ -9,6 +9,7 @@ numbers, a thousand times quicker than the film itself, and many orbits are foll
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -175,7 +176,7 @@ def follow_full_film(
     >>> print(f"{sunk / joint.clearance:.6f} {ratio / np.hypot(1, ratio):.6f}")
     0.825510 0.825510
     """
-    from scipy.interpolate import CubicHermiteSpline, CubicSpline
+    from scipy.interpolate import CubicHermiteSpline
 
     from erlif.models.reynolds import compiled_orbit  # only here, because numba loads slowly
 
@@ -185,38 +186,46 @@ def follow_full_film(
         raise ModelError(
             f"start lies outside the clearance of {clearance * 1e6:.4g} um, or leaves no film."
         )
-    stride = _stride(motion)
-    steps = np.unique(np.append(np.arange(0, motion.time.size, stride), motion.time.size - 1))
-    time = motion.time[steps]
+    (time, turns, applied), half = _drive_of(motion), 0.5 * motion.angle
     flow = np.broadcast_to(fluidity, len(place)) / (film.unit * clearance)
     spring = np.broadcast_to(stiffness, len(place)) * clearance
     unloaded = np.broadcast_to(rest, len(place)) / clearance
-
-    # the middle of each step from the curve through the motion, its load in the mean
-    half = 0.5 * motion.angle
-    middle = CubicSpline(motion.time, half)(0.5 * (time[1:] + time[:-1]))
-    turned = np.empty(2 * time.size - 1)
-    turned[::2], turned[1::2] = half[steps], middle
-    cosines, sines = np.cos(turned), np.sin(turned)
-    loads = motion.load * np.array([np.cos(motion.load_direction), np.sin(motion.load_direction)])
-    between = [np.interp(0.5 * (time[1:] + time[:-1]), motion.time, one) for one in loads]
-    forces = np.empty((2 * time.size - 1, 2))
-    forces[::2], forces[1::2] = loads[:, steps].T, np.stack(between, axis=1)
 
     # into the frame that turns with half the bushing
     orbit = np.empty((len(place), time.size, 2))
     slope = np.empty_like(orbit)
     orbit[:, 0] = turn_vectors(place, -half[0])
-    turns = np.stack([cosines, sines], axis=1)
     cases = np.stack([flow, spring, unloaded], axis=1)
     table = np.ascontiguousarray(film.table.c)
     width = float(film.table.x[1])
-    compiled_orbit.march(time, turns, forces, cases, table, width, THINNEST, orbit, slope)
+    compiled_orbit.march(time, turns, applied, cases, table, width, THINNEST, orbit, slope)
 
     # back to the laboratory at every step of the motion
-    if stride > 1:
+    if time.size < motion.time.size:
         orbit = CubicHermiteSpline(time, orbit, slope, axis=1)(motion.time)
     return np.asarray(turn_vectors(orbit, half) * clearance)
+
+
+@lru_cache(maxsize=4)  # the orbits of a fit have one motion
+def _drive_of(motion: Motion) -> tuple[Array, Array, Array]:
+    """Times of the steps of an orbit; at them and in their middle, cosine and sine of half the
+    bushing angle, and forces.
+    """
+    from scipy.interpolate import CubicSpline
+
+    stride = _stride(motion)
+    steps = np.unique(np.append(np.arange(0, motion.time.size, stride), motion.time.size - 1))
+    time, half = motion.time[steps], 0.5 * motion.angle
+
+    # the middle of each step from the curve through the motion, its load in the mean
+    turned = np.empty(2 * time.size - 1)
+    between = 0.5 * (time[1:] + time[:-1])
+    turned[::2], turned[1::2] = half[steps], CubicSpline(motion.time, half)(between)
+    loads = motion.load * np.array([np.cos(motion.load_direction), np.sin(motion.load_direction)])
+    forces = np.empty((2 * time.size - 1, 2))
+    forces[::2] = loads[:, steps].T
+    forces[1::2] = np.stack([np.interp(between, motion.time, one) for one in loads], axis=1)
+    return time, np.stack([np.cos(turned), np.sin(turned)], axis=1), forces
 
 
 def _stride(motion: Motion) -> int:

@@ -12,6 +12,7 @@ import numpy as np
 import scipy
 import xarray as xr
 
+from erlif.core.arrays import Array
 from erlif.core.variables import FILM
 from erlif.io.settings import RunSettings
 from erlif.pipeline.physics.exponents import speed_of_trend
@@ -24,7 +25,6 @@ from erlif.trend import (
     fast_triggers,
     film_factor,
     find_delay,
-    predict_film,
     viscosity_at,
 )
 
@@ -110,7 +110,7 @@ def _match_viscosity(
 
     def factor(log: float) -> float:
         """Median factor at a viscosity times exp(log)."""
-        expected = _with_viscosity(film, contact, math.exp(log))[theory].values
+        expected = _with_viscosity(film, contact, math.exp(log))[theory]
         ratio = measured[fast] / np.where(expected[fast] > 0, expected[fast], np.nan)
         return float(np.nanmedian(ratio)) if np.isfinite(ratio).any() else math.nan
 
@@ -130,13 +130,18 @@ def _match_viscosity(
     return found
 
 
-def _with_viscosity(film: xr.Dataset, contact: LubricatedContact, times: float) -> xr.Dataset:
-    """Steady films at a multiple of the viscosity."""
+def _with_viscosity(film: xr.Dataset, contact: LubricatedContact, times: float) -> dict[str, Array]:
+    """Steady films at a multiple of the viscosity. [um]"""
     one = contact.viscosity
     thicker = replace(one, a=times * one.a) if isinstance(one, VogelLaw) else times * one
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # of ranges; the film has them as notes
-        return predict_film(film, replace(contact, viscosity=thicker))
+        found = contact.films(
+            film.sliding_speed.values, film["joint_load"].values, viscosity_at(film, thicker)
+        )
+    films = found.piezoviscous_elastic, found.film, found.central
+    names = "film_hamrock_dowson", "film_theory", "film_theory_central"
+    return {name: 1e6 * np.asarray(each) for name, each in zip(names, films, strict=True)}
 
 
 def viscosity_powers(
@@ -159,7 +164,7 @@ def viscosity_powers(
     """
     thicker = _with_viscosity(film, contact, math.exp(_STEP))
     with np.errstate(divide="ignore", invalid="ignore"):  # a surface at rest has no film
-        ratios = {name: thicker[name].values / film[name].values for name in names}
+        ratios = {name: thicker[name] / film[name].values for name in names}
     return {name: float(np.log(np.nanmedian(one))) / _STEP for name, one in ratios.items()}
 
 
