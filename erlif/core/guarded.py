@@ -66,8 +66,8 @@ def check_hdf5(path: Path) -> None:
         _check_once(*known)
 
 
-def know_hdf5(path: Path) -> None:
-    """Keep in mind that this process has just written an HDF5 file: it is not checked."""
+def mark_written(path: Path) -> None:
+    """Mark an HDF5 file that this process has just written: `check_hdf5` passes it unread."""
     _written.add((str(path.absolute()), *file_stamp(path)))
 
 

@@ -18,7 +18,7 @@ import pytest
 from scipy.io import loadmat, savemat
 
 from erlif.core import guarded
-from erlif.core.guarded import check_hdf5, know_hdf5, read_matlab
+from erlif.core.guarded import check_hdf5, mark_written, read_matlab
 
 
 def write(path, **options):
@@ -40,7 +40,7 @@ def test_a_file_that_this_process_has_written_is_checked_after_a_change_alone(
     asked = []
     monkeypatch.setattr(guarded._child, "ask", lambda *wanted: asked.append(wanted))
     path = write(tmp_path / "a.h5")
-    know_hdf5(path)
+    mark_written(path)
     check_hdf5(path)
     assert asked == []
     os.utime(path, (1.0, 1.0))

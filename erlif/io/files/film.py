@@ -14,7 +14,7 @@ import xarray as xr
 
 from erlif.core.errors import OutputError, reason_of
 from erlif.core.format import LaterVersionError
-from erlif.core.guarded import know_hdf5
+from erlif.core.guarded import mark_written
 from erlif.core.version import __version__
 from erlif.io.files.coordinates import set_coordinates
 from erlif.io.files.headers import check_netcdf, check_zarr
@@ -62,7 +62,7 @@ def write_dataset(
     for name, group in (groups or {}).items():
         write_netcdf(set_coordinates(group), buffer, mode="a", group=name)
     write_file(output, buffer.getvalue())
-    know_hdf5(output)
+    mark_written(output)
 
 
 def write_film(partial: PartialFilm, film: xr.Dataset, groups: Mapping[str, xr.Dataset]) -> None:
@@ -109,7 +109,7 @@ def write_film(partial: PartialFilm, film: xr.Dataset, groups: Mapping[str, xr.D
     except OSError as error:
         raise write_error(partial.output, error) from error
     if partial.output.is_file():
-        know_hdf5(partial.output)
+        mark_written(partial.output)
     partial.discard()
 
 

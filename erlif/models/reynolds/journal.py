@@ -151,7 +151,7 @@ class Journal:
         return Fluid(self.viscosity, self.pressure_viscosity, self.roughness or 0.0)
 
 
-@dataclass(frozen=True, eq=False)  # known by itself, not by its numbers
+@dataclass(frozen=True, eq=False)  # compared by identity, as a key of caches
 class Motion:
     """Rotation of the bushing and the load on the pin, step by step.
 

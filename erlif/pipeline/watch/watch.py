@@ -48,7 +48,7 @@ _PULSES = 12
 # Errors of opening or reading that pass: no handle or memory is free, a share has a fault.
 _PASSING = errno.EMFILE, errno.ENFILE, errno.ENOMEM, errno.EIO, errno.ESTALE
 
-# Faults with which pairs that have come stay without their film.
+# Faults that keep pairs from being measured.
 _HOLDING = {"film", "share"}
 
 # A file of this name in the run directory ends the watch.
