@@ -180,6 +180,11 @@ def browser():
 class TestInTheBrowser:
     pytestmark = MARKS
 
+    @pytest.fixture(autouse=True)
+    def impatient(self, monkeypatch):
+        """The server waits less for a page that was closed before it."""
+        monkeypatch.setattr("erlif.show.view.live._PATIENCE", 0.5)
+
     @pytest.mark.parametrize("size", SIZES)
     def test_map_numbers_faults_and_alarms_are_shown(self, browser, size):
         source = Source()
