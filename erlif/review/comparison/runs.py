@@ -6,7 +6,7 @@ The film is set against the duty parameter: a power for each run, and one for al
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Sequence
 from contextlib import ExitStack
 from dataclasses import replace
 from itertools import combinations
@@ -25,8 +25,6 @@ from erlif.core.version import __version__
 from erlif.io.conversion.contents import choose_trigger
 from erlif.io.conversion.export import opened_film
 from erlif.io.files import fastest_trigger, label_films, refuse_repeated
-from erlif.io.settings import Settings
-from erlif.io.settings.toml import toml_value
 from erlif.review.comparison.calibrations import joint_covariance
 from erlif.review.comparison.charts import control_chart, drift_between
 from erlif.review.comparison.difference import (
@@ -36,6 +34,7 @@ from erlif.review.comparison.difference import (
     difference_map,
 )
 from erlif.review.comparison.records import STATISTICS, RunRecord, read_run, refuse_unlike
+from erlif.review.comparison.settings import list_differing
 from erlif.trend import SLOWEST, Exponent, fit_exponent
 
 # Corrected probability below which two runs are stated to differ.
@@ -393,39 +392,3 @@ def _fit_power(records: list[RunRecord], duties: list[Array], statistic: str) ->
 
 # Relative noise of a minimum film beside its marks; the scatter about the line adds to it.
 _SMALL = 1e-4
-
-
-def list_differing(settings: Sequence[Settings]) -> dict[str, list[str]]:
-    """List the settings that are not the same in all runs; the name of a run is its own.
-
-    Parameters
-    ----------
-    settings : sequence of Settings
-        Of each run.
-
-    Returns
-    -------
-    dict of list of str
-        By table and key, the value of each run as it stands in run.toml; "none" where it has none.
-
-    Examples
-    --------
-    >>> from erlif.io.settings import OpticsSettings
-    >>> list_differing([OpticsSettings(pixel_pitch=pitch) for pitch in ("60 um", "50 um")])
-    {'pixel_pitch': ['"60 um"', '"50 um"']}
-    """
-    runs = [dict(_list_values(each.model_dump(exclude_none=True))) for each in settings]
-    keys = dict.fromkeys(key for run in runs for key in run if key != "[run] name")
-    values = {key: [run.get(key, "none") for run in runs] for key in keys}
-    return {key: stated for key, stated in values.items() if len(set(stated)) > 1}
-
-
-def _list_values(
-    table: Mapping[str, Any], where: tuple[str, ...] = ()
-) -> Iterator[tuple[str, str]]:
-    """Values of a table and of those within it, by the names that run.toml gives them."""
-    for key, value in table.items():
-        if isinstance(value, Mapping):
-            yield from _list_values(value, (*where, key))
-        else:
-            yield f"[{'.'.join(where)}] {key}" if where else key, toml_value(value)

@@ -5,7 +5,8 @@ import pytest
 import tifffile
 
 from erlif.core.errors import FrameError
-from erlif.io.ingest.pairing import find_exchanged, pair_cameras
+from erlif.io.ingest.alternation import find_exchanged
+from erlif.io.ingest.pairing import pair_cameras
 from erlif.io.ingest.selection import Selection
 
 PAIRS = 40

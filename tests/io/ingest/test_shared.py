@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 import tifffile
 
-from erlif.io.ingest.survey import find_cameras_in_file
+from erlif.io.ingest.shared import find_cameras_in_file
 
 
 def speckle(rows, columns, seed=8):
