@@ -18,7 +18,7 @@ from erlif.core.remedies import REMEDIES
 from erlif.core.terms import SOURCES, TERMS
 from erlif.rig import RigSettings, simulate
 from erlif.show.report import print_budget
-from erlif.show.report.budget import print_remedies
+from erlif.show.report.remedies import print_remedies
 
 ROOT = Path(__file__).parents[1]
 FILMS = (1.0, 3.0, 6.0, 10.0)

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from erlif.show.report.viewer import block_shape, describe_coding
+from erlif.show.report.maps import block_shape, describe_coding
 
 
 class DecodedMap(NamedTuple):
@@ -22,7 +22,7 @@ class DecodedMap(NamedTuple):
 
 
 def decode_map(text, *, shape, coding):
-    """Read the text of `erlif.show.report.viewer.embed_map`; `shape` is that of the kept pixels."""
+    """Read the text of `erlif.show.report.maps.embed_map`; `shape` is that of the kept pixels."""
     constants = describe_coding(coding)
     data = np.frombuffer(zlib.decompress(base64.b64decode(text)), np.uint8)
     pixels, blocks = shape[0] * shape[1], block_shape(shape)

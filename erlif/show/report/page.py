@@ -21,8 +21,9 @@ from erlif.show.plots.prediction import has_prediction, predicted_map
 from erlif.show.plots.style import in_style
 from erlif.show.report import layout, tables
 from erlif.show.report.captions import caption_of
+from erlif.show.report.maps import KeptMaps, choose_maps, embed_map
 from erlif.show.report.summary import describe_briefly
-from erlif.show.report.viewer import KeptMaps, choose_maps, embed_map, viewer_page, viewer_section
+from erlif.show.report.viewer import viewer_page, viewer_section
 
 # Largest size of a page, where none is given. [MB]
 MAX_SIZE = 10.0

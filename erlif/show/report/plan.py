@@ -14,8 +14,8 @@ from erlif.core.units import count_of
 from erlif.io.conversion import table_csv
 from erlif.io.files import refuse_existing, replacing_set
 from erlif.io.settings import PlanSettings, to_toml
-from erlif.show.report.budget import print_remedies
 from erlif.show.report.layout import TABLES, print_columns, render_text
+from erlif.show.report.remedies import print_remedies
 
 # Files of a plan's directory.
 WRITTEN = ("plan.png", "plan.pdf", "films.csv", "tolerances.csv", "plan.toml", "optimum.toml")

@@ -14,7 +14,7 @@ from erlif.pipeline.physics.predict import read_film
 from erlif.prediction import compare_models
 from erlif.rig import RigSettings, simulate
 from erlif.show.report import summarise
-from erlif.show.report.summary import describe_other_factors
+from erlif.show.report.agreement import describe_other_factors
 
 
 @pytest.fixture(scope="module")

@@ -3,7 +3,7 @@
 import numpy as np
 import xarray as xr
 
-from erlif.show.report.summary import (
+from erlif.show.report.agreement import (
     describe_correlations,
     describe_delay,
     describe_factor,

@@ -14,7 +14,7 @@ from erlif.io.files import open_film
 from erlif.show.plots.files import DRAWN
 from erlif.show.report import page as pages
 from erlif.show.report import write_report
-from erlif.show.report.viewer import MapCoding, choose_maps, embed_map, finest_coding, spread_evenly
+from erlif.show.report.maps import MapCoding, choose_maps, embed_map, finest_coding, spread_evenly
 
 FINE = MapCoding(1, 1e-3)
 

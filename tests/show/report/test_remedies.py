@@ -6,7 +6,7 @@ import xarray as xr
 
 from erlif.commands.lines import wrap
 from erlif.core.remedies import REMEDIES
-from erlif.show.report.budget import print_remedies
+from erlif.show.report.remedies import print_remedies
 
 
 def table(last, gap=0):

@@ -11,7 +11,8 @@ from markupsafe import Markup
 from scenes import film as scene
 
 from erlif.show.plots.maps import common_limits
-from erlif.show.report.viewer import KeptMaps, MapCoding, viewer_data, viewer_page, viewer_section
+from erlif.show.report.maps import KeptMaps, MapCoding
+from erlif.show.report.viewer import viewer_data, viewer_page, viewer_section
 
 ALL = tuple(range(scene.TRIGGERS))
 
