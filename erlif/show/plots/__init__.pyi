@@ -59,10 +59,10 @@ from .registration import displacement_map as displacement_map
 from .registration import drift_of_frames as drift_of_frames
 from .registration import registration_figure as registration_figure
 from .sheet import map_sheet_figure as map_sheet_figure
+from .stribeck import stribeck_curve as stribeck_curve
+from .stribeck import stribeck_figure as stribeck_figure
 from .style import save_figure as save_figure
 from .trend import film_against_speed as film_against_speed
 from .trend import film_and_theory as film_and_theory
 from .trend import film_over_theory as film_over_theory
 from .trend import speed_figure as speed_figure
-from .trend import stribeck_curve as stribeck_curve
-from .trend import stribeck_figure as stribeck_figure

@@ -30,8 +30,9 @@ from erlif.show.plots.orbit import has_position, pin_figure
 from erlif.show.plots.prediction import has_prediction, prediction_figure, prediction_map_figure
 from erlif.show.plots.registration import registration_figure
 from erlif.show.plots.sheet import map_sheet_figure
+from erlif.show.plots.stribeck import stribeck_figure
 from erlif.show.plots.style import ONE_COLUMN, AnyFigure, new_figure, styled
-from erlif.show.plots.trend import speed_figure, speed_over_load, stribeck_figure
+from erlif.show.plots.trend import speed_figure, speed_over_load
 from erlif.show.plots.triggers import has_varying_speed
 from erlif.trend import place_of_minimum
 

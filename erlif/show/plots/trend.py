@@ -1,10 +1,9 @@
-"""Film thickness against speed over load, measured and predicted, and friction of the film."""
+"""Film thickness against speed over load, measured and predicted."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -48,12 +47,6 @@ _RATIOS = {
     "film_over_theory": (RETURN, "regime map"),
     "film_central_over_theory": (MINIMUM, "regime map, at the centre"),
     "film_over_predicted": (MEAN, "transient film"),
-}
-
-# of a Stribeck curve, by its variable: label of the axis, its unit and its scale
-_STRIBECK = {
-    "hersey_number": ("Hersey number, ηvL/F [10⁻⁶]", 1e6, "log"),
-    "film_parameter": ("film parameter, Λ [1]", 1.0, "linear"),
 }
 
 
@@ -372,72 +365,3 @@ def draw_beside(
         panels = figure.subplot_mosaic("ab;cc", height_ratios=[1.0, 0.6])
         style.draw_panels(panels.values(), [*drawings, below], film)
     return figure
-
-
-@style.film_panel
-def stribeck_curve(
-    film: xr.Dataset, *, against: str = "hersey_number", ax: Axes = style.NEW
-) -> list[Artist]:
-    """Draw the friction coefficient of the film against Hersey number or film parameter.
-
-    Grey: that of the logged torque. Other arguments as in `film_against_speed`.
-
-    Parameters
-    ----------
-    against : str
-        "hersey_number" or "film_parameter".
-
-    Returns
-    -------
-    list of Artist
-        Points of each stroke, then those of the log.
-
-    Examples
-    --------
-    >>> from erlif.show.plots import example_film
-    >>> film, number = example_film(), ("trigger", [1e-6, 2e-6, 3e-6, 3e-6, 2e-6, 1e-6])
-    >>> names = "hersey_number", "friction_coefficient", "friction_coefficient_std"
-    >>> outward, back = stribeck_curve(film.assign(dict.fromkeys(names, number)))
-    >>> outward.axes.get_xlabel()
-    'Hersey number, ηvL/F [10⁻⁶]'
-    """
-    label, unit, scale = _STRIBECK[against]
-    ax.set(xscale=scale, yscale="log", xlabel=label, ylabel="friction coefficient [1]")
-    x, value = unit * film[against].values, film.friction_coefficient.values
-    drawable = (x > 0) & (value > 0)  # the scales are logarithmic
-    std = film.friction_coefficient_std.values
-    artists = draw_strokes(ax, film, x, value, std, which=drawable)
-    if not artists:
-        state_no_film(ax, film)
-        return []
-    if "torque_not_film" in film:
-        whole = value * (1 + film.torque_not_film.values / film.friction_torque.values)
-        which = drawable & (whole > 0)
-        artists += draw_strokes(ax, film, x, whole, which=which, colour=MUTED, label="logged")
-    style.plain_log_ticks(ax)
-    style.legend_below(ax, title=f"bars: {style.ONE_STD}")
-    return artists
-
-
-@styled
-def stribeck_figure(film: xr.Dataset, *, figure: AnyFigure | None = None) -> AnyFigure:
-    """Draw the Stribeck curve of a film, and beside it that against the film parameter.
-
-    Arguments as in `speed_figure`.
-
-    Returns
-    -------
-    Figure
-        Two columns wide; one, without the film parameter, where the film has none.
-
-    Examples
-    --------
-    >>> from erlif.show.plots import example_film
-    >>> film, number = example_film(), ("trigger", [1e-6, 2e-6, 3e-6, 3e-6, 2e-6, 1e-6])
-    >>> names = "hersey_number", "friction_coefficient", "friction_coefficient_std"
-    >>> figure = stribeck_figure(film.assign(dict.fromkeys(names, number)))
-    >>> [ax.get_xlabel() for ax in figure.axes]
-    ['Hersey number, ηvL/F [10⁻⁶]', 'film parameter, Λ [1]']
-    """
-    drawings = [partial(stribeck_curve, against=name) for name in _STRIBECK if name in film]
-    return draw_beside(drawings, film, figure)
