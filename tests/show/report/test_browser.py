@@ -13,7 +13,8 @@ pytestmark = browser.MARKS
 
 def test_report_in_a_browser(text, film, tmp_path):
     address = tmp_path / "report.html"
-    address.write_text(text, encoding="utf-8")
+    in_two_lines = text.replace("minimum n = ", "rank +0.99\nminimum n = ", 1)
+    address.write_text(in_two_lines, encoding="utf-8")
     telephone = {"width": 390, "height": 844}
     with (
         browser.chromium() as chromium,
@@ -29,6 +30,9 @@ def test_report_in_a_browser(text, film, tmp_path):
         canvas = frame.query_selector("#panel-a canvas")
         assert canvas.get_attribute("data-text").startswith(f"trigger {opened}, ")
         assert f"Trigger {opened}, " in page.inner_text("#figures")
+
+        # two lines of a text stay two
+        assert "rank +0.99\nminimum n = " in page.inner_text("dl.brief")
 
         # the page is not wider than the window, and all controls lie in it
         for place in (page, frame):
