@@ -113,7 +113,7 @@ def write_netcdf(
     with open_kept(path, mode=mode) as file:
         place = file if group is None else file.create_group(group)
         store, encoder = xr.backends.H5NetCDFStore(place), partial(_fix_text, dataset.coords)
-        dataset.assign().dump_to_store(store, encoder=encoder)  # a merge brings coordinates forward
+        dataset.dump_to_store(store, encoder=encoder)
 
 
 def _fix_text(
