@@ -133,12 +133,16 @@ def describe_following(film: xr.Dataset) -> str:
     """Correlation of the films with |speed|; empty where none is known."""
     if "speed_correlation" not in film:
         return ""
-    rank, log, low, high = (float(film[name][0, 0]) for name in _CORRELATION)
-    if not np.isfinite(log):
+    text, mean = _describe_correlation(film, 0, 0), float(film.speed_correlation[1, 0])
+    if not text:
         return ""
-    text = f"correlation {log:+.2f} ({low:+.2f} to {high:+.2f}), rank {rank:+.2f}"
-    mean = float(film.speed_correlation[1, 0])
-    return text + (f"; of the mean {mean:+.2f}" if np.isfinite(mean) else "")
+    return f"correlation {text}" + (f"; of the mean {mean:+.2f}" if np.isfinite(mean) else "")
+
+
+def _describe_correlation(film: xr.Dataset, k: int, j: int) -> str:
+    """Correlation of film k with speed j, its interval and that of the ranks; empty if unknown."""
+    rank, log, low, high = (float(film[name][k, j]) for name in _CORRELATION)
+    return f"{log:+.2f} ({low:+.2f} to {high:+.2f}), rank {rank:+.2f}" if np.isfinite(log) else ""
 
 
 def describe_delay(film: xr.Dataset) -> str:
@@ -159,8 +163,7 @@ def describe_correlations(film: xr.Dataset) -> str:
     for j, against in enumerate(film.correlated_with.values):
         texts = []
         for k, name in enumerate(film.correlated_film.values):
-            rank, log, low, high = (float(film[one][k, j]) for one in _CORRELATION)
-            if np.isfinite(log):
-                texts.append(f"{name} {log:+.2f} ({low:+.2f} to {high:+.2f}), rank {rank:+.2f}")
+            if text := _describe_correlation(film, k, j):
+                texts.append(f"{name} {text}")
         lines += [f"{against}: " + "; ".join(texts)] if texts else []
     return "\n".join([*lines, *filter(None, [describe_delay(film)])])
