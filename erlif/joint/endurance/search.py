@@ -115,9 +115,7 @@ def find_onset(
     left_out = tuple(k for k in range(len(stages)) if k not in usable)
     if not usable:
         return OnsetSearch(None, 1.0, Noise(1.0, 1.0), left_out, least_rise=least_rise)
-    # the pauses of the log do not count
-    ends = (LogClock.of(stages[k].time).logged(stages[k].time[[0, -1]]) for k in usable)
-    longest = max(float(last - first) for first, last in ends)
+    longest = max(_duration(stages[k].time) for k in usable)
     records = [BlockRecord.of(stages[k], longest) for k in usable]
 
     # the rise itself must not count as noise: noise and candidate are found in turn
@@ -139,20 +137,26 @@ def find_onset(
         for record, one in zip(records, known, strict=True)
     ]
     for _ in range(_MOST_TRANSIENTS):
-        place, best, spread, chance, lasting = _most_likely(records, noise)
+        found = _most_likely(records, noise)
+        start, place = found.scan.onset, found.place
         left = records[place].time.size - records[place].background.shape[1] - _TRANSIENT[1]
-        if chance > significance or lasting <= significance or left < FEWEST:
+        if found.p_value > significance or found.lasting <= significance or left < FEWEST:
             break
-        end = best.onset + _transient(interval)
-        records[place] = records[place].without_samples(best.onset, end)
-    p_value = min(max(chance, lasting), 1.0)
+        records[place] = records[place].without_samples(start, start + _transient(interval))
+    p_value = min(max(found.p_value, found.lasting), 1.0)
     if p_value > significance:
         return OnsetSearch(None, p_value, noise, left_out, least_rise=least_rise)
-    onset = locate_onset(records[place], noise, spread, best.deviation, usable[place])
+    onset = locate_onset(records[place], noise, found.spread, found.scan.deviation, usable[place])
     galls = onset.rise >= least_rise
     return OnsetSearch(
         onset if galls else None, p_value, noise, left_out, None if galls else onset, least_rise
     )
+
+
+def _duration(time: Array) -> float:
+    """Duration of a stage without the pauses of the log."""
+    first, last = LogClock.of(time).logged(np.array([time[0], time[-1]]))
+    return float(last - first)
 
 
 @dataclass(frozen=True)
@@ -167,6 +171,17 @@ class _Scan:
     correlation: Array
     statistics: tuple[Array, ...]
     lowest: float
+
+
+@dataclass(frozen=True)
+class _Found:
+    """The best rise of a test, its p-value, and that of the part of it which lasts."""
+
+    place: int
+    scan: _Scan
+    spread: NoiseSpread
+    p_value: float
+    lasting: float
 
 
 def _transient(interval: float) -> float:
@@ -185,29 +200,27 @@ def _best_rise(
     return Candidate(place, scans[place].onset, scans[place].rise), scans, spreads
 
 
-def _most_likely(
-    records: Sequence[BlockRecord], noise: Noise
-) -> tuple[int, _Scan, NoiseSpread, float, float]:
-    """Place of the best rise of all stages, its scan, its noise, its p-value, and that of the part
-    of it which lasts.
-    """
+def _most_likely(records: Sequence[BlockRecord], noise: Noise) -> _Found:
+    """Compute the p-values of the best rise of all stages."""
     candidate, scans, spreads = _best_rise(records, noise)
     place, known = candidate.record, explain(records, candidate)
-    best, spread = scans[place], spreads[place]
+    best = scans[place]
     rest = [_scan(record, noise, spread) for record, spread in zip(known, spreads, strict=True)]
-    # noise that is not normal has larger statistics of this form of rise, or falls
-    form = np.concatenate([scan.statistics[SCANNED.index(best.rise)] for scan in rest])
-    scatter = float(np.sqrt(np.mean(form[np.isfinite(form)] ** 2)))
-    excess = max(1.0, scatter, _fall(rest)) ** _UNLIKE
-    level = _normal_quantile(best.freedom, best.statistic / excess)
+    excess = max(_excess(rest)[SCANNED.index(best.rise)], _fall(rest)) ** _UNLIKE
+    level = _normal_quantile(best, excess)
     p_value = min(1.0, sum(_exceedance(level, scan.correlation) for scan in scans))
     interval = float(np.median(np.diff(records[place].time)))
     decay = records[place].with_decay(best.onset, _transient(interval))
     lasting = _scan_with(
-        decay, noise, spread, best.deviation, onsets=np.array([best.onset]), constants=(0.0,)
+        decay,
+        noise,
+        spreads[place],
+        best.deviation,
+        onsets=np.array([best.onset]),
+        constants=(0.0,),
     )
     chance = _PLACES * float(stdtr(lasting.freedom, -lasting.statistic / excess))
-    return place, best, spread, p_value, chance
+    return _Found(place, best, spreads[place], p_value, chance)
 
 
 def _local_scale(record: BlockRecord, noise: Noise) -> Array:
@@ -215,6 +228,13 @@ def _local_scale(record: BlockRecord, noise: Noise) -> Array:
     factor = noise.factor(record.time)
     basis = np.linalg.qr(whiten(factor, record.background))[0]
     return local_scale(without(basis, whiten(factor, record.friction)))
+
+
+def _excess(scans: Sequence[_Scan]) -> list[float]:
+    """Scatter of the statistics of each form of rise over that of normal noise; at least 1."""
+    forms = zip(*(scan.statistics for scan in scans), strict=True)
+    pooled = [np.concatenate(form) for form in forms]
+    return [max(1.0, float(np.sqrt(np.mean(one[np.isfinite(one)] ** 2)))) for one in pooled]
 
 
 def _spread(record: BlockRecord, noise: Noise) -> NoiseSpread:
@@ -288,18 +308,19 @@ def _tree(rises: Sequence[Array]) -> Array:
 
 
 def _fall(scans: Sequence[_Scan]) -> float:
-    """Largest fall of friction over the one expected by chance."""
-    lowest = min(scans, key=lambda scan: scan.lowest)
+    """Largest fall of friction over the one expected by chance, at least 1."""
+    lowest = min(range(len(scans)), key=lambda k: scans[k].lowest)
+    falls = replace(scans[lowest], statistic=-scans[lowest].lowest)
 
     def chance(level: float) -> float:
         return sum(_exceedance(level, scan.correlation) for scan in scans) - _CHANCE_FALL
 
-    return _normal_quantile(lowest.freedom, -lowest.lowest) / float(brentq(chance, 0.0, 10.0))
+    return max(1.0, _normal_quantile(falls, 1.0) / float(brentq(chance, 0.0, 10.0)))
 
 
-def _normal_quantile(freedom: float, statistic: float) -> float:
+def _normal_quantile(scan: _Scan, excess: float) -> float:
     """Convert a t statistic to the normal deviate of the same tail probability."""
-    tail = max(float(stdtr(freedom, -statistic)), np.finfo(float).tiny)
+    tail = max(float(stdtr(scan.freedom, -scan.statistic / excess)), np.finfo(float).tiny)
     return float(-ndtri(tail))
 
 
