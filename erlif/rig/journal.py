@@ -77,10 +77,11 @@ def list_gaps(triggers: Triggers, rig: RigSettings, marks: Marks) -> list[Gap]:
     """
     if rig.film == "law":
         return [Gap(rig, float(film), marks) for film in triggers.film_min]
-    deflections: list[Deflection] | None = [] if rig.liner[0] else None
-    place = 1e6 * follow_pin(frame_times(triggers, rig), rig, deflections)
-    if deflections is None:
+    if not rig.liner[0]:
+        place = 1e6 * follow_pin(frame_times(triggers, rig), rig)
         return [_place_pin(rig, marks, float(along), float(side)) for along, side in place]
+    deflections: list[Deflection] = []
+    place = 1e6 * follow_pin(frame_times(triggers, rig), rig, deflections)
     return [
         _deflect(JournalGap(rig, np.nan, marks, float(along), float(side), deflection))
         for (along, side), deflection in zip(place, deflections, strict=True)

@@ -99,15 +99,15 @@ def solve_squeeze(eccentricity: float, slenderness: float) -> Squeeze:
     share s = 4 (-1)^k/((2k + 1) pi) of a uniform source; q = 0 at a = pi. Sommerfeld's variable g,
     H = (1 - eps^2)/(1 + eps cos g), resolves a thin film as well as a thick one.
     """
-    point, weight, terms = _tabulate_series()
+    series = _tabulate_series()
     shape = np.sqrt(1 - eccentricity**2)
-    swell = 1 + eccentricity * np.cos(point)
+    swell = 1 + eccentricity * np.cos(series.point)
     film = shape**2 / swell
     stretch = swell / shape  # dg/da
-    sides = np.cos(point) + eccentricity, shape * np.sin(point)  # cos a, sin a: swell
+    sides = np.cos(series.point) + eccentricity, shape * np.sin(series.point)  # cos a, sin a: swell
 
     # H^3 q' is stiff q_g; its derivative over g has two terms
-    sine = eccentricity * np.sin(point)
+    sine = eccentricity * np.sin(series.point)
     stiff = film**3 * stretch
     stiff_slope = 3 * film**3 * sine / swell * stretch - film**3 * sine / shape
 
@@ -115,7 +115,7 @@ def solve_squeeze(eccentricity: float, slenderness: float) -> Squeeze:
     share = 4 * (-1.0) ** np.arange(HARMONICS) / number
     pressure, damping = np.empty((POINTS, 2)), np.empty(2)
     for side in (0, 1):
-        value, first, second = terms[side]
+        value, first, second = series.terms[side]
         source = sides[side] / swell
         along = stretch[:, None] * (stiff[:, None] * second + stiff_slope[:, None] * first)
         across = film[:, None] ** 3 * value
@@ -125,21 +125,22 @@ def solve_squeeze(eccentricity: float, slenderness: float) -> Squeeze:
 
         # both halves of the circumference; the mean of cos(b z) over the length is half its share
         pressure[:, side] = parts.sum(axis=0)
-        damping[side] = (share / 2) @ (parts @ (2 * weight * source / stretch))
+        damping[side] = (share / 2) @ (parts @ (2 * series.weight * source / stretch))
     return Squeeze(np.arctan2(sides[1], sides[0]), pressure, damping)
 
 
-_Terms = tuple[Array, Array, Array]
+class _Series(NamedTuple):
+    """Chebyshev polynomials of Sommerfeld's variable that vanish at the thickest film."""
+
+    point: Array  # Sommerfeld's variable, 0 to pi, (point,) [rad]
+    weight: Array  # of an integral over half the circumference, (point,) [rad]
+    # Values with first and second derivatives, (point, term) each, even and odd.
+    terms: tuple[tuple[Array, Array, Array], tuple[Array, Array, Array]]
 
 
 @cache
-def _tabulate_series() -> tuple[Array, Array, tuple[_Terms, _Terms]]:
-    """Chebyshev polynomials of Sommerfeld's variable g that vanish at the thickest film.
-
-    Nodes of T_2N in g from 0 to pi [rad], weights of an integral over half the circumference [rad],
-    and T_n(g/pi) - T_m(g/pi), m = 0 for even and 1 for odd n, with first and second derivatives,
-    (point, term) each, even and odd.
-    """
+def _tabulate_series() -> _Series:
+    """Tabulate T_n(g/pi) - T_m(g/pi), m = 0 for even and 1 for odd n, at the nodes of T_2N."""
     angle = (np.arange(POINTS) + 0.5) * np.pi / (2 * POINTS)
     x = np.cos(angle)
 
@@ -147,15 +148,19 @@ def _tabulate_series() -> tuple[Array, Array, tuple[_Terms, _Terms]]:
     k = np.arange(1, POINTS + 1)
     weight = (1 - 2 * (np.cos(2 * np.outer(angle, k)) / (4 * k**2 - 1)).sum(axis=1)) / POINTS
 
-    def tabulate(order: NDArray[np.int_]) -> _Terms:
+    def tabulate(order: NDArray[np.int_]) -> tuple[Array, Array, Array]:
         value = np.cos(np.outer(angle, order))
         first = order * np.sin(np.outer(angle, order)) / np.sin(angle)[:, None]
         # the differential equation of the polynomials
         second = (x[:, None] * first - order**2 * value) / (1 - x[:, None] ** 2)
         lowest = order[0] % 2
-        return value - x[:, None] ** lowest, (first - lowest) / np.pi, second / np.pi**2
+        return (
+            value - x[:, None] ** lowest,
+            (first - lowest) / np.pi,
+            second / np.pi**2,
+        )
 
-    return np.pi * x, np.pi * weight, (tabulate(2 * k), tabulate(2 * k + 1))
+    return _Series(np.pi * x, np.pi * weight, (tabulate(2 * k), tabulate(2 * k + 1)))
 
 
 class Mobility:
