@@ -143,9 +143,14 @@ def _describe_gaps(file: h5netcdf.File, film: str, gaps: list[Gap]) -> None:
     pins = [gap for gap in gaps if isinstance(gap, JournalGap)]
     if pins:
         along, side = [pin.along for pin in pins], [pin.side for pin in pins]
-        moved = "of the pin from the bushing, along"
-        put("pin_displacement_load", film, along, "um", f"{moved} the load")
-        put("pin_displacement_side", film, side, "um", f"{moved} +x")
+        put(
+            "pin_displacement_load",
+            film,
+            along,
+            "um",
+            "of the pin from the bushing, along the load",
+        )
+        put("pin_displacement_side", film, side, "um", "of the pin from the bushing, along +x")
         far, turned = [pin.eccentricity for pin in pins], [pin.attitude for pin in pins]
         put("eccentricity", film, far, "1", "distance of the axes over the radial clearance")
         put("attitude", film, turned, "rad", "from the load line to the thinnest film, along +x")
