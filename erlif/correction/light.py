@@ -207,8 +207,8 @@ def tabulate(
 def _tabulate_camera(reference: References, least_signal: float) -> CameraTables:
     dark, gain = reference.dark.values, float(reference.gain)
     bad = np.ascontiguousarray(reference.bad.values)
-    rows, columns = np.nonzero(bad)
-    per_flat = 1 / reference.flat.values.astype(float)
+    rows, columns = map(np.ascontiguousarray, np.nonzero(bad))  # one layout, one compiled kernel
+    per_flat = 1 / np.ascontiguousarray(reference.flat.values, float)
 
     # a camera usually has one number for all pixels, for which a row is enough
     dark_var = reference.dark_var.values
