@@ -58,9 +58,8 @@ def write_dataset(
     """
     # The bytes are made in memory and written at once: HDF5 does not survive a full disk.
     buffer = BytesIO()
-    write_netcdf(set_coordinates(dataset), buffer)
-    for name, group in (groups or {}).items():
-        write_netcdf(set_coordinates(group), buffer, mode="a", group=name)
+    named = {name: set_coordinates(group) for name, group in (groups or {}).items()}
+    write_netcdf(set_coordinates(dataset), buffer, groups=named)
     write_file(output, buffer.getvalue())
     mark_written(output)
 

@@ -52,7 +52,6 @@ def open_netcdf(path: Path, *, group: str | None = None) -> xr.Dataset:
     # A damaged file fails here. Within h5netcdf the failure would print a message of its own.
     with open_hdf5(path) as file:
         list(file.attrs.items())
-        file.visititems(lambda name, item: None)
 
     # Dimensions that a file does not name get names, and impossible fill values are dropped. Both
     # are found when the variables are checked, and stated there.
@@ -75,9 +74,9 @@ def write_netcdf(
     path: Path | IO[bytes],
     *,
     mode: Literal["w", "a"] = "w",
-    group: str | None = None,
+    groups: Mapping[str, xr.Dataset] | None = None,
 ) -> None:
-    """Write a dataset to a netCDF-4 file, or add it.
+    """Write a dataset and others as groups to a netCDF-4 file, or add them.
 
     `xarray.Dataset.to_netcdf` would look for a scheduler of dask first and load both where dask is
     installed, which takes 15 MB and 0.2 s.
@@ -90,8 +89,8 @@ def write_netcdf(
         The file, or a buffer in memory.
     mode : str
         "w" to begin a file, "a" to add to one.
-    group : str, optional
-        Name of a new group; default: the root.
+    groups : mapping of str to Dataset, optional
+        Datasets of new groups by name; default: none.
 
     Raises
     ------
@@ -111,9 +110,9 @@ def write_netcdf(
     from erlif.io.files.kept import open_kept
 
     with open_kept(path, mode=mode) as file:
-        place = file if group is None else file.create_group(group)
-        store, encoder = xr.backends.H5NetCDFStore(place), partial(_fix_text, dataset.coords)
-        dataset.dump_to_store(store, encoder=encoder)
+        for name, one in {None: dataset, **(groups or {})}.items():
+            store = xr.backends.H5NetCDFStore(file if name is None else file.create_group(name))
+            one.dump_to_store(store, encoder=partial(_fix_text, one.coords))
 
 
 def _fix_text(

@@ -232,15 +232,11 @@ class NetcdfMaps:
         OSError
             If they cannot be written; the finished triggers are intact.
         """
-        # Coordinates of the maps have been there since the file was begun. Each time the file is
-        # closed, the reserved room is cut off.
+        # coordinates of the maps have been there since the file was begun
         small = film.drop_vars(list(self._grid.coords), errors="ignore")
-        self._reserve(small.nbytes)
+        self._reserve(sum(one.nbytes for one in (small, *groups.values())))
         self._file.close()
-        write_netcdf(small, self.path, mode="a")
-        for name, group in groups.items():
-            self._reserve(group.nbytes)
-            write_netcdf(group, self.path, mode="a", group=name)
+        write_netcdf(small, self.path, mode="a", groups=groups)
         self._name_coordinates(name_coordinates(film))
 
     def _name_coordinates(self, names: str) -> None:

@@ -26,16 +26,18 @@ def test_a_film_is_opened_as_xarray_opens_it(film, group):
                 np.testing.assert_equal(one[name].encoding, variable.encoding)
 
 
-@pytest.mark.parametrize("group", [None, "frames"])
-def test_a_file_is_written_as_h5netcdf_writes_it(film, tmp_path, group):
+def test_a_file_is_written_as_h5netcdf_writes_it(film, tmp_path):
     """Also a coordinate of text, in whose place h5netcdf first puts a dimension without values."""
-    with xr.open_dataset(film, engine="h5netcdf", group=group) as dataset:
-        dataset = dataset.load().drop_encoding()
     expected, written = tmp_path / "expected.nc", tmp_path / "written.nc"
-    fixed, attrs = _fix_text(dataset.coords, dataset.variables, dataset.attrs)
-    alike = xr.Dataset(fixed, attrs=attrs).set_coords(list(dataset.coords))
-    alike.to_netcdf(expected, engine="h5netcdf", group=group)
-    write_netcdf(dataset, written, group=group)
+    datasets = {}
+    for group in (None, "frames", "registration"):
+        with xr.open_dataset(film, engine="h5netcdf", group=group) as dataset:
+            dataset = datasets[group] = dataset.load().drop_encoding()
+        fixed, attrs = _fix_text(dataset.coords, dataset.variables, dataset.attrs)
+        alike = xr.Dataset(fixed, attrs=attrs).set_coords(list(dataset.coords))
+        mode = "w" if group is None else "a"
+        alike.to_netcdf(expected, engine="h5netcdf", group=group, mode=mode)
+    write_netcdf(datasets.pop(None), written, groups=datasets)
     assert _describe(written) == _describe(expected)
 
 

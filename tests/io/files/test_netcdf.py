@@ -88,8 +88,8 @@ def test_original_is_left_as_it_was(tmp_path):
 def test_groups_are_added_to_a_file(tmp_path):
     path = tmp_path / "two.nc"
     write_netcdf(xr.Dataset({"joint_load": ("trigger", [220.0])}, attrs={"title": "a"}), path)
-    write_netcdf(xr.Dataset({"speed": ("trigger", [0.5])}), path, mode="a")
-    write_netcdf(xr.Dataset({"file": ("frame", ["ä"])}), path, mode="a", group="frames")
+    groups = {"frames": xr.Dataset({"file": ("frame", ["ä"])})}
+    write_netcdf(xr.Dataset({"speed": ("trigger", [0.5])}), path, mode="a", groups=groups)
     with open_netcdf(path) as root, open_netcdf(path, group="frames") as frames:
         assert (float(root["joint_load"][0]), float(root["speed"][0]), root.title) == (
             220.0,
