@@ -175,6 +175,9 @@ def _open_checked(path: Path, group: str | None) -> xr.Dataset:
 
         store = BoundedStore(path, held=check_zarr(path))
         dataset: xr.Dataset = xr.open_zarr(store, group=group, consolidated=False, chunks=None)
+        # text as objects, as in a netCDF file
+        texts = [name for name, one in dataset.variables.items() if one.dtype.kind == "T"]
+        dataset = dataset.assign({name: dataset[name].astype(object) for name in texts})
         dataset.encoding["source"] = str(path.absolute())
     else:
         if not path.is_file():

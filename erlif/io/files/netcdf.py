@@ -110,7 +110,7 @@ def write_netcdf(
     from erlif.io.files.kept import open_kept
 
     with open_kept(path, mode=mode) as file:
-        for name, one in {None: dataset, **(groups or {})}.items():
+        for name, one in [(None, dataset), *(groups or {}).items()]:
             store = xr.backends.H5NetCDFStore(file if name is None else file.create_group(name))
             one.dump_to_store(store, encoder=partial(_fix_text, one.coords))
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import uuid
+import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -184,6 +185,8 @@ class ZarrMaps:
 
         Arguments and errors as in `NetcdfMaps.finish`.
         """
+        import zarr
+
         # what a killed process had begun to add
         own = {variable.name for variable in self.variables} | {"zarr.json"}
         for entry in self.path.iterdir():
@@ -196,6 +199,12 @@ class ZarrMaps:
             _free_text(group).to_zarr(
                 self.path, group=name, mode="a", consolidated=False, zarr_format=3
             )
+
+        # One description of all arrays, for which xarray looks first. zarr warns that its format 3
+        # does not have it; a program that does not know it passes it over.
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", UserWarning)
+            zarr.consolidate_metadata(self.path, zarr_format=3)
 
     def _name_coordinates(self, names: str) -> None:
         """Add the attribute `coordinates` to all maps, which were created without it."""

@@ -99,7 +99,11 @@ def test_zarr_holds_the_same_as_netcdf(small_rig, film, tmp_path):
     xr.testing.assert_identical(returned.load(), erlif.open_film(path).load())
     for group in (None, "frames", "registration"):
         with erlif.open_film(film, group=group) as expected:
-            xr.testing.assert_identical(erlif.open_film(path, group=group).load(), expected.load())
+            found = erlif.open_film(path, group=group).load()
+            xr.testing.assert_identical(found, expected.load())
+            assert found.dtypes == expected.dtypes
+        # another program opens it without a warning
+        assert xr.open_zarr(path, group=group).sizes == found.sizes
     returned.close()
     assert [entry.name for entry in tmp_path.iterdir()] == ["film.zarr"]
 
