@@ -221,10 +221,12 @@ def judge_fault(job: tuple[str, int], *, report: bool = False) -> str:
 
 
 def region_of(rig: RigSettings, film: xr.Dataset) -> np.ndarray:
-    """Where the region of interest of a rig is, (y, x)."""
-    (left, right), (upper, lower) = rig.region
-    x, y = film.x.values, film.y.values
-    return ((y >= upper) & (y <= lower))[:, None] & ((x >= left) & (x <= right))
+    """Where the region of interest of a rig is, with the pixels on its bounds, (y, x)."""
+    inside = [
+        (axis.values > low - 1e-6) & (axis.values < high + 1e-6)
+        for axis, (low, high) in zip((film.x, film.y), rig.region, strict=True)
+    ]
+    return inside[1][:, None] & inside[0]
 
 
 _BAND_PER_DYE = 0.484

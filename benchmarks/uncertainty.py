@@ -133,10 +133,10 @@ def examine(case: tuple[Path, int, float, float, bool]) -> dict:
 
 
 def region_mean(film: xr.Dataset, truth: xr.Dataset):
-    """True mean film over the valid pixels of the region of interest, by trigger. [um]"""
+    """True mean film over the valid pixels of the region and on its bounds, by trigger. [um]"""
     roi = tomllib.loads(film.settings)["thickness"]["roi"]
     inside = [
-        (axis >= low) & (axis <= high)
+        (axis > low - 1e-6) & (axis < high + 1e-6)
         for axis, (low, high) in ((film.x, roi["x"]), (film.y, roi["y"]))
     ]
     use = (film.flags.values == 0) & inside[1].values[:, None] & inside[0].values
