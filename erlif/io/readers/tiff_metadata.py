@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 import re
 from collections.abc import Sequence
@@ -13,8 +14,6 @@ import numpy as np
 from erlif.core.arrays import Array
 from erlif.core.errors import FrameError
 from erlif.io.readers.base import MOST_FRAMES, SECONDS
-
-_SHAPE = re.compile(rb'\{"shape": \[([\d, ]{1,80})\]')
 
 
 @dataclass(frozen=True)
@@ -71,15 +70,27 @@ def read_description(text: bytes, *, name: str, pages: int) -> Description:
     >>> found.frames, found.channels, found.times
     (6, [1, 2, 1, 2, 1, 2], array([0.  , 0.  , 0.01, 0.01, 0.02, 0.02]))
     """
-    if text.startswith(b'{"shape":') and b'"truncated": true' in text:
-        shape = _SHAPE.match(text)  # by tifffile, of images behind one directory
-        sizes = [int(size) for size in shape[1].split(b",")] if shape else []
-        return Description(math.prod(sizes[:-2]), whole=True)
+    if text.startswith(b"{") and b'"truncated": true' in text:
+        return _read_shape(text)
     if text.startswith(b"ImageJ="):
         return _read_imagej(text.decode("utf-8", "replace"))
     if b"<OME" in text[:4096] and pages:
         return _read_ome(text, name, pages)
     return Description()
+
+
+def _read_shape(text: bytes) -> Description:
+    """By tifffile, of images behind one directory; the order of its keys differs by version."""
+    try:
+        shape = json.loads(text)["shape"]
+    except (ValueError, KeyError, RecursionError):
+        return Description()
+    if not isinstance(shape, list) or not all(type(size) is int and size > 0 for size in shape):
+        return Description()
+    images = math.prod(shape[:-2])
+    if images > MOST_FRAMES:
+        raise FrameError("the file is damaged: its description claims more images than fit in it")
+    return Description(images, whole=True)
 
 
 def _read_imagej(text: str) -> Description:

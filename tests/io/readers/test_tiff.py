@@ -156,6 +156,17 @@ def test_a_stack_of_tifffile_with_one_directory_is_read(tmp_path):
     tifffile.imwrite(path, GREY, photometric="minisblack", truncate=True)
     np.testing.assert_array_equal(read(path), GREY)
 
+    # versions before 2026.2 write the keys of the description in the other order
+    content, shape, mark = path.read_bytes(), b'"shape": [3, 64, 80]', b'"truncated": true'
+    (order,) = {b", ".join(pair) for pair in ((shape, mark), (mark, shape))} - {
+        content[content.index(b"{") + 1 : content.index(b"}")]
+    }
+    start = content.index(b"{") + 1
+    path.write_bytes(content[:start] + order + content[start + len(order) :])
+    np.testing.assert_array_equal(read(path), GREY)
+    path.write_bytes(content.replace(b"[3, 64, 80]", b"[9999999]  "))
+    assert read(path).shape == (1, 64, 80)
+
 
 def test_images_that_no_directory_shows_are_not_lost(tmp_path):
     """The description of ImageJ claims them, and a compressed image does not show where they lie.
