@@ -17,6 +17,7 @@ import matplotlib.pyplot as plt
 import pytest
 from click.testing import CliRunner
 from pydantic import ValidationError
+from scenes.checkout import copy_part
 
 import erlif
 from erlif.calibration import read_profile
@@ -233,7 +234,7 @@ def desk(tmp_path_factory):
     """A folder with the sample and its film, and the files that the pages make first."""
     folder = tmp_path_factory.mktemp("desk")
     for part in (SAMPLE, "data_samples/endurance", "calibration"):
-        shutil.copytree(ROOT / part, folder / part)
+        copy_part(part, folder / part)
     with pytest.MonkeyPatch.context() as at:
         at.chdir(folder)
         erlif.process(SAMPLE, output=f"{SAMPLE}/film.nc").close()

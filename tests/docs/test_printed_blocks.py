@@ -10,6 +10,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from scenes.checkout import copy_part
 
 from erlif.commands.main import main
 
@@ -57,7 +58,7 @@ def test_the_first_commands_of_a_page_print_what_it_shows(name, tmp_path, monkey
 def test_the_sample_gives_text_and_picture_of_the_readme(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     for part in ("data_samples/thick_oil", "calibration"):
-        shutil.copytree(ROOT / part, part)
+        copy_part(part, Path(part))
     film = "data_samples/thick_oil/film.nc"
     found = printed("erlif process data_samples/thick_oil --overwrite")
     for page in ("../README.md", "speed.md"):

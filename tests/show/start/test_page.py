@@ -14,6 +14,7 @@ import tifffile
 import xarray as xr
 from PIL import Image
 from scenes import browser
+from scenes.checkout import copy_part
 from scenes.rig import small_rig
 from scenes.start import OF_THE_SAMPLE, at, drag, take, type_in
 
@@ -24,8 +25,6 @@ from erlif.show.start import start_page
 from erlif.show.start.page import StartPage
 
 pytestmark = browser.MARKS
-
-ROOT = Path(__file__).parents[3]
 
 FIXTURE_BY_HAND = """
 [fixture]
@@ -151,8 +150,8 @@ def visit(chromium):
 def sample(tmp_path_factory):
     """Frames of the sample and of its fixture, without settings."""
     lab = tmp_path_factory.mktemp("sample") / "lab"
-    shutil.copytree(ROOT / "data_samples/straight_bushing", lab / "run")
-    shutil.copytree(ROOT / "calibration/wedge", lab / "fixture")
+    copy_part("data_samples/straight_bushing", lab / "run")
+    copy_part("calibration/wedge", lab / "fixture")
     for file in lab.glob("*/*.toml"):
         file.unlink()
     return lab
