@@ -16,6 +16,7 @@ import numpy as np
 import pytest
 import tifffile
 from PIL import Image
+from scenes.tiff_pages import write_encoded
 
 from erlif.core.errors import FrameError
 from erlif.io.readers import Format, FrameFile, FrameKind, borrow_frames, open_frames, registry
@@ -226,7 +227,7 @@ def test_frames_that_need_imagecodecs_name_the_extra_that_has_it(tmp_path, monke
     if options is None:
         Image.fromarray(GREY[0]).save(path)
     else:
-        tifffile.imwrite(path, GREY[0], photometric="minisblack", **options)
+        write_encoded(path, GREY[0], **options)
     monkeypatch.setitem(sys.modules, "imagecodecs", None)
     with pytest.raises(FrameError, match=r"imagecodecs.*pip install 'erlif\[formats\]'"):
         open_frames(path)
