@@ -127,8 +127,9 @@ FAULTS: dict[str, dict[str, Any]] = {
         "blur": (0.5, 0.9),
     },
     "laboratory": LABORATORY,
-    "laboratory, flats off by a slope of 0.5 % rms": LABORATORY | {"shading": (0.0087, 0.0)},
-    "laboratory, window of 1 % rms over camera 2": LABORATORY | {"shading": (0.0122, 0.0237)},
+    "laboratory, flats off by a slope of 0.5 % rms": LABORATORY | {"shading": (0.0087, 0, 0, 0, 0)},
+    "laboratory, window of 1 % rms over camera 2": LABORATORY
+    | {"shading": (0.0122, 0, 0, 0, 0.0237)},
     "laboratory, walls 10 %, texture of 50 % over 1 mm": LABORATORY
     | {"wall": (0.1, 0.1), "wall_texture": (0.5, 1.0)},
 }
@@ -251,10 +252,9 @@ def draw_rig(
     """
     draw = partial(rng.normal, 0.0)
     wall = float(draw(widths["wall"]))
-    # over the field, in equal parts a slope along x and a parabola along y of no mean
-    slope, parabola = (
-        float(draw(widths["field"] / 2**0.5 / part)) for part in (3**-0.5, (4 / 45) ** 0.5)
-    )
+    # over the field, in equal parts x, y, x^2 - 1/3, x y, y^2 - 1/3 by their rms
+    rms = np.array([3**-0.5, 3**-0.5, (4 / 45) ** 0.5, 1 / 3, (4 / 45) ** 0.5])
+    shading = draw(widths["field"] / 5**0.5 / rms)
     rises = float(np.hypot(widths["temperature"], widths["bleaching"]) * draw()) / _BAND_PER_DYE
     bleached = per_pulse(abs(float(draw(widths["bleaching"]))))
     light = rng.multivariate_normal([0, 0], [[1, 0.9], [0.9, 1]])
@@ -272,8 +272,8 @@ def draw_rig(
         flat_pages=3,
         write_systematics=False,
         # scale of the ratio, lag, and the temperature between fixture and run
-        brightness=(1.0, 1 + scale - parabola / 3),
-        shading=(slope, parabola),
+        brightness=(1.0, 1 + scale - (shading[2] + shading[4]) / 3),
+        shading=tuple(shading.tolist()),
         warming=1.0,
         glow_per_kelvin=(-rises / 2, rises / 2),
         bleaching=(bleached, bleached),

@@ -51,7 +51,7 @@ RIGS: dict[str, dict[str, Any]] = {
         "exponent": 0.45,
     },
     "wall": {"wall": (0.1, 0.1), "wall_texture": (0.5, 1.0)},
-    "window": {"shading": (0.009, 0.018), "brightness": (1.0, 1.01), "exponent": 0.7},
+    "window": {"shading": (0.009, 0, 0, 0, 0.018), "brightness": (1.0, 1.01), "exponent": 0.7},
     "disc": {
         "mechanism": "rotation",
         "contact": "ball",

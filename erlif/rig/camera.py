@@ -169,8 +169,10 @@ def alter_camera(camera: Camera, number: int, rig: RigSettings) -> Camera:
     """A camera in the run: brighter, shaded, compressed, or with another dark level than before."""
     n, shade = number - 1, np.ones(1)
     if number == 2:
-        down, right = (np.linspace(-1, 1, size) for size in camera.sensitivity.shape)
-        shade = 1 + rig.shading[0] * right + rig.shading[1] * down[:, None] ** 2
+        y, x = np.meshgrid(
+            *(np.linspace(-1, 1, size) for size in camera.sensitivity.shape), indexing="ij"
+        )
+        shade = 1 + np.tensordot(rig.shading, [x, y, x**2, x * y, y**2], axes=1)
     return replace(
         camera,
         sensitivity=camera.sensitivity * rig.brightness[n] * shade,

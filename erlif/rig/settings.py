@@ -257,9 +257,9 @@ class RigSettings:
         Relative change of the light of dye 1 and dye 2. [1/K]
     brightness : tuple[float, float]
         Light of camera 1 and 2 in the run over that at the calibration: filters, exposure, gain.
-    shading : tuple[float, float]
-        Change of the response of camera 2 in the run, as by a window that was cleaned: a slope
-        along x and a parabola along y, each from the middle to the edge of the picture.
+    shading : tuple[float, ...]
+        Change of the response of camera 2 in the run, as by a window that was cleaned: its
+        coefficients of x, y, x^2, x y and y^2, from -1 to 1 over the picture.
     gain_step : tuple[float, float]
         Frame from which on camera 2 is brighter, and by which factor.
     blur_step : tuple[float, float]
@@ -412,7 +412,7 @@ class RigSettings:
     warming: float = _limited(0.0, -100, 100)
     glow_per_kelvin: tuple[float, float] = _limited((-0.002, -0.001), -0.05, 0.05)
     brightness: tuple[float, float] = _limited((1.0, 1.0), 0.01, 100)
-    shading: tuple[float, float] = (0.0, 0.0)
+    shading: tuple[float, float, float, float, float] = (0.0, 0.0, 0.0, 0.0, 0.0)
     gain_step: tuple[float, float] = _limited((0.0, 1.0), 0, 1_000_000)
     blur_step: tuple[float, float] = _limited((0.0, 0.0), 0, 1_000_000)
     bump: tuple[float, float, float] = _limited((0.0, 0.0, 0.0), -1_000_000, 1_000_000)

@@ -219,7 +219,7 @@ def test_within_the_widths_every_error_takes_its_part_of_what_a_patch_shows(show
 def test_a_window_over_one_camera_is_in_the_errors_of_a_ratio_that_a_patch_sets(tmp_path):
     """1.5 % rms over the field: the ratio on the patch is off by more than that on the films."""
     rig = replace(RIG, cycles=1, spacing=3.0, reference=6.0, bleaching=(0.0, 0.0))
-    lab = Laboratory.simulated(tmp_path, seed=53, rig=replace(rig, shading=(0.026, 0.0)))
+    lab = Laboratory.simulated(tmp_path, seed=53, rig=replace(rig, shading=(0.026, 0, 0, 0, 0)))
     stated = ("[systematics]\n", '[systematics]\nfield = "1.5 %"\n')
     film = lab.process_copy("shaded", stated, add='\n[light]\nratio = "correct"\n')
     off = film.film_min - lab.truth.film_min
