@@ -34,7 +34,7 @@ _BEND = 0.01  # um: change of the form from frame to frame, at the edge of the i
 _FREE = 1e3  # um: standard deviation of a position that is not known
 
 _MOST_FRAMES = 100  # more of them hardly lower the errors, which are common to all
-_ROUNDS = 10  # steps of Gauss and Newton, at most; four are usual
+_ROUNDS = 30  # steps of Gauss and Newton, at most; four are usual
 _SETTLED = 0.02  # last step over the standard deviation at which the search ends
 _NOTHING = 1e-12  # what rounding leaves of an error without a width
 _THINNEST = 0.05  # um: film to which a search comes down that has left its equations
@@ -388,7 +388,7 @@ class _ErrorFit:
             film = self._film(state)
             if not (film > _THINNEST).all():
                 return None
-            equations = self._linearise(film - self._marks(state), bright, noise)
+            equations = self._linearise(self._rigid_film(state), bright, noise)
             rest = self._rest(film, equations.errors, state.errors)
             step, covariance, scatter = solve_equations(equations, prior, rest, state)
             state = RigidityUnknowns(*(old + new for old, new in zip(state, step, strict=True)))
@@ -421,13 +421,15 @@ class _ErrorFit:
         film = self.clearance + state.motion @ self.gap[0] + state.form
         return np.where(self.chosen, film, 3.0)
 
-    def _marks(self, state: RigidityUnknowns) -> Array:
-        """Part of the form that each cell has for itself, (cell,). [um]
+    def _rigid_film(self, state: RigidityUnknowns) -> Array:
+        """The same between circles, by the positions alone: the derivatives are those of it. [um]
 
-        It holds noise of the flats, which is the same in all frames. Derivatives at this part
-        would be correlated with the noise, and the noise itself would be an error of the ratio.
+        At the whole film they would grow with form and bend, which have a prior: the errors would
+        be found where both are smallest, and films too thin. Noise of the flats, which the form
+        holds, would be an error of the ratio.
         """
-        return np.asarray(_MARKS**2 * np.linalg.solve(self.gap[2], state.form))
+        film = self.clearance + state.motion[:, :-1] @ self.gap[0][:-1]
+        return np.where(self.chosen, np.maximum(film, _THINNEST), 3.0)
 
     def _linearise(self, film: Array, bright: Array, noise: float) -> RatioEquations:
         """The equations at these films."""
