@@ -130,7 +130,7 @@ def summarise_triggers(
         If the cameras show different pulses in a pair.
     """
     run, curve, plane = ready.run, ready.curve, ready.plane
-    results, contact = settle_contact(results)
+    results, contact = settle_contact(results, plane.contacts)
     frames = frames_in(results)
     both = filter(None, (curve.calibration, curve.later))
     notes = (

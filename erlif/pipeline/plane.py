@@ -72,10 +72,15 @@ class ObjectPlane:
 
     @property
     def contacts(self) -> tuple[GapShape, ...]:
-        """Gaps that the surfaces may have: that of a pin in a bushing, else all."""
+        """Gaps that the surfaces may have: that of a pin in a bushing, else all others.
+
+        A bore whose shape is stated has no other.
+        """
         mechanism = self.settings.mechanism
         linked = mechanism is not None and mechanism.kind in ("crank-rocker", "slider-crank")
-        return (GapShape.LINE,) if linked or self.settings.joint is not None else tuple(GapShape)
+        if not linked and self.settings.joint is None:
+            return tuple(shape for shape in GapShape if shape is not GapShape.JOURNAL)
+        return (GapShape.JOURNAL if self.bore is None else GapShape.LINE,)
 
     @property
     def across(self) -> Array:

@@ -96,6 +96,8 @@ class BlockFit:
         Derivative of weighted residual to residual, of the biweight.
     jacobian : Array
         Derivative of the log ratio to the amplitudes, (shape, block). [1/um]
+    known : Array
+        As for `fit_blocks`, (shape,). [1/um2]
     """
 
     amplitudes: Array
@@ -105,15 +107,22 @@ class BlockFit:
     total_var: Array
     response: Array
     jacobian: Array
+    known: Array
 
     @property
     def curvature(self) -> Array:
         """Curvature of the sum of squares, (shape, shape). [1/um2]"""
-        return np.asarray((self.jacobian * (self.response / self.total_var)) @ self.jacobian.T)
+        measured = (self.jacobian * (self.response / self.total_var)) @ self.jacobian.T
+        return np.asarray(measured + np.diag(self.known))
 
 
 def fit_blocks(
-    blocks: BlockMeans, curve: FilmCurve, shapes: Array, *, base: float | Array = 0.0
+    blocks: BlockMeans,
+    curve: FilmCurve,
+    shapes: Array,
+    *,
+    base: float | Array = 0.0,
+    known: npt.ArrayLike = 0.0,
 ) -> BlockFit | None:
     """Fit the amplitudes of shapes to the log ratio of blocks.
 
@@ -126,20 +135,25 @@ def fit_blocks(
     base : float or array, (place, block)
         Film that the shapes are added to; of an array, the log ratio of a block is the mean over
         its places. [um]
+    known : array, (shape,), optional
+        Inverse of the variance with which an amplitude is known to be zero; 0: it is free. [1/um2]
 
     Returns
     -------
     BlockFit or None
-        None where the blocks do not determine the shapes, or not a parabola along sliding and a
-        tilt across.
+        None where the blocks do not determine the free shapes, or not a parabola along sliding and
+        a tilt across.
     """
+    known = np.broadcast_to(known, len(shapes))
     try:
-        return _iterate(blocks, curve, shapes, np.atleast_2d(base))
+        return _iterate(blocks, curve, shapes, np.atleast_2d(base), known)
     except np.linalg.LinAlgError:
         return None
 
 
-def _iterate(blocks: BlockMeans, curve: FilmCurve, shapes: Array, base: Array) -> BlockFit | None:
+def _iterate(
+    blocks: BlockMeans, curve: FilmCurve, shapes: Array, base: Array, known: Array
+) -> BlockFit | None:
     """Reweighted least squares; raises LinAlgError where the shapes are not independent."""
     value, noise = blocks.log_ratio, blocks.variance
     high = curve.calibration.thickness_range[1]
@@ -149,16 +163,18 @@ def _iterate(blocks: BlockMeans, curve: FilmCurve, shapes: Array, base: Array) -
     if not _determine_a_gap(blocks, use):
         return None
     place, _ = curve.find_bins(value)
-    chosen = shapes * use
+    free = known == 0
+    chosen = shapes[free] * use
 
     # rounding can leave the matrix of dependent shapes invertible, so that their rank decides; it
     # takes longer than a step of the fit, and the squares alone show shapes that are clearly apart
-    square = chosen @ shapes.T
+    square = chosen @ shapes[free].T
     spectrum = np.linalg.eigvalsh(square)
-    if spectrum[0] < _APART * spectrum[-1] and np.linalg.matrix_rank(chosen) < len(shapes):
+    if spectrum[0] < _APART * spectrum[-1] and np.linalg.matrix_rank(chosen) < len(chosen):
         return None
     goal = chosen @ (curve.film[place] - base.mean(axis=0))
-    amplitudes: Array = np.asarray(np.linalg.solve(square, goal), float)
+    amplitudes: Array = np.zeros(len(shapes))
+    amplitudes[free] = np.linalg.solve(square, goal)
 
     # the log ratio is bent within a block that is as wide as the film changes along it
     width = np.sqrt(np.maximum(blocks.along_squared - blocks.along**2, 0.0))
@@ -194,11 +210,12 @@ def _iterate(blocks: BlockMeans, curve: FilmCurve, shapes: Array, base: Array) -
         weight = trust / total_var
         jacobian = shapes * slope
         weighted = jacobian * weight
-        change = np.linalg.solve(weighted @ jacobian.T, weighted @ residual)
+        normal = weighted @ jacobian.T + np.diag(known)
+        change = np.linalg.solve(normal, weighted @ residual - known * amplitudes)
         amplitudes = amplitudes + change
         if step > _PLAIN_STEPS and np.abs(change).max() < _CONVERGED:
             break
-    return BlockFit(amplitudes, film, residual, weight, total_var, response, jacobian)
+    return BlockFit(amplitudes, film, residual, weight, total_var, response, jacobian, known)
 
 
 def _determine_a_gap(blocks: BlockMeans, use: Mask) -> bool:

@@ -1,9 +1,10 @@
 """A smooth gap fitted to the ratio of a region, its minimum, and what it adds to the map.
 
-The gap is h = a + b s + c z + d s^2 + e z^2, with s along sliding and z across, both from -1 to 1
-over the region. A plane has the tilts b and c alone, a line contact is curved along sliding, a
-point contact in both directions. A bore that is not straight adds its known shape along z. An
-elastic point contact is a plateau (`erlif.trend.plateau`).
+The gap is h = a + b s + c z + d s^2 + e z^2 + f z^3, with s along sliding and z across, both from
+-1 to 1 over the region. A plane has the tilts b and c alone, a line contact is curved along
+sliding, a point contact in both directions. A journal has all of them, e and f as far as pin and
+bore are not straight. A bore of known shape adds this along z. An elastic point contact is a
+plateau (`erlif.trend.plateau`).
 """
 
 from __future__ import annotations
@@ -35,6 +36,7 @@ _BELOW_ZERO = 3.0
 
 _DEGREE = 4  # of the polynomials that are smooth departures
 _FEWEST = 60  # blocks that distinguish them from marks
+_STRAIGHT = 0.5  # um: standard deviation of e and f of a journal
 _OUTLIER = 4.685  # departure beyond which a block counts as one of this size [std]
 
 
@@ -43,19 +45,26 @@ class GapShape(StrEnum):
 
     PLANE = "plane"
     LINE = "line"
+    JOURNAL = "journal"
     POINT = "point"
     PLATEAU = "plateau"
 
 
-# Number of the shapes 1, s, z, s^2 and z^2 that a gap has.
-_SHAPES = {GapShape.PLANE: 3, GapShape.LINE: 4, GapShape.POINT: 5, GapShape.PLATEAU: 5}
+# Number of the shapes 1, s, z, s^2, z^2 and z^3 that a gap has.
+_SHAPES = {
+    GapShape.PLANE: 3,
+    GapShape.LINE: 4,
+    GapShape.JOURNAL: 6,
+    GapShape.POINT: 5,
+    GapShape.PLATEAU: 5,
+}
 
-_NO_GAP = np.full(5, math.nan)
+_NO_GAP = np.full(6, math.nan)
 
 
 def gap_shapes(along: Array, across: Array, contact: GapShape) -> Array:
     """Shapes whose sum is the gap, (shape, place), at places from -1 to 1 over the region."""
-    shapes = [np.ones_like(along), along, across, along**2, across**2]
+    shapes = [np.ones_like(along), along, across, along**2, across**2, across**3]
     return np.stack(shapes[: _SHAPES[contact]])
 
 
@@ -83,7 +92,7 @@ class GapMinimum(NamedTuple):
     bend_surface_var : Array
         By marks and waviness of the surfaces. [um2]
     amplitudes : Array
-        Of the five shapes of a smooth gap, those that it does not have 0, (5,); NaN where none is
+        Of the six shapes of a smooth gap, those that it does not have 0, (6,); NaN where none is
         fitted. [um]
     """
 
@@ -179,11 +188,16 @@ def _fit_gap(
     `missing` are the pixels without a measurable film in each block, over all of the region.
     """
     s, z = blocks.along, blocks.across
-    shapes = np.stack([np.ones_like(s), s, z, blocks.along_squared, blocks.across_squared])
+    cubed = 3 * z * blocks.across_squared - 2 * z**3  # mean over a block
+    squares = blocks.along_squared, blocks.across_squared
+    shapes = np.stack([np.ones_like(s), s, z, *squares, cubed])
     count = _SHAPES[contact]
+    known = np.zeros(count)
+    if contact is GapShape.JOURNAL:
+        known[-2:] = _STRAIGHT**-2
     axial = region.rows if sliding_along_x else region.columns
     base = 0.0 if bore is None else bore.in_blocks(blocks, axial)
-    fit = fit_blocks(blocks, curve, shapes[:count], base=base)
+    fit = fit_blocks(blocks, curve, shapes[:count], base=base, known=known)
     if fit is None:
         return GapMinimum.unknown(curve.parameters)
 
@@ -200,23 +214,23 @@ def _fit_gap(
 
     # minimum and mean are linear in the amplitudes; the mean is that of the pixels
     amplitudes = np.pad(fit.amplitudes, (0, len(shapes) - count))
-    _, b, c, d, e = amplitudes
-    along, across = _lowest_place(b, d), _lowest_place(c, e)
+    _, b, c, d, e, f = amplitudes
+    along, across = _lowest_place(b, d), _lowest_place(c, e, f)
     least = level = 0.0
     if bore is not None:
         places = np.linspace(-1, 1, axial.stop - axial.start)
         heights = bore.within(axial, places)
-        at = np.argmin(c * places + e * places**2 + heights)
+        at = np.argmin(c * places + e * places**2 + f * places**3 + heights)
         across, least, level = float(places[at]), float(heights[at]), float(heights.mean())
-    lowest = np.array([1.0, along, across, along**2, across**2])
+    lowest = np.array([1.0, along, across, along**2, across**2, across**3])
     columns, rows = (_mean_square(pixels) for pixels in (region.columns, region.rows))
-    squares = (columns, rows) if sliding_along_x else (rows, columns)
+    means = (columns, rows) if sliding_along_x else (rows, columns)
     column, row = _pixel_of(region, s, z, sliding_along_x=sliding_along_x)
     acts = curve.calibration.gradient(fit.film, place=(column, row))
     by_block = -acts * (fit.response / fit.total_var)
     minimum, mean = (
         _number_of(at[:count], height, fit, blocks, by_block)
-        for at, height in ((lowest, least), (np.array([1, 0, 0, *squares]), level))
+        for at, height in ((lowest, least), (np.array([1, 0, 0, *means, 0]), level))
     )
 
     # below zero the smooth gap passes through a contact that is flattened
@@ -330,9 +344,12 @@ def _fit_plateau(
     return flat._replace(minimum=found.minimum, central=found.central, place=place)
 
 
-def _lowest_place(slope: float, bend: float) -> float:
-    """Position of the minimum of slope x + bend x^2 from -1 to 1."""
-    return float(np.clip(-slope / (2 * bend), -1, 1)) if bend > 0 else -math.copysign(1.0, slope)
+def _lowest_place(*amplitudes: float) -> float:
+    """Position of the minimum of a x + b x^2 + ... from -1 to 1."""
+    height = np.polynomial.Polynomial([0.0, *amplitudes])
+    turns = [turn.real for turn in height.deriv().roots() if turn.imag == 0]
+    places = np.clip([-1.0, 1.0, *turns], -1, 1)
+    return float(places[np.argmin(height(places))])
 
 
 def _mean_square(pixels: slice) -> float:

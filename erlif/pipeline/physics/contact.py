@@ -15,27 +15,31 @@ from erlif.trend import GapShape, choose_contact
 _GAPS = {
     GapShape.PLANE: "a plane film with a tilt",
     GapShape.LINE: "a gap that is curved along sliding (line contact)",
+    GapShape.JOURNAL: "the gap of a pin in a bushing",
     GapShape.POINT: "a gap that is curved along and across sliding (point contact)",
     GapShape.PLATEAU: "a plateau with a constriction at its edge (elastic contact)",
 }
 
 
-def settle_contact(results: Sequence[TriggerResult]) -> tuple[list[TriggerResult], GapShape]:
+def settle_contact(
+    results: Sequence[TriggerResult], contacts: Sequence[GapShape]
+) -> tuple[list[TriggerResult], GapShape]:
     """Choose the kind of contact of the run and set the minimum of all triggers by it.
 
     Parameters
     ----------
     results : sequence of TriggerResult
+    contacts : sequence of GapShape
+        Gaps that the surfaces may have.
 
     Returns
     -------
     results : list of TriggerResult
         With one minimum each.
     contact : GapShape
-        A line contact where the joint of the run has this gap.
     """
-    if not any(one.minima for one in results):
-        return list(results), GapShape.LINE
+    if len(contacts) == 1:
+        return list(results), contacts[0]
     contact = choose_contact([one.minima for one in results])
     return [
         replace(one, statistics=replace(one.statistics, gap=one.minima[contact])) for one in results

@@ -13,6 +13,7 @@ from erlif.show.plots import example_calibration
 from erlif.trend import FilmNumber, GapMinimum, GapShape
 
 CALIBRATION = example_calibration()
+CONTACTS = (GapShape.PLANE, GapShape.LINE, GapShape.POINT, GapShape.PLATEAU)
 
 
 def minimum(value, bend=(0.0, 0.0), misfit=0.1):
@@ -24,7 +25,7 @@ def minimum(value, bend=(0.0, 0.0), misfit=0.1):
 
 def result(bend, value=1.0, misfit=0.1):
     """A trigger whose plane, line and point contact have 1, 2 and 3 times a value."""
-    minima = {one: minimum(n * value, bend, misfit) for n, one in enumerate(GapShape, 1)}
+    minima = {one: minimum(n * value, bend, misfit) for n, one in enumerate(CONTACTS, 1)}
     return replace(make_result(0), minima=minima)
 
 
@@ -33,7 +34,7 @@ def result(bend, value=1.0, misfit=0.1):
     [((0.0, 0.1), "plane", 1), ((1.0, 0.1), "line", 2), ((0.0, 1.0), "point", 3)],
 )
 def test_all_triggers_have_the_minimum_of_one_gap(bend, contact, factor):
-    results, chosen = settle_contact([result(bend), result(bend, 1.5)])
+    results, chosen = settle_contact([result(bend), result(bend, 1.5)], CONTACTS)
     assert chosen == contact
     assert [one.statistics.gap.minimum.value for one in results] == [factor, 1.5 * factor]
     shared = CALIBRATION.full_covariance.sum()  # of a gradient of ones
@@ -46,12 +47,14 @@ def test_all_triggers_have_the_minimum_of_one_gap(bend, contact, factor):
 
 def test_a_pin_keeps_its_minimum():
     results = [make_result(0)]
-    assert settle_contact(results) == (results, GapShape.LINE)
-    assert note_contact(results, GapShape.LINE) == []
+    assert settle_contact(results, [GapShape.JOURNAL]) == (results, GapShape.JOURNAL)
+    assert note_contact(results, GapShape.JOURNAL) == []
 
 
 def test_triggers_without_a_smooth_gap_are_counted():
-    results, chosen = settle_contact([result((1.0, 1.0)), result((1.0, 1.0), math.nan, misfit=8.0)])
+    results, chosen = settle_contact(
+        [result((1.0, 1.0)), result((1.0, 1.0), math.nan, misfit=8.0)], CONTACTS
+    )
     _, note = note_contact(results, chosen)
     assert note.level is Level.WARNING
     assert "NaN at 1 of 2 triggers" in note.text
@@ -62,7 +65,7 @@ def test_a_contact_that_the_region_cuts_keeps_its_centre():
     unknown = FilmNumber.unknown(len(CALIBRATION.full_covariance))
     flat = cut.minima[GapShape.PLATEAU]._replace(minimum=unknown, misfit=0.0)
     cut = replace(cut, minima={**cut.minima, GapShape.PLATEAU: flat})
-    results, chosen = settle_contact([cut, cut])
+    results, chosen = settle_contact([cut, cut], CONTACTS)
     assert chosen is GapShape.PLATEAU
     assert results[0].statistics.gap.central.value == 4.0
     remarked, warned = note_contact(results, chosen)
