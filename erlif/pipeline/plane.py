@@ -72,15 +72,17 @@ class ObjectPlane:
 
     @property
     def contacts(self) -> tuple[GapShape, ...]:
-        """Gaps that the surfaces may have: that of a pin in a bushing, else all others.
+        """Gaps that the surfaces may have: a pin in a bushing is straight or bent along the axis.
 
-        A bore whose shape is stated has no other.
+        Where the shape of the bore is stated, the rest of its gap is straight.
         """
         mechanism = self.settings.mechanism
         linked = mechanism is not None and mechanism.kind in ("crank-rocker", "slider-crank")
         if not linked and self.settings.joint is None:
             return tuple(shape for shape in GapShape if shape is not GapShape.JOURNAL)
-        return (GapShape.JOURNAL if self.bore is None else GapShape.LINE,)
+        if self.bore is not None:
+            return (GapShape.LINE,)
+        return GapShape.LINE, GapShape.JOURNAL
 
     @property
     def across(self) -> Array:

@@ -14,6 +14,7 @@ from .blocks import find_region as find_region
 from .blocks import sum_blocks as sum_blocks
 from .bore import AxialShape as AxialShape
 from .contact import ContactChoice as ContactChoice
+from .contact import bent_gap as bent_gap
 from .contact import choose_contact as choose_contact
 from .contact import has_plateau as has_plateau
 from .course import CourseChange as CourseChange

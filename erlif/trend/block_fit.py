@@ -236,7 +236,7 @@ def _excess_variance(residual: Array, variance: Array) -> float:
     return max(float(np.median((MAD_TO_STD * residual) ** 2 - variance)), 0.0)
 
 
-def sum_by_strips(scores: Array, strip: npt.NDArray[np.intp]) -> Array:
+def sum_by_strips(scores: Array, strip: npt.NDArray[np.intp], *, absorbed: int = 1) -> Array:
     """Covariance of sums whose terms are correlated within a strip and, less, with the next strips.
 
     The estimator is that of Newey and West (1987). A fit to few strips absorbs a good part of what
@@ -248,6 +248,8 @@ def sum_by_strips(scores: Array, strip: npt.NDArray[np.intp]) -> Array:
         Terms of each sum.
     strip : array of int, (block,)
         Number of the strip of each block.
+    absorbed : int
+        Fitted shapes that differ from strip to strip, with the mean.
 
     Returns
     -------
@@ -261,7 +263,7 @@ def sum_by_strips(scores: Array, strip: npt.NDArray[np.intp]) -> Array:
     for lag in range(1, lags):
         product = sums[:, lag:] @ sums[:, :-lag].T
         total = total + (1 - lag / lags) * (product + product.T)
-    return np.asarray(total * count / (count - 1))
+    return np.asarray(total * count / max(count - absorbed, 1))
 
 
 def average_blocks(sums: BlockSums, *, sliding_along_x: bool) -> BlockMeans:

@@ -22,15 +22,15 @@ def choose_contact(triggers: Sequence[Mapping[GapShape, GapMinimum]]) -> GapShap
     Parameters
     ----------
     triggers : sequence of mapping of GapShape to GapMinimum
-        With the gap of a point contact.
+        With the gap of a point contact, or of a journal.
 
     Returns
     -------
     GapShape
         A plateau where the maps of most triggers have one and depart from a point contact. A point
         contact where the mean curvature across sliding is above three standard deviations, a line
-        contact where only that along sliding is, else a plane. A line contact where no trigger has
-        a gap.
+        contact where only that along sliding is, else a plane. A journal where it is bent along its
+        axis by so much, else a line contact, as where no trigger has a gap.
 
     Examples
     --------
@@ -46,8 +46,30 @@ def choose_contact(triggers: Sequence[Mapping[GapShape, GapMinimum]]) -> GapShap
     """
     choice = ContactChoice()
     for one in triggers:
-        choice.add(one[GapShape.POINT], level=has_plateau(one))
+        choice.add(*bent_gap(one), level=has_plateau(one))
     return choice.contact
+
+
+def bent_gap(minima: Mapping[GapShape, GapMinimum]) -> tuple[GapShape, GapMinimum]:
+    """The gap by whose bend the contact is chosen: that of a point contact, else of a journal.
+
+    Parameters
+    ----------
+    minima : mapping of GapShape to GapMinimum
+        With one of both.
+
+    Returns
+    -------
+    contact : GapShape
+    gap : GapMinimum
+
+    Examples
+    --------
+    >>> bent_gap({GapShape.LINE: None, GapShape.JOURNAL: None})
+    (<GapShape.JOURNAL: 'journal'>, None)
+    """
+    contact = GapShape.POINT if GapShape.POINT in minima else GapShape.JOURNAL
+    return contact, minima[contact]
 
 
 def has_plateau(minima: Mapping[GapShape, GapMinimum]) -> bool:
@@ -76,10 +98,12 @@ class ContactChoice:
 
     Attributes
     ----------
+    bent : GapShape
+        The gap of the triggers: of a journal or of a point contact.
     weight : Array
-        Sum of the weights of the curvatures along and across sliding, (direction,). [1/um2]
+        Sum of the weights of its bends, (2,). [1/um2]
     value : Array
-        Of the weighted curvatures. [1/um]
+        Of the weighted bends. [1/um]
     random_var : Array
         Of their variances by noise, with the square of the weight. [1/um2]
     surface_std : Array
@@ -90,6 +114,7 @@ class ContactChoice:
         Those with a plateau.
     """
 
+    bent: GapShape = GapShape.POINT
     weight: Array = field(default_factory=lambda: np.zeros(2))
     value: Array = field(default_factory=lambda: np.zeros(2))
     random_var: Array = field(default_factory=lambda: np.zeros(2))
@@ -97,8 +122,9 @@ class ContactChoice:
     triggers: int = 0
     level: int = 0
 
-    def add(self, gap: GapMinimum, *, level: bool = False) -> None:
-        """Add the gap of a point contact at one more trigger, and whether it has a plateau."""
+    def add(self, contact: GapShape, gap: GapMinimum, *, level: bool = False) -> None:
+        """Add the gap of `bent_gap` at one more trigger, and whether it has a plateau."""
+        self.bent = contact
         if np.isfinite(gap.bend).all():
             self.triggers += 1
             self.level += level
@@ -116,5 +142,8 @@ class ContactChoice:
         if 2 * self.level > self.triggers:
             return GapShape.PLATEAU
         variance = self.random_var + self.surface_std**2
-        along, across = np.abs(self.value) > _CURVED * np.sqrt(variance)
+        bent = np.abs(self.value) > _CURVED * np.sqrt(variance)
+        if self.bent is GapShape.JOURNAL:
+            return GapShape.JOURNAL if bent.any() else GapShape.LINE
+        along, across = bent
         return GapShape.POINT if across else GapShape.LINE if along else GapShape.PLANE

@@ -59,6 +59,9 @@ _SHAPES = {
     GapShape.PLATEAU: 5,
 }
 
+# Those of a gap of so many shapes that change across sliding alone, and along it alone.
+_ALONE = {3: (2, 2), 4: (2, 3), 5: (3, 3), 6: (4, 3)}
+
 _NO_GAP = np.full(6, math.nan)
 
 
@@ -86,7 +89,8 @@ class GapMinimum(NamedTuple):
     misfit : float
         Variance of smooth departures of the map from the gap, over that by noise and marks. [1]
     bend : Array
-        Curvature d along sliding and e across, (direction,); NaN but for a point contact. [um]
+        Of a point contact its curvatures d along sliding and e across, of a journal e and f, (2,);
+        NaN for other gaps. [um]
     bend_random_var : Array
         Their variances by the noise of the ratio. [um2]
     bend_surface_var : Array
@@ -203,7 +207,7 @@ def _fit_gap(
 
     misfit = _measure_misfit(blocks, fit, curve.calibration.thickness_range[1])
     found = GapMinimum.unknown(curve.parameters, misfit)
-    if contact is GapShape.POINT:
+    if contact in (GapShape.POINT, GapShape.JOURNAL):
         pulls = np.linalg.inv(fit.curvature)[-2:] @ fit.jacobian
         variances = np.array([_variance_parts(pull, fit, blocks) for pull in pulls])
         found = found._replace(
@@ -365,9 +369,10 @@ def _variance_parts(pull: Array, fit: BlockFit, blocks: BlockMeans) -> tuple[flo
     """
     score = pull * fit.weight * fit.residual
     random = float((score**2 * blocks.variance / fit.total_var).sum())
+    across, along = _ALONE[len(fit.amplitudes)]
     total = max(
-        float(sum_by_strips(score[None], strip)[0, 0])
-        for strip in (blocks.strip_along, blocks.strip_across)
+        float(sum_by_strips(score[None], strip, absorbed=absorbed)[0, 0])
+        for strip, absorbed in ((blocks.strip_along, across), (blocks.strip_across, along))
     )
     return random, max(total - random, 0.0)
 

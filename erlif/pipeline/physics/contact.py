@@ -15,7 +15,7 @@ from erlif.trend import GapShape, choose_contact
 _GAPS = {
     GapShape.PLANE: "a plane film with a tilt",
     GapShape.LINE: "a gap that is curved along sliding (line contact)",
-    GapShape.JOURNAL: "the gap of a pin in a bushing",
+    GapShape.JOURNAL: "a gap that is bent along the axis of the pin",
     GapShape.POINT: "a gap that is curved along and across sliding (point contact)",
     GapShape.PLATEAU: "a plateau with a constriction at its edge (elastic contact)",
 }
@@ -60,7 +60,9 @@ def note_contact(results: Sequence[TriggerResult], contact: GapShape) -> list[No
     list of Note
     """
     notes = []
-    if any(np.isfinite(gap.bend).all() for one in results for gap in one.minima.values()):
+    bent = any(np.isfinite(gap.bend).all() for one in results for gap in one.minima.values())
+    straight = contact is GapShape.LINE and any(GapShape.JOURNAL in one.minima for one in results)
+    if bent and not straight:
         text = f"the minimum of {_GAPS[contact]}, chosen by the maps of all triggers"
         notes.append(remark("film_min", text))
 

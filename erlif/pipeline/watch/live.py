@@ -22,7 +22,7 @@ from erlif.pipeline.engines.triggers import TriggerTask
 from erlif.pipeline.recording.prepare import prepare_run
 from erlif.pipeline.recording.register import FixtureMap
 from erlif.ratio import PulseSample
-from erlif.trend import GapMinimum, GapShape, has_plateau
+from erlif.trend import GapMinimum, GapShape, bent_gap, has_plateau
 
 # Every n-th row and column gives the mean light and the share of saturated pixels. [px]
 _EVERY = 4
@@ -98,14 +98,14 @@ class LiveGaps(NamedTuple):
     ----------
     films : Mapping[GapShape, tuple[float, float]]
         Minimum and its standard deviation. [um]
-    bent : GapMinimum
-        The gap of a point contact, by whose curvatures the contact of the run is chosen.
+    bent : tuple[GapShape, GapMinimum]
+        The gap by whose bend the contact of the run is chosen (`erlif.trend.bent_gap`).
     level : bool
         Whether its map has a plateau.
     """
 
     films: Mapping[GapShape, tuple[float, float]]
-    bent: GapMinimum
+    bent: tuple[GapShape, GapMinimum]
     level: bool
 
 
@@ -204,7 +204,7 @@ class LiveFilm:
             contact: (gap.minimum.value, gap.minimum.std(covariance))
             for contact, gap in result.minima.items()
         }
-        return LiveGaps(films, result.minima[GapShape.POINT], has_plateau(result.minima))
+        return LiveGaps(films, bent_gap(result.minima), has_plateau(result.minima))
 
 
 def measure_counts(

@@ -350,7 +350,7 @@ class Watch(Follower):
         if gaps is None:
             return pair
         self._gaps.append(gaps)
-        self._choice.add(gaps.bent, level=gaps.level)
+        self._choice.add(*gaps.bent, level=gaps.level)
         first = len(self._gaps) - 1
         if self._choice.contact is not self._contact:
             self._contact, self._renewed, first = self._choice.contact, self._version + 1, 0

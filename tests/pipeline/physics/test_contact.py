@@ -45,10 +45,23 @@ def test_all_triggers_have_the_minimum_of_one_gap(bend, contact, factor):
     assert (note.level, note.subject) == (Level.NOTE, "film_min")
 
 
-def test_a_pin_keeps_its_minimum():
+@pytest.mark.parametrize(
+    ("bend", "contact"), [((0.1, -0.1), "line"), ((0.5, 0.1), "journal"), ((0.1, -0.5), "journal")]
+)
+def test_a_pin_is_bent_where_its_triggers_show_it(bend, contact):
+    """Four triggers, each known to 0.1 um by noise and 0.07 um by marks that all share."""
+    shapes = GapShape.LINE, GapShape.JOURNAL
+    minima = {shape: minimum(n, bend) for n, shape in enumerate(shapes, 1)}
+    results, chosen = settle_contact([replace(make_result(0), minima=minima)] * 4, shapes)
+    assert chosen == contact
+    assert results[0].statistics.gap.minimum.value == (1.0 if contact == "line" else 2.0)
+    assert len(note_contact(results, chosen)) == (contact == "journal")
+
+
+def test_a_pin_in_a_bore_of_stated_shape_keeps_its_minimum():
     results = [make_result(0)]
-    assert settle_contact(results, [GapShape.JOURNAL]) == (results, GapShape.JOURNAL)
-    assert note_contact(results, GapShape.JOURNAL) == []
+    assert settle_contact(results, [GapShape.LINE]) == (results, GapShape.LINE)
+    assert note_contact(results, GapShape.LINE) == []
 
 
 def test_triggers_without_a_smooth_gap_are_counted():
