@@ -8,7 +8,7 @@ of the measurable range and no single pixel decides. `erlif.trend.gap` fits a pa
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -97,7 +97,8 @@ class BlockFit:
     jacobian : Array
         Derivative of the log ratio to the amplitudes, (shape, block). [1/um]
     known : Array
-        As for `fit_blocks`, (shape,). [1/um2]
+        Inverse of the variance with which each amplitude is known to be zero; 0: it is free.
+        [1/um2]
     """
 
     amplitudes: Array
@@ -115,14 +116,40 @@ class BlockFit:
         measured = (self.jacobian * (self.response / self.total_var)) @ self.jacobian.T
         return np.asarray(measured + np.diag(self.known))
 
+    def with_shapes(self, shapes: Array, std: float) -> BlockFit:
+        """Fit further shapes as well, by one step of Newton from this fit.
+
+        Parameters
+        ----------
+        shapes : array, (shape, block)
+            Small ones: the weights of the blocks are kept.
+        std : float
+            Standard deviation of their amplitudes about zero. [um]
+
+        Returns
+        -------
+        BlockFit
+        """
+        added = np.zeros(len(shapes))
+        wider = replace(
+            self,
+            amplitudes=np.concatenate([self.amplitudes, added]),
+            jacobian=np.concatenate([self.jacobian, shapes * self.jacobian[0]]),
+            known=np.concatenate([self.known, added + std**-2]),
+        )
+        pull = wider.jacobian @ (self.weight * self.residual)
+        change = np.linalg.solve(wider.curvature, pull - wider.known * wider.amplitudes)
+        moved = change @ wider.jacobian
+        return replace(
+            wider,
+            amplitudes=wider.amplitudes + change,
+            film=self.film + moved / self.jacobian[0],
+            residual=self.residual - moved,
+        )
+
 
 def fit_blocks(
-    blocks: BlockMeans,
-    curve: FilmCurve,
-    shapes: Array,
-    *,
-    base: float | Array = 0.0,
-    known: npt.ArrayLike = 0.0,
+    blocks: BlockMeans, curve: FilmCurve, shapes: Array, *, base: float | Array = 0.0
 ) -> BlockFit | None:
     """Fit the amplitudes of shapes to the log ratio of blocks.
 
@@ -131,29 +158,24 @@ def fit_blocks(
     blocks : BlockMeans
     curve : FilmCurve
     shapes : array, (shape, block)
-        Of the order of 1.
+        Of the order of 1, the first one even.
     base : float or array, (place, block)
         Film that the shapes are added to; of an array, the log ratio of a block is the mean over
         its places. [um]
-    known : array, (shape,), optional
-        Inverse of the variance with which an amplitude is known to be zero; 0: it is free. [1/um2]
 
     Returns
     -------
     BlockFit or None
-        None where the blocks do not determine the free shapes, or not a parabola along sliding and
-        a tilt across.
+        None where the blocks do not determine the shapes, or not a parabola along sliding and a
+        tilt across.
     """
-    known = np.broadcast_to(known, len(shapes))
     try:
-        return _iterate(blocks, curve, shapes, np.atleast_2d(base), known)
+        return _iterate(blocks, curve, shapes, np.atleast_2d(base))
     except np.linalg.LinAlgError:
         return None
 
 
-def _iterate(
-    blocks: BlockMeans, curve: FilmCurve, shapes: Array, base: Array, known: Array
-) -> BlockFit | None:
+def _iterate(blocks: BlockMeans, curve: FilmCurve, shapes: Array, base: Array) -> BlockFit | None:
     """Reweighted least squares; raises LinAlgError where the shapes are not independent."""
     value, noise = blocks.log_ratio, blocks.variance
     high = curve.calibration.thickness_range[1]
@@ -163,18 +185,16 @@ def _iterate(
     if not _determine_a_gap(blocks, use):
         return None
     place, _ = curve.find_bins(value)
-    free = known == 0
-    chosen = shapes[free] * use
+    chosen = shapes * use
 
     # rounding can leave the matrix of dependent shapes invertible, so that their rank decides; it
     # takes longer than a step of the fit, and the squares alone show shapes that are clearly apart
-    square = chosen @ shapes[free].T
+    square = chosen @ shapes.T
     spectrum = np.linalg.eigvalsh(square)
-    if spectrum[0] < _APART * spectrum[-1] and np.linalg.matrix_rank(chosen) < len(chosen):
+    if spectrum[0] < _APART * spectrum[-1] and np.linalg.matrix_rank(chosen) < len(shapes):
         return None
     goal = chosen @ (curve.film[place] - base.mean(axis=0))
-    amplitudes: Array = np.zeros(len(shapes))
-    amplitudes[free] = np.linalg.solve(square, goal)
+    amplitudes: Array = np.asarray(np.linalg.solve(square, goal), float)
 
     # the log ratio is bent within a block that is as wide as the film changes along it
     width = np.sqrt(np.maximum(blocks.along_squared - blocks.along**2, 0.0))
@@ -210,11 +230,11 @@ def _iterate(
         weight = trust / total_var
         jacobian = shapes * slope
         weighted = jacobian * weight
-        normal = weighted @ jacobian.T + np.diag(known)
-        change = np.linalg.solve(normal, weighted @ residual - known * amplitudes)
+        change = np.linalg.solve(weighted @ jacobian.T, weighted @ residual)
         amplitudes = amplitudes + change
         if step > _PLAIN_STEPS and np.abs(change).max() < _CONVERGED:
             break
+    known = np.zeros(len(shapes))
     return BlockFit(amplitudes, film, residual, weight, total_var, response, jacobian, known)
 
 

@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from enum import StrEnum
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -177,7 +178,16 @@ def find_gap_minimum(
     )[contact]
 
 
-def _fit_gap(
+def _block_shapes(blocks: BlockMeans) -> Array:
+    """Means of the six shapes of a gap over blocks, (shape, block)."""
+    s, z = blocks.along, blocks.across
+    cubed = 3 * z * blocks.across_squared - 2 * z**3
+    return np.stack([np.ones_like(s), s, z, blocks.along_squared, blocks.across_squared, cubed])
+
+
+def _find_minimum(
+    fit: BlockFit,
+    acts: Array,
     blocks: BlockMeans,
     missing: Array,
     curve: FilmCurve,
@@ -187,24 +197,13 @@ def _fit_gap(
     *,
     sliding_along_x: bool,
 ) -> GapMinimum:
-    """The minimum of the gap of one contact through the means of blocks.
+    """The minimum of a gap that is fitted to the means of blocks.
 
-    `missing` are the pixels without a measurable film in each block, over all of the region.
+    `acts` are the derivatives of their log ratio by the parameters of the calibration, and
+    `missing` the pixels without a measurable film in each block, over all of the region.
     """
-    s, z = blocks.along, blocks.across
-    cubed = 3 * z * blocks.across_squared - 2 * z**3  # mean over a block
-    squares = blocks.along_squared, blocks.across_squared
-    shapes = np.stack([np.ones_like(s), s, z, *squares, cubed])
-    count = _SHAPES[contact]
-    known = np.zeros(count)
-    if contact is GapShape.JOURNAL:
-        known[-2:] = _STRAIGHT**-2
+    count = len(fit.amplitudes)
     axial = region.rows if sliding_along_x else region.columns
-    base = 0.0 if bore is None else bore.in_blocks(blocks, axial)
-    fit = fit_blocks(blocks, curve, shapes[:count], base=base, known=known)
-    if fit is None:
-        return GapMinimum.unknown(curve.parameters)
-
     misfit = _measure_misfit(blocks, fit, curve.calibration.thickness_range[1])
     found = GapMinimum.unknown(curve.parameters, misfit)
     if contact in (GapShape.POINT, GapShape.JOURNAL):
@@ -217,7 +216,7 @@ def _fit_gap(
         )
 
     # minimum and mean are linear in the amplitudes; the mean is that of the pixels
-    amplitudes = np.pad(fit.amplitudes, (0, len(shapes) - count))
+    amplitudes = np.pad(fit.amplitudes, (0, len(_NO_GAP) - count))
     _, b, c, d, e, f = amplitudes
     along, across = _lowest_place(b, d), _lowest_place(c, e, f)
     least = level = 0.0
@@ -229,8 +228,6 @@ def _fit_gap(
     lowest = np.array([1.0, along, across, along**2, across**2, across**3])
     columns, rows = (_mean_square(pixels) for pixels in (region.columns, region.rows))
     means = (columns, rows) if sliding_along_x else (rows, columns)
-    column, row = _pixel_of(region, s, z, sliding_along_x=sliding_along_x)
-    acts = curve.calibration.gradient(fit.film, place=(column, row))
     by_block = -acts * (fit.response / fit.total_var)
     minimum, mean = (
         _number_of(at[:count], height, fit, blocks, by_block)
@@ -315,6 +312,24 @@ def find_gap_minima(
     nan
     """
     blocks = average_blocks(sums, sliding_along_x=sliding_along_x)
+    column, row = _pixel_of(region, blocks.along, blocks.across, sliding_along_x=sliding_along_x)
+    axial = region.rows if sliding_along_x else region.columns
+    base = 0.0 if bore is None else bore.in_blocks(blocks, axial)
+    shapes = _block_shapes(blocks)
+
+    @cache
+    def fit_gap(contact: GapShape) -> tuple[BlockFit, Array] | None:
+        """Fit of a gap, and derivatives of its log ratio by the parameters of the calibration."""
+        if contact is GapShape.JOURNAL:
+            if (straight := fit_gap(GapShape.LINE)) is None:
+                return None
+            fit, acts = straight
+            return fit.with_shapes(shapes[len(fit.amplitudes) :], _STRAIGHT), acts
+        one = fit_blocks(blocks, curve, shapes[: _SHAPES[contact]], base=base)
+        if one is None:
+            return None
+        return one, curve.calibration.gradient(one.film, place=(column, row))
+
     found: dict[GapShape, GapMinimum] = {}
     high, wide = ([min(BLOCK, size - at) for at in range(0, size, BLOCK)] for size in sums.size)
     missing = (np.outer(high, wide) - sums.measurable) / math.prod(sums.size)
@@ -322,7 +337,13 @@ def find_gap_minima(
     for contact in contacts:
         point = found.get(GapShape.POINT)
         if contact is not GapShape.PLATEAU:
-            found[contact] = _fit_gap(blocks, missing, curve, region, contact, bore, **options)
+            if (fitted := fit_gap(contact)) is None:
+                found[contact] = GapMinimum.unknown(curve.parameters)
+                continue
+            fit, acts = fitted
+            found[contact] = _find_minimum(
+                fit, acts, blocks, missing, curve, region, contact, bore, **options
+            )
         elif point is None or point.misfit > MISFIT:
             plateau = _fit_plateau(blocks, curve, region, **options)
             found[contact] = plateau if point is None or plateau.misfit < MISFIT else point
