@@ -33,6 +33,8 @@ _MANY = 4000
 _MOST_STEPS = 30
 _CONVERGED = 1e-4  # change of the gap below which the iteration ends [um]
 
+_BENT_STEPS = 5  # of a fit of further shapes
+
 # First steps, without weights of residuals: the start is too coarse to judge outliers.
 _PLAIN_STEPS = 2
 
@@ -96,9 +98,13 @@ class BlockFit:
         Derivative of weighted residual to residual, of the biweight.
     jacobian : Array
         Derivative of the log ratio to the amplitudes, (shape, block). [1/um]
+    noise : Array
+        Variance of the log ratio by noise. [1]
+    used : Mask
+        Blocks whose film is within the calibrated range.
     known : Array
-        Inverse of the variance with which each amplitude is known to be zero; 0: it is free.
-        [1/um2]
+        Inverse of the variance with which each amplitude is known to be zero; 0: it is free,
+        (shape,). [1/um2]
     """
 
     amplitudes: Array
@@ -108,6 +114,8 @@ class BlockFit:
     total_var: Array
     response: Array
     jacobian: Array
+    noise: Array
+    used: Mask
     known: Array
 
     @property
@@ -117,12 +125,12 @@ class BlockFit:
         return np.asarray(measured + np.diag(self.known))
 
     def with_shapes(self, shapes: Array, std: float) -> BlockFit:
-        """Fit further shapes as well, by one step of Newton from this fit.
+        """Fit further shapes as well, by the slopes of this fit.
 
         Parameters
         ----------
         shapes : array, (shape, block)
-            Small ones: the weights of the blocks are kept.
+            Small ones: a slope hardly changes by them.
         std : float
             Standard deviation of their amplitudes about zero. [um]
 
@@ -130,21 +138,28 @@ class BlockFit:
         -------
         BlockFit
         """
-        added = np.zeros(len(shapes))
-        wider = replace(
-            self,
-            amplitudes=np.concatenate([self.amplitudes, added]),
-            jacobian=np.concatenate([self.jacobian, shapes * self.jacobian[0]]),
-            known=np.concatenate([self.known, added + std**-2]),
-        )
-        pull = wider.jacobian @ (self.weight * self.residual)
-        change = np.linalg.solve(wider.curvature, pull - wider.known * wider.amplitudes)
-        moved = change @ wider.jacobian
+        slope, added = self.jacobian[0], np.zeros(len(shapes))
+        jacobian = np.concatenate([self.jacobian, shapes * slope])
+        known = np.concatenate([self.known, added + std**-2])
+        trust, total_var = self.used.astype(float), self.total_var
+        for _ in range(_BENT_STEPS):
+            weighted = jacobian * (trust / total_var)
+            change = np.linalg.solve(
+                weighted @ jacobian.T + np.diag(known), weighted @ self.residual
+            )
+            residual = self.residual - change @ jacobian
+            square, total_var = _judge(residual, slope, self.noise, self.used)
+            trust = square**2
         return replace(
-            wider,
-            amplitudes=wider.amplitudes + change,
-            film=self.film + moved / self.jacobian[0],
-            residual=self.residual - moved,
+            self,
+            amplitudes=np.concatenate([self.amplitudes, added]) + change,
+            film=self.film + change @ jacobian / slope,
+            residual=residual,
+            weight=trust / total_var,
+            total_var=total_var,
+            response=square * (5 * square - 4),
+            jacobian=jacobian,
+            known=known,
         )
 
 
@@ -202,8 +217,7 @@ def _iterate(blocks: BlockMeans, curve: FilmCurve, shapes: Array, base: Array) -
     rates = width * np.stack([np.ones_like(width), 2 * blocks.along])
 
     trust = use.astype(float)
-    response = trust
-    surface = 0.0  # variance of the film about a smooth gap beyond that of the noise [um2]
+    response, total_var = trust, noise
     for step in range(_MOST_STEPS):
         middle = base + amplitudes @ shapes
         spread = (parabola @ middle.mean(axis=0)) @ rates
@@ -217,16 +231,12 @@ def _iterate(blocks: BlockMeans, curve: FilmCurve, shapes: Array, base: Array) -
             use = film < high
             if not _determine_a_gap(blocks, use):
                 return None
-            surface = _excess_variance(residual[use] / slope[use], noise[use] / slope[use] ** 2)
-
-            # biweight (Beaton and Tukey 1974) against scratches, dust and bubbles
-            square = np.clip(1 - (residual / _CLIP) ** 2 / (noise + slope**2 * surface), 0, None)
-            trust = np.where(use, square**2, 0.0)
+            square, total_var = _judge(residual, slope, noise, use)
+            trust = square**2
             if not _determine_a_gap(blocks, square > _DECISIVE):
                 return None
-            response = np.where(use, square * (5 * square - 4), 0.0)
+            response = square * (5 * square - 4)
 
-        total_var = noise + slope**2 * surface
         weight = trust / total_var
         jacobian = shapes * slope
         weighted = jacobian * weight
@@ -234,8 +244,22 @@ def _iterate(blocks: BlockMeans, curve: FilmCurve, shapes: Array, base: Array) -
         amplitudes = amplitudes + change
         if step > _PLAIN_STEPS and np.abs(change).max() < _CONVERGED:
             break
-    known = np.zeros(len(shapes))
-    return BlockFit(amplitudes, film, residual, weight, total_var, response, jacobian, known)
+    free = np.zeros(len(shapes))
+    return BlockFit(
+        amplitudes, film, residual, weight, total_var, response, jacobian, noise, use, free
+    )
+
+
+def _judge(residual: Array, slope: Array, noise: Array, use: Mask) -> tuple[Array, Array]:
+    """Biweight of blocks before squaring, and variance of their log ratio by noise and surfaces.
+
+    The biweight (Beaton and Tukey 1974) is against scratches, dust and bubbles; 0 where a block is
+    not used.
+    """
+    surface = _excess_variance(residual[use] / slope[use], noise[use] / slope[use] ** 2)
+    total_var = noise + slope**2 * surface
+    square = np.clip(1 - (residual / _CLIP) ** 2 / total_var, 0, None)
+    return np.where(use, square, 0.0), total_var
 
 
 def _determine_a_gap(blocks: BlockMeans, use: Mask) -> bool:
