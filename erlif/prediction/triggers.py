@@ -34,8 +34,8 @@ CELLS = (256, 8)
 # a free pin, within 1 % of its largest. Where cavities form, theirs jump with the cells.
 _FEWER_CELLS = (96, 4)
 
-# Pressure times pressure viscosity up to which a film is that of a constant viscosity, within 0.1 %
-# (docs/prediction.md).
+# Pressure times pressure viscosity up to which a film is that of a constant viscosity, within
+# 0.15 %, less than what the cells make (docs/prediction.md).
 _CONSTANT_VISCOSITY = 0.005
 
 _MICRO = 1e6
