@@ -248,9 +248,8 @@ def _share_marks(covariances: Array, seen: Array) -> Array:
 
     # a few sources hold nearly all of it
     rows = shares[known].reshape(-1, _PLACES)
-    _, size, axes = np.linalg.svd(rows, full_matrices=False)
-    kept = axes[size**2 > _NEGLIGIBLE_MARKS * np.sum(size**2)]
-    return np.asarray(shares @ kept.T)
+    size, axes = np.linalg.eigh(rows.T @ rows)
+    return np.asarray(shares @ axes[:, size > _NEGLIGIBLE_MARKS * np.sum(size)])
 
 
 def _roots(covariances: Array) -> Array:

@@ -30,6 +30,7 @@ def find_start_film(
     measured_std: Array,
     *,
     clearance: float,
+    rough: Callable[[float], Array] | None = None,
 ) -> float:
     """Find the start film of the least squares.
 
@@ -41,6 +42,8 @@ def find_start_film(
         Measured minimum film and its standard deviation; NaN where there is none. [m]
     clearance : float
         Radial clearance of the joint. [m]
+    rough : callable, optional
+        As `predict`, less exact and quicker: the search begins with it.
 
     Returns
     -------
@@ -73,27 +76,29 @@ def find_start_film(
     film, weight = np.log(measured[known]), weight[known]
     low, high = np.log(_THINNEST), np.log(_THICKEST * clearance)
 
-    def miss(logarithm: float) -> Array:
-        return film - np.log(predict(float(np.exp(logarithm)))[known])
+    def miss(follow: Callable[[float], Array], logarithm: float) -> Array:
+        return film - np.log(follow(float(np.exp(logarithm)))[known])
 
     # the first film is the natural start; films scale with it unless something else carries them
     place = float(np.clip(film[0], low, high))
-    off = miss(place)
-    cost, slope, largest = float(weight @ off**2), np.ones_like(off), _LARGEST_STEP
-    for _ in range(1, MOST_TRIALS):
-        curvature = float(weight @ slope**2)
-        if curvature < INSENSITIVE**2 * float(weight.sum()):
-            break
-        step = float(np.clip(weight @ (slope * off) / curvature, -largest, largest))
-        step = float(np.clip(place + step, low, high)) - place
-        if abs(step) < CONVERGED:
-            break
+    slope = np.ones_like(film)
+    for follow in (predict,) if rough is None else (rough, predict):
+        off = miss(follow, place)
+        cost, largest = float(weight @ off**2), _LARGEST_STEP
+        for _ in range(1, MOST_TRIALS):
+            curvature = float(weight @ slope**2)
+            if curvature < INSENSITIVE**2 * float(weight.sum()):
+                break
+            step = float(np.clip(weight @ (slope * off) / curvature, -largest, largest))
+            step = float(np.clip(place + step, low, high)) - place
+            if abs(step) < CONVERGED:
+                break
 
-        # the change of the films along a step is the slope of the next one, also where it misled
-        there = miss(place + step)
-        slope, largest = (off - there) / step, abs(step) / 2
-        if (reached := float(weight @ there**2)) < cost:
-            place, off, cost, largest = place + step, there, reached, _LARGEST_STEP
+            # the change of the films along a step is the slope of the next, also where it misled
+            there = miss(follow, place + step)
+            slope, largest = (off - there) / step, abs(step) / 2
+            if (reached := float(weight @ there**2)) < cost:
+                place, off, cost, largest = place + step, there, reached, _LARGEST_STEP
     return float(np.exp(place))
 
 

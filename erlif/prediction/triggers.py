@@ -7,30 +7,40 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cache, partial
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
 from erlif.core.arrays import Array
+from erlif.core.described import describe_by
 from erlif.core.errors import ModelError
 from erlif.core.variables import FILM, FRAMES
 from erlif.models.reynolds import Journal, solve_journal
+from erlif.models.reynolds.balance import THINNEST_FILM
+from erlif.models.reynolds.full_film import follow_full_film
+from erlif.models.reynolds.transient import UNITS
 from erlif.prediction.band import find_band
 from erlif.prediction.given import GivenErrors
 from erlif.prediction.motion import FrameMotion
-from erlif.prediction.orbits import peak_yield
+from erlif.prediction.orbits import FreeOrbits, peak_yield
 from erlif.prediction.start import find_start_film, log_weights
 
 # Cells round the joint and along half of its length; the film of half as many is within 0.7 %.
 CELLS = (256, 8)
 
-# The same for the standard deviation of the film of a free pin, within 1 % of its largest. Where
-# cavities form, theirs jump with the cells.
-_BAND_CELLS = (96, 4)
+# The same where the search of the start film begins, and for the standard deviation of the film of
+# a free pin, within 1 % of its largest. Where cavities form, theirs jump with the cells.
+_FEWER_CELLS = (96, 4)
+
+# Pressure times pressure viscosity up to which a film is that of a constant viscosity, within
+# 0.15 %, less than what the cells make (docs/prediction.md).
+_CONSTANT_VISCOSITY = 0.005
 
 _MICRO = 1e6
+
+_Cells: TypeAlias = tuple[int, int] | None
 
 
 def predict_frames(
@@ -39,7 +49,7 @@ def predict_frames(
     *,
     start_film: float,
     sideways: str | float = "free",
-    cells: tuple[int, int] = CELLS,
+    cells: _Cells = CELLS,
 ) -> xr.Dataset:
     """Predict the position of the pin at every frame.
 
@@ -55,9 +65,9 @@ def predict_frames(
         Minimum film thickness at the first frame. [m]
     sideways : str or float
         "free", "guided", or a stiffness. [N/m]
-    cells : (int, int)
+    cells : (int, int), optional
         Cells round the joint, and along half of its length; a long one has one along, one with an
-        axial shape twice as many.
+        axial shape twice as many. None follows a free pin in a full film, which has no cells.
 
     Returns
     -------
@@ -84,10 +94,16 @@ def predict_frames(
     """
     eccentric = journal.least_clearance - start_film
     toward = motion.motion.angle[0] / 2 if sideways == "free" else 0.0
+    start = eccentric * np.cos(toward), eccentric * np.sin(toward)
+    joint = replace(journal, viscosity=motion.viscosity)
+    if cells is None:
+        orbit = follow_full_film(joint, motion.motion, start=np.array([start]))[0, motion.steps]
+        load, side = (("frame", column) for column in orbit.T)
+        return describe_by(UNITS, {"displacement_load": load, "displacement_side": side})
     solved = solve_journal(
-        replace(journal, viscosity=motion.viscosity),
+        joint,
         motion.motion,
-        start=(eccentric * np.cos(toward), eccentric * np.sin(toward)),
+        start=start,
         sideways=sideways,
         cells=(cells[0], 1 if journal.long else cells[1] * (1 + (journal.axial_shape is not None))),
     )
@@ -183,7 +199,7 @@ def predict_triggers(
     given : GivenErrors, optional
         Of viscosity, load and clearance. Default: no standard deviation is predicted.
     cells : (int, int)
-        As for `predict_frames`.
+        As for `predict_frames`, where the film is not full.
 
     Returns
     -------
@@ -214,7 +230,7 @@ def predict_triggers(
     @cache
     def positions(
         start: float,
-        cells: tuple[int, int] = cells,
+        grid: _Cells,
         viscosity: float = 1.0,
         load: float = 1.0,
         clearance: float = 1.0,
@@ -222,32 +238,45 @@ def predict_triggers(
         path = replace(motion.motion, load=load * motion.motion.load)
         moved = replace(motion, motion=path, viscosity=viscosity * motion.viscosity)
         joint = journal.with_clearance(clearance)
-        frames = predict_frames(joint, moved, start_film=start, sideways=sideways, cells=cells)
+        frames = predict_frames(joint, moved, start_film=start, sideways=sideways, cells=grid)
         return average_triggers(frames, trigger, used=used), frames
 
-    def minima(start: float, cells: tuple[int, int] = cells, **times: float) -> Array:
+    def minima(start: float, grid: _Cells, **times: float) -> Array:
         joint = journal.with_clearance(times.get("clearance", 1.0))
-        both = positions(start, cells, **times)
+        both = positions(start, grid, **times)
         return np.concatenate([_summarise_positions(one, joint, view)[0] for one in both])
 
     fitted = start_film is None
     if fitted and sideways != "free" and motion.lead is not None:
         motion = motion.with_lead()
+    free = sideways == "free" and journal.foundation is None and journal.axial_shape is None
+    rough: _Cells = None if free else _FEWER_CELLS
+    best: _Cells = cells
+
+    def search(grid: _Cells) -> float:
+        """The start film of the least squares, from that of the rough film."""
+        follow, begin = (
+            lambda start, used=used: minima(start, used)[: measured.size] for used in (grid, rough)
+        )
+        clearance = journal.least_clearance
+        return find_start_film(follow, measured, std, clearance=clearance, rough=begin)
+
+    # a free pin is followed without cells where its film is full
     weight = None
     if start_film is None:
         measured, std = film["film_min"].values / _MICRO, film["film_min_std"].values / _MICRO
-
-        def of_triggers(start: float) -> Array:
-            return minima(start)[: measured.size]
-
-        start_film = find_start_film(of_triggers, measured, std, clearance=journal.least_clearance)
         weight = np.append(log_weights(measured, std), np.zeros(len(trigger)))
-    triggers, frames = positions(start_film, cells)  # as `minima` calls it: it is kept
+        start_film = search(rough if free else cells)
+    if free and _is_full(journal, motion, start_film):
+        best = None
+    elif free and fitted:
+        start_film = search(cells)
+    triggers, frames = positions(start_film, best)  # as `minima` calls it: it is kept
     predicted = _describe_positions(triggers, journal, view, "trigger")
     each = _describe_positions(frames, journal, view, "frame")
     if given is not None:
         full, own = sideways == "free", journal.clearance
-        follow = partial(minima, cells=_BAND_CELLS if full else cells)
+        follow = partial(minima, grid=_FEWER_CELLS if full and best else best)
         band = _MICRO * find_band(
             follow, start_film, given, clearance=own, full=full, weight=weight
         )
@@ -268,6 +297,22 @@ def predict_triggers(
             frames.deflection.max()
         )
     return predicted
+
+
+def _is_full(journal: Journal, motion: FrameMotion, start_film: float) -> bool:
+    """Whether the film of a free pin neither ruptures nor thickens under its pressure."""
+    orbits = FreeOrbits(replace(journal, viscosity=motion.viscosity), motion.motion)
+    start = {"start_film": np.log(start_film), "start_attitude": motion.motion.angle[0] / 2}
+    alone = {name: np.array([value]) for name, value in {"fluidity": 1.0, **start}.items()}
+    (orbit,) = orbits.follow(alone)
+    film = journal.clearance - (far := np.hypot(*orbit.T))
+    if film.min() < THINNEST_FILM or orbits.lowest_pressure(orbit) < journal.cavitation_pressure:
+        return False
+
+    # highest pressure of a long film between circles
+    mean = motion.motion.load / (np.pi * journal.radius * journal.length)
+    highest = float((mean * np.sqrt(2 * far / film)).max())
+    return journal.pressure_viscosity * highest <= _CONSTANT_VISCOSITY
 
 
 def _summarise_positions(

@@ -28,6 +28,25 @@ def test_the_start_film_of_exact_films_is_found(start):
     assert len(trials) <= 8
 
 
+def test_a_search_from_a_rough_film_needs_few_exact_ones():
+    """The rough film is 3 % off, and falls by another law."""
+    trials = []
+
+    def predict(film):
+        trials.append(film)
+        return sinking(film)
+
+    def rough(start):
+        return 1.03 * sinking(start) * (1 + 0.002 * AGE)
+
+    for begin, most in ((None, 8), (rough, 3)):
+        trials.clear()
+        measured, std = sinking(5e-6), np.full(12, 1e-8)
+        found = find_start_film(predict, measured, std, clearance=CLEARANCE, rough=begin)
+        assert found == pytest.approx(5e-6, rel=2e-3)
+        assert len(trials) <= most
+
+
 def test_noise_of_the_films_averages_out():
     """Twelve films with 1 % of noise: about 0.01 / sqrt(12), more as later films forget it."""
     rng, starts = np.random.default_rng(5), []

@@ -5,6 +5,8 @@ The orbit, with K = 12 pi eta L R^3 / c^2, is an ordinary differential equation:
 de/dt = W cos phi (1 - e^2)^1.5 / K.
 """
 
+from dataclasses import replace
+
 import numpy as np
 import numpy.testing as npt
 import pytest
@@ -77,8 +79,8 @@ def test_the_free_pin_follows_the_orbit(start_film):
         xr.Dataset(), LONG, moved, trigger=np.arange(25), view=VIEW, start_film=start_film
     )
     film = 230 * (1 - found.eccentricity.values)
-    npt.assert_allclose(film, 230 * (1 - eccentricity), rtol=3e-3)
-    npt.assert_allclose(found.attitude, attitude, atol=0.1)
+    npt.assert_allclose(film, 230 * (1 - eccentricity), rtol=1e-4)
+    npt.assert_allclose(found.attitude, attitude, atol=0.01)
     npt.assert_allclose(found.film_predicted_min, film, rtol=1e-9)
 
 
@@ -90,10 +92,10 @@ def test_frames_of_several_cycles_stand_for_themselves_and_are_averaged():
         xr.Dataset(), LONG, moved, trigger=trigger, view=VIEW, start_film=20e-6
     )
     film = 230 * (1 - eccentricity)
-    npt.assert_allclose(found.film_predicted_min_frame, film, rtol=5e-3)
+    npt.assert_allclose(found.film_predicted_min_frame, film, rtol=1e-4)
     npt.assert_allclose(found.elapsed_cycles, np.arange(30) / 10, atol=1e-12)
     mean = film.reshape(3, 10).mean(axis=0)
-    npt.assert_allclose(found.film_predicted_min, mean, rtol=5e-3)
+    npt.assert_allclose(found.film_predicted_min, mean, rtol=1e-4)
 
 
 def test_frames_that_were_left_out_do_not_count():
@@ -112,6 +114,23 @@ def test_the_start_film_is_found_from_noisy_minima():
     attrs = found.film_predicted_min.attrs
     assert attrs["start_film_fitted"] == 1
     assert attrs["start_film"] == pytest.approx(12.0, abs=0.05)
+
+
+@pytest.mark.parametrize(
+    "limit", [{"pressure_viscosity": 2e-7}, {"cavitation_pressure": 0.0}, {"foundation": 1e13}]
+)
+def test_a_film_that_is_not_full_is_solved_in_cells(limit):
+    """The oil thickens under its pressure, air enters, or the wall yields."""
+    moved, _ = motion()
+    given = {"trigger": np.arange(25), "view": VIEW, "start_film": 12e-6, "cells": (64, 1)}
+    plain, other = (
+        predict_triggers(xr.Dataset(), joint, moved, **given)
+        for joint in (LONG, replace(LONG, **limit))
+    )
+    for found, joint, cells in ((plain, LONG, None), (other, replace(LONG, **limit), (64, 1))):
+        frames = predict_frames(joint, moved, start_film=12e-6, cells=cells)
+        far = np.hypot(frames.displacement_load, frames.displacement_side)
+        npt.assert_allclose(found.eccentricity, far / 230e-6, rtol=1e-9)
 
 
 def test_the_lead_of_a_held_pin_is_the_turn_before_its_first_frame():

@@ -33,6 +33,17 @@ def _velocity(x, y, turn, force, case, table, width, thinnest):  # type: ignore[
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
+def _between(drive, k, at):  # type: ignore[no-untyped-def]
+    """The drive within step k, from 0 at its start to 2 at its end, by a parabola."""
+    a, b, c = drive[2 * k], drive[2 * k + 1], drive[2 * k + 2]
+    bend = 0.5 * at * (at - 1)
+    return (
+        a[0] + at * (b[0] - a[0]) + bend * (a[0] - 2 * b[0] + c[0]),
+        a[1] + at * (b[1] - a[1]) + bend * (a[1] - 2 * b[1] + c[1]),
+    )
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
 def march(  # type: ignore[no-untyped-def]
     time,
     turns,
@@ -41,6 +52,7 @@ def march(  # type: ignore[no-untyped-def]
     table,
     width,
     thinnest,
+    fall,
     orbit,
     slope,
 ):
@@ -61,6 +73,8 @@ def march(  # type: ignore[no-untyped-def]
         Width of an interval of the table.
     thinnest : float
         Film over the clearance at the end of the table.
+    fall : float
+        Largest movement in one part of a step, over the film.
     orbit, slope : array, (case, step, 2)
         Displacements over the clearance in the half-angle frame, the first ones given, and their
         velocities.
@@ -71,19 +85,32 @@ def march(  # type: ignore[no-untyped-def]
         u1, v1 = _velocity(x, y, turns[0], forces[0], case, table, width, thinnest)
         slope[n, 0, 0], slope[n, 0, 1] = u1, v1
         for k in range(time.size - 1):
-            dt = time[k + 1] - time[k]
-            turn, force = turns[2 * k + 1], forces[2 * k + 1]
-            half = 0.5 * dt
-            u2, v2 = _velocity(
-                x + half * u1, y + half * v1, turn, force, case, table, width, thinnest
-            )
-            u3, v3 = _velocity(
-                x + half * u2, y + half * v2, turn, force, case, table, width, thinnest
-            )
-            turn, force = turns[2 * k + 2], forces[2 * k + 2]
-            u4, v4 = _velocity(x + dt * u3, y + dt * v3, turn, force, case, table, width, thinnest)
-            x += dt / 6 * (u1 + 2 * u2 + 2 * u3 + u4)
-            y += dt / 6 * (v1 + 2 * v2 + 2 * v3 + v4)
-            u1, v1 = _velocity(x, y, turn, force, case, table, width, thinnest)
+            # a film that falls quickly is followed in parts of the step
+            film, dt = max(1 - np.hypot(x, y), thinnest), time[k + 1] - time[k]
+            parts = 1 + int(dt * np.hypot(u1, v1) / (fall * film))
+            dt /= parts
+            for part in range(parts):
+                at = 2 * part / parts
+                turn, force = (
+                    _between(turns, k, at + 1 / parts),
+                    _between(forces, k, at + 1 / parts),
+                )
+                half = 0.5 * dt
+                u2, v2 = _velocity(
+                    x + half * u1, y + half * v1, turn, force, case, table, width, thinnest
+                )
+                u3, v3 = _velocity(
+                    x + half * u2, y + half * v2, turn, force, case, table, width, thinnest
+                )
+                turn, force = (
+                    _between(turns, k, at + 2 / parts),
+                    _between(forces, k, at + 2 / parts),
+                )
+                u4, v4 = _velocity(
+                    x + dt * u3, y + dt * v3, turn, force, case, table, width, thinnest
+                )
+                x += dt / 6 * (u1 + 2 * u2 + 2 * u3 + u4)
+                y += dt / 6 * (v1 + 2 * v2 + 2 * v3 + v4)
+                u1, v1 = _velocity(x, y, turn, force, case, table, width, thinnest)
             orbit[n, k + 1, 0], orbit[n, k + 1, 1] = x, y
             slope[n, k + 1, 0], slope[n, k + 1, 1] = u1, v1

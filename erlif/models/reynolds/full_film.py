@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 
 _RESOLUTION = 5e-4  # error of angle and load between the steps of the orbit, relative to their size
 _LONGEST_STEP = 8  # steps of the motion in one of the orbit
+LARGEST_FALL = 0.25  # share of the film by which the pin moves in a step without parts
 
 
 @dataclass(frozen=True)
@@ -186,19 +187,26 @@ def follow_full_film(
         raise ModelError(
             f"start lies outside the clearance of {clearance * 1e6:.4g} um, or leaves no film."
         )
-    (time, turns, applied), half = _drive_of(motion), 0.5 * motion.angle
+    half = 0.5 * motion.angle
     flow = np.broadcast_to(fluidity, len(place)) / (film.unit * clearance)
     spring = np.broadcast_to(stiffness, len(place)) * clearance
     unloaded = np.broadcast_to(rest, len(place)) / clearance
-
-    # into the frame that turns with half the bushing
-    orbit = np.empty((len(place), time.size, 2))
-    slope = np.empty_like(orbit)
-    orbit[:, 0] = turn_vectors(place, -half[0])
     cases = np.stack([flow, spring, unloaded], axis=1)
     table = np.ascontiguousarray(film.table.c)
     width = float(film.table.x[1])
-    compiled_orbit.march(time, turns, applied, cases, table, width, THINNEST, orbit, slope)
+
+    # in the frame that turns with half the bushing; a film that falls quickly at every step
+    for stride in (_stride(motion), 1):
+        time, turns, applied = _drive_of(motion, stride)
+        orbit = np.empty((len(place), time.size, 2))
+        slope = np.empty_like(orbit)
+        orbit[:, 0] = turn_vectors(place, -half[0])
+        compiled_orbit.march(
+            time, turns, applied, cases, table, width, THINNEST, LARGEST_FALL, orbit, slope
+        )
+        moved = np.hypot(*slope[:, :-1].T).T * np.diff(time)
+        if (moved <= LARGEST_FALL * (1 - np.hypot(*orbit[:, :-1].T).T)).all():
+            break
 
     # back to the laboratory at every step of the motion
     if time.size < motion.time.size:
@@ -207,13 +215,12 @@ def follow_full_film(
 
 
 @lru_cache(maxsize=4)  # the orbits of a fit have one motion
-def _drive_of(motion: Motion) -> tuple[Array, Array, Array]:
+def _drive_of(motion: Motion, stride: int) -> tuple[Array, Array, Array]:
     """Times of the steps of an orbit; at them and in their middle, cosine and sine of half the
     bushing angle, and forces.
     """
     from scipy.interpolate import CubicSpline
 
-    stride = _stride(motion)
     steps = np.unique(np.append(np.arange(0, motion.time.size, stride), motion.time.size - 1))
     time, half = motion.time[steps], 0.5 * motion.angle
 
@@ -228,6 +235,7 @@ def _drive_of(motion: Motion) -> tuple[Array, Array, Array]:
     return time, np.stack([np.cos(turned), np.sin(turned)], axis=1), forces
 
 
+@lru_cache(maxsize=4)
 def _stride(motion: Motion) -> int:
     """Number of motion steps per step of the orbit that still resolves rotation and load."""
     from scipy.interpolate import CubicSpline

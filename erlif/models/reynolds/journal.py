@@ -101,7 +101,7 @@ class Journal:
         return self.clearance + float(np.min(0.0 if self.axial_shape is None else self.axial_shape))
 
     def with_clearance(self, more: float) -> "Journal":
-        """Return the same pin in a bushing with another radial clearance.
+        """Return the joint with another radial clearance and the same radius of its film.
 
         Parameters
         ----------
@@ -112,7 +112,9 @@ class Journal:
         -------
         Journal
         """
-        return replace(self, bushing_radius=self.pin_radius + more * self.clearance)
+        half = 0.5 * more * self.clearance
+        middle = float(np.hypot(self.radius, half))
+        return replace(self, pin_radius=middle - half, bushing_radius=middle + half)
 
     def clearance_at(self, axial: Array) -> Array:
         """Radial clearance at places along the axis. [m]

@@ -41,7 +41,8 @@ def tabulate_squeeze(journal: Journal) -> tuple[CubicSpline, CubicSpline]:
         the depths of the lowest pressures, in eta R^2/c^3 times the velocity, with the least
         clearance c; over -log(film/c).
     """
-    slenderness = None if journal.long else journal.length / journal.radius
+    # without the rounding of the radius by which another clearance would have tables of its own
+    slenderness = None if journal.long else round(journal.length / journal.radius, 9)
     rough = (journal.roughness or 0.0) / journal.least_clearance
     if journal.axial_shape is None:
         return _tabulate(slenderness, None, rough)

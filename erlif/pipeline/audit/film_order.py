@@ -115,10 +115,11 @@ def speed_terms(drive: Array) -> Array:
 
 def _delayed(drive: Array, memory: float) -> Array:
     """Terms of a film that is correlated over `memory` frames, and the decay of its start."""
-    from scipy.signal import lfilter  # slow to load
+    from scipy.linalg import solve_banded  # lfilter loads scipy.stats
 
     kept = math.exp(-1 / memory)
-    late = lfilter([1 - kept], [1, -kept], speed_terms(drive), axis=0)
+    before = np.full((2, drive.size), [[1.0], [-kept]])
+    late = solve_banded((1, 0), before, (1 - kept) * speed_terms(drive))
     return np.column_stack([late, kept ** np.arange(drive.size)])
 
 

@@ -82,13 +82,14 @@ def describe_exponents(
         random = np.array([one.random_std for one in films])
         # marks of the surfaces are the same at every trigger; the mean film includes them as
         # they are
-        gradient = [[*one.gradient, one.surface_std] for one in films]
+        marks = [one.surface_std for one in films]
+        gradient = np.column_stack([np.array([one.gradient for one in films]), marks])
         exponent = fit_exponent(
             values,
             random,
             speed=speed,
             load=load,
-            gradient=np.array(gradient),
+            gradient=gradient,
             covariance=shared,
         )
         alone: dict[str, float] = {}
