@@ -96,7 +96,9 @@ FILM_ATTRIBUTES = (
         "the film of an oscillating joint is predicted and positions of its pin are measured",
     ),
     Attribute("largest_error", "The largest error of the mean film, and what would lower it."),
-    Attribute("contact", "The smooth gap whose minimum film_min is: plane, line, journal, point or plateau."),
+    Attribute(
+        "contact", "The smooth gap whose minimum film_min is: plane, line, journal, point, plateau."
+    ),
     Attribute(
         "smoothing", "Resolution of the smoothed ratio behind the maps. [px]", "smoothing is set"
     ),
