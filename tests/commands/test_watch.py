@@ -75,7 +75,8 @@ def test_an_alarm_gives_the_exit_status_and_runs_the_command(recording, run_watc
 @pytest.mark.usefixtures("maps_alone")
 def test_frames_that_are_lost_or_cannot_be_read_are_left_out(recording, run_watch, command):
     run = recording(faults=[Fault("camera2-loses", 2)])
-    while not (broken := run / "camera2" / "frame_0003.tif").exists():
+    broken, following = (run / "camera2" / f"frame_{n:04d}.tif" for n in (3, 4))
+    while not following.exists():  # then the one before is whole
         time.sleep(0.005)
     broken.write_bytes(broken.read_bytes()[:5000])
     result = run_watch(run, "--quiet", "1.5 s", "--workers", "1")
