@@ -369,12 +369,13 @@ def _fit_plateau(
     return flat._replace(minimum=found.minimum, central=found.central, place=place)
 
 
-def _lowest_place(*amplitudes: float) -> float:
-    """Position of the minimum of a x + b x^2 + ... from -1 to 1."""
-    height = np.polynomial.Polynomial([0.0, *amplitudes])
-    turns = [turn.real for turn in height.deriv().roots() if turn.imag == 0]
-    places = np.clip([-1.0, 1.0, *turns], -1, 1)
-    return float(places[np.argmin(height(places))])
+def _lowest_place(slope: float, bend: float, twist: float = 0.0) -> float:
+    """Position of the minimum of slope x + bend x^2 + twist x^3 from -1 to 1."""
+    places = [-1.0, 1.0]
+    divisor = bend + math.sqrt(max(bend**2 - 3 * twist * slope, 0.0))
+    if divisor > 0:  # where it turns upwards
+        places.append(min(max(-slope / divisor, -1.0), 1.0))
+    return min(places, key=lambda x: x * (slope + x * (bend + x * twist)))
 
 
 def _mean_square(pixels: slice) -> float:
