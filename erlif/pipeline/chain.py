@@ -16,7 +16,7 @@ from typing import Any
 import cv2
 import numpy as np
 
-from erlif.core.arrays import AnyArray, Array
+from erlif.core.arrays import AnyArray, Array, Image
 from erlif.core.pickling import PickledByFields
 from erlif.core.products import AlignedFrames, CorrectedFrames, RatioImages, References
 from erlif.correction import CameraTables, NoiseTables, PairLight, UnlitPixels, gather_light
@@ -156,6 +156,8 @@ class FrameChain(PickledByFields):
     ratio_change : Array | None
         Change of the logarithm of the ratio by what is not film, (frame,), which is taken out; None
         where nothing is. [1]
+    pattern : Image | None
+        What stands still, (y, x), and is taken out of the logarithm of the ratio. [1]
     """
 
     correct: FrameCorrection
@@ -163,6 +165,7 @@ class FrameChain(PickledByFields):
     blur: BlurDifference = field(default_factory=BlurDifference)
     no_film_below: float = 0.25
     ratio_change: Array | None = None
+    pattern: Image | None = None
 
     @property
     def pairs(self) -> FramePairs:
@@ -240,10 +243,9 @@ class FrameChain(PickledByFields):
     def divide(self, aligned: AlignedFrames) -> RatioImages:
         """The ratio images of aligned frame pairs."""
         ratios = compute_ratio(aligned, no_film_below=self.no_film_below, blur=self.blur)
-        if self.ratio_change is not None:
-            # in single precision, as `_divide` does it for plain arrays
-            for n, frame in enumerate(ratios.frame.values):
-                ratios.log_ratio.values[n] -= np.float32(self._change(int(frame)))
+        # in single precision, as `_divide` does it for plain arrays
+        for n, frame in enumerate(ratios.frame.values):
+            self._take_out(ratios.log_ratio.values[n], self._change(int(frame)))
         return ratios
 
     def measure(self, frame: int | PairCounts, *, with_fixed: bool = True) -> PairRatio:
@@ -306,9 +308,15 @@ class FrameChain(PickledByFields):
             warped=buffers.warped,
             out=buffers.ratio,
         )
-        if change:
-            ratio.log_ratio[:] -= np.float32(change)
+        self._take_out(ratio.log_ratio, change)
         return ratio
+
+    def _take_out(self, log_ratio: Image, change: float) -> None:
+        """Subtract a change of a frame, and the pattern, from the logarithm of its ratio."""
+        if change:
+            log_ratio -= np.float32(change)
+        if self.pattern is not None:
+            log_ratio -= self.pattern
 
     def _change(self, frame: int) -> float:
         """Change of the logarithm of the ratio that is taken out of a frame. [1]"""

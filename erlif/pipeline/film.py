@@ -62,7 +62,7 @@ from erlif.pipeline.recording.prepare import PreparedRun
 from erlif.pipeline.recording.pulses import check_pulses, read_energies
 from erlif.ratio import BlurDifference
 from erlif.registration import CameraMap, move_map
-from erlif.trend import GapShape
+from erlif.trend import GapShape, Texture
 
 _logger = logging.getLogger(__name__)
 
@@ -88,6 +88,8 @@ class FilmDraft:
     frames : xarray.Dataset
         What belongs to single frames besides log and drift.
     notes : tuple[Note, ...]
+    texture : Texture | None
+        What stands still in the image.
     """
 
     ready: PreparedRun
@@ -96,6 +98,7 @@ class FilmDraft:
     film: xr.Dataset
     frames: xr.Dataset
     notes: tuple[Note, ...]
+    texture: Texture | None = None
 
     @property
     def frame_results(self) -> list[FrameResult]:
@@ -189,6 +192,8 @@ def with_light(draft: FilmDraft, maps: MapStore) -> FilmDraft:
     film = draft.film.assign(describe_statistics(results, curve))
     positions = [one.position for one in results]
     film = film.assign(describe_positions(positions, curve, ready.plane.view)).assign(light)
+    if ready.chain.pattern is not None:
+        film = film.assign(ratio_pattern=FILM["ratio_pattern"].fill(ready.chain.pattern))
     largest = name_largest_error(film, run.settings, ready.curve, curve)
     film = film.assign_attrs(
         largest_error=largest,
@@ -200,7 +205,7 @@ def with_light(draft: FilmDraft, maps: MapStore) -> FilmDraft:
         ordered = sorted(draft.frame_results, key=lambda one: one.frame)
         audited = audit_run(Evidence(run, ready.cycle, ordered, ready.faults, darks))
     draft = replace(draft, notes=(*audited, *draft.notes))
-    return draft.adding(film, *notes, results=results, curve=curve)
+    return draft.adding(film, *notes, results=results, curve=curve, texture=findings.texture)
 
 
 def with_theory(draft: FilmDraft) -> FilmDraft:

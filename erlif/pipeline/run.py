@@ -178,7 +178,7 @@ def process_run(
             release_memory()
             wait([tables])  # what they lack is made, or refused, where the theory asks for it
             film, groups = with_record(with_theory(draft), hashes)
-            widen_maps(unfinished.maps, len(results), draft.curve)
+            widen_maps(unfinished.maps, len(results), draft.curve, draft.texture)
         work.write(unfinished, film, groups, hashes)
     return True
 

@@ -54,7 +54,14 @@ class LightCells(NamedTuple):
 NO_CELLS = LightCells(*(np.full(CELLS[0] * CELLS[1], np.nan, np.float32) for _ in range(4)))
 
 
-def sample_cells(light: Image, log_ratio: Image, variance: Image, flags: FlagImage) -> LightCells:
+def sample_cells(
+    light: Image,
+    log_ratio: Image,
+    variance: Image,
+    flags: FlagImage,
+    *,
+    cells: tuple[int, int] = CELLS,
+) -> LightCells:
     """Average light and ratio of a frame pair over the cells.
 
     Parameters
@@ -67,31 +74,34 @@ def sample_cells(light: Image, log_ratio: Image, variance: Image, flags: FlagIma
         Variance of log_ratio. [1]
     flags : array, (y, x)
         0 for valid pixels.
+    cells : tuple of int
+        Their rows and columns.
 
     Returns
     -------
     LightCells
-        Cells in the order of `cell_places`; all NaN for images of fewer than 96 x 80 pixels.
+        Cells in the order of `cell_places`; all NaN for images with fewer blocks of 8 x 8 pixels.
 
     Examples
     --------
     >>> flat = np.full((80, 96), 1000, np.float32)
-    >>> cells = sample_cells(flat, 0 * flat, 0 * flat + 0.01, np.zeros(flat.shape, np.uint16))
-    >>> round(float(np.exp(cells.light[0]))), round(float(cells.variance[0] * 64), 4)
+    >>> found = sample_cells(flat, 0 * flat, 0 * flat + 0.01, np.zeros(flat.shape, np.uint16))
+    >>> round(float(np.exp(found.light[0]))), round(float(found.variance[0] * 64), 4)
     (1000, 0.01)
     """
     blocks = light.shape[0] // BLOCK, light.shape[1] // BLOCK
-    if blocks[0] < CELLS[0] or blocks[1] < CELLS[1]:
-        return NO_CELLS
-    sums = np.zeros((7, CELLS[0] * CELLS[1]))
-    _sum_logarithms(light, log_ratio, variance, flags, 2 if light.size >= _LARGE else 1, sums)
+    sums = np.zeros((7, cells[0] * cells[1]))
+    if blocks[0] < cells[0] or blocks[1] < cells[1]:
+        return LightCells(*np.full((4, sums.shape[1]), np.nan, np.float32))
+    step = 2 if light.size >= _LARGE else 1
+    _sum_logarithms(light, log_ratio, variance, flags, step, *cells, sums)
     number, lit, of_light, used, of_ratio, squares, noise = sums
 
     # a cell with missing blocks would show another part of the beam, or of the film
     lit, count = (np.where(each >= (1 - _MISSING) * number, each, np.nan) for each in (lit, used))
     mean = of_ratio / count
-    cells = of_light / lit, mean, squares / count - mean**2 - noise / count, noise / count**2
-    return LightCells(*(cell.astype(np.float32) for cell in cells))
+    found = of_light / lit, mean, squares / count - mean**2 - noise / count, noise / count**2
+    return LightCells(*(each.astype(np.float32) for each in found))
 
 
 def cell_places() -> tuple[Array, Array]:
@@ -111,7 +121,7 @@ def cell_places() -> tuple[Array, Array]:
     return (2 * x + 1) / CELLS[1] - 1, (2 * y + 1) / CELLS[0] - 1
 
 
-def cell_centres(shape: tuple[int, int]) -> tuple[Array, Array]:
+def cell_centres(shape: tuple[int, int], *, cells: tuple[int, int] = CELLS) -> tuple[Array, Array]:
     """Means of column and row over the pixels of each cell, (cell,).
 
     They differ from `cell_places`, which takes all cells for equal: a cell has whole blocks.
@@ -119,7 +129,9 @@ def cell_centres(shape: tuple[int, int]) -> tuple[Array, Array]:
     Parameters
     ----------
     shape : tuple of int
-        Rows and columns of the image, at least 80 and 96.
+        Rows and columns of the image, with a block of 8 x 8 pixels for each cell.
+    cells : tuple of int
+        Rows and columns of the cells.
 
     Returns
     -------
@@ -133,9 +145,9 @@ def cell_centres(shape: tuple[int, int]) -> tuple[Array, Array]:
     ([7.5, 19.5, 27.5, 35.5], [3.5, 11.5])
     """
     centres = []
-    for size, cells in zip(shape, CELLS, strict=True):
+    for size, count in zip(shape, cells, strict=True):
         block = np.arange(size // BLOCK)
-        cell = block * cells // block.size
+        cell = block * count // block.size
         mean = np.bincount(cell, block) / np.bincount(cell)
         centres.append(BLOCK * mean + (BLOCK - 1) / 2)
     y, x = np.meshgrid(*centres, indexing="ij")
@@ -143,7 +155,9 @@ def cell_centres(shape: tuple[int, int]) -> tuple[Array, Array]:
 
 
 @njit(nogil=True, cache=True)
-def _sum_logarithms(light, log_ratio, variance, flags, step, sums):  # type: ignore[no-untyped-def]
+def _sum_logarithms(  # type: ignore[no-untyped-def]
+    light, log_ratio, variance, flags, step, rows, columns, sums
+):
     """Blocks of each cell, those whose light and ratio are used, and sums; one in step counts."""
     down, along = light.shape[0] // BLOCK, light.shape[1] // BLOCK
     of_blocks = np.empty((4, along))
@@ -164,7 +178,7 @@ def _sum_logarithms(light, log_ratio, variance, flags, step, sums):  # type: ign
                 of_blocks[2, j], of_blocks[3, j] = ratio, noise
 
         for j in range(0, along, step):
-            cell = (i * CELLS[0] // down) * CELLS[1] + j * CELLS[1] // along
+            cell = (i * rows // down) * columns + j * columns // along
             sums[0, cell] += 1
             count, total = of_blocks[0, j], of_blocks[1, j]
             ratio, noise = of_blocks[2, j], of_blocks[3, j]

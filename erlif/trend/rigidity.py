@@ -17,6 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
+from scipy.linalg import block_diag
 
 from erlif.calibration import RatioCurve, Systematics
 from erlif.core.arrays import Array, Mask
@@ -295,6 +296,7 @@ def estimate_errors(
     passed: Array,
     clearance_std: float,
     flattening: float = 0.0,
+    pattern: Array | None = None,
 ) -> ErrorEstimate | None:
     """Estimate the errors of a run from the gap that all its frames show.
 
@@ -313,6 +315,8 @@ def estimate_errors(
     flattening : float
         Depth by which the load flattens the surfaces: the form of the gap, and its change from
         frame to frame, are known to so much. [um]
+    pattern : array, (cell, cell), optional
+        Covariance of a factor of the ratio that is fixed in the image, an unknown of each cell. [1]
 
     Returns
     -------
@@ -354,7 +358,7 @@ def estimate_errors(
         return None
     record = LightCells(*(np.where(chosen, part, 0.0) for part in record))
     return _ErrorFit(
-        record, chosen, calibration, passed[steps], gap, view.clearance, centres
+        record, chosen, calibration, passed[steps], gap, view.clearance, centres, pattern
     ).solve(film, start)
 
 
@@ -378,10 +382,12 @@ class _ErrorFit:
     gap: tuple[Array, Array, Array]
     clearance: float
     place: tuple[Array, Array]
+    pattern: Array | None
 
     def solve(self, measured: Array, start: Array) -> ErrorEstimate | None:
         """The estimate, from positions of the pin; None where it does not settle in the widths."""
-        prior, noise = self.calibration.full_covariance, 0.0
+        own, noise = self.calibration.full_covariance, 0.0
+        prior = own if self.pattern is None else block_diag(own, self.pattern)
         nothing = np.zeros(len(prior)), np.zeros(measured.shape[1])
         state, bright = RigidityUnknowns(*nothing, start), self._illumination(measured)
         for _ in range(_ROUNDS):
@@ -399,12 +405,15 @@ class _ErrorFit:
             return None
         if (np.abs(state.errors) > _LARGEST * np.sqrt(np.diag(prior)) + _NOTHING).any():
             return None
-        value, covariance = of_curve(state.errors, covariance, self.calibration.systematics)
+        curve = slice(len(own))
+        value, covariance = of_curve(
+            state.errors[curve], covariance[curve, curve], self.calibration.systematics
+        )
         return ErrorEstimate(
             value,
             covariance,
-            scatter,
-            prior,
+            scatter[curve, curve],
+            own,
             float(np.sqrt(noise)),
             float(np.median(film[self.chosen])),
         )
@@ -438,6 +447,9 @@ class _ErrorFit:
         errors = calibration.gradient(
             film, illumination=bright, passed=self.passed[:, None], place=self.place
         )
+        if self.pattern is not None:
+            still = np.broadcast_to(np.eye(film.shape[1])[:, None], (film.shape[1], *film.shape))
+            errors = np.concatenate([errors, still])
         return RatioEquations(slope, errors, variance, *self.gap)
 
     def _rest(self, film: Array, acts: Array, errors: Array) -> Array:

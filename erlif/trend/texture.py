@@ -11,12 +11,14 @@ films of a run do not separate them.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import NamedTuple
 
+import cv2
 import numpy as np
 
 from erlif.calibration import RatioCurve
-from erlif.core.arrays import Array
+from erlif.core.arrays import Array, Image
 from erlif.ratio.cells import LightCells
 from erlif.trend.blocks import Region
 from erlif.trend.cells import FEWEST_FRAMES, choose_cells
@@ -37,6 +39,21 @@ _LITTLE = 1e-9  # ridge over the trace: the cells of a frame may lie in few colu
 _DEPENDENT = 1e-6  # determinant over its largest value from which f and m are not separated
 
 
+class Pattern(NamedTuple):
+    """What stands still at each pixel, as it is taken out of the ratio, (y, x).
+
+    Attributes
+    ----------
+    log_ratio : Image
+        [1]
+    std : Image
+        Standard deviation of what is left. [1]
+    """
+
+    log_ratio: Image
+    std: Image
+
+
 @dataclass(frozen=True)
 class Texture:
     """A factor of the ratio that is fixed in the image.
@@ -51,12 +68,32 @@ class Texture:
         Distance over which it is correlated (1/e). [px]
     film : float
         Median film of the cells. [um]
+    pattern : Pattern | None
+        What of it is taken out of the ratio; None where nothing is.
     """
 
     size: float
     std: float
     length: float
     film: float
+    pattern: Pattern | None = None
+
+    @property
+    def left(self) -> float:
+        """Error of a pixel in the maps, the median over the picture. [1]"""
+        return self.size if self.pattern is None else float(np.median(self.pattern.std))
+
+    def in_cells(self, centres: tuple[Array, Array]) -> Array:
+        """Covariance of its means over cells of these columns and rows, (cell, cell)."""
+        return self.size**2 * _correlate(self.length, centres, _cell_widths(centres))
+
+    def over(self, region: Region) -> float:
+        """Standard deviation of its mean over a region. [1]"""
+        variance = self.size**2
+        for side in (region.rows, region.columns):
+            places = np.linspace(side.start, side.stop - 1, _GRID)
+            variance *= np.exp(-((np.subtract.outer(places, places) / self.length) ** 2)).mean()
+        return math.sqrt(variance)
 
     def in_numbers(
         self,
@@ -142,6 +179,98 @@ def find_texture(
     >>> find_texture(empty, (places, places), example_calibration()) is None
     True
     """
+    cells = _measure_factor(record, centres, calibration)
+    return None if cells is None else cells.find()
+
+
+def map_texture(
+    record: LightCells,
+    centres: tuple[Array, Array],
+    calibration: RatioCurve,
+    shape: tuple[int, int],
+) -> Texture | None:
+    """Find what stands still in the image, and its most likely value at each pixel.
+
+    The values are those of a Gaussian process with the covariance of the factor, by the factors of
+    the cells without what is smooth over the picture (Rasmussen and Williams 2006, equations 2.25
+    and 2.26).
+
+    Parameters
+    ----------
+    record, centres, calibration
+        As for `find_texture`, of cells that are small enough to show it.
+    shape : tuple of int
+        Rows and columns of the image.
+
+    Returns
+    -------
+    Texture or None
+        With its pattern; None where nothing is significant.
+    """
+    cells = _measure_factor(record, centres, calibration)
+    texture = None if cells is None else cells.find()
+    if cells is None or texture is None:
+        return None
+    return replace(texture, pattern=cells.map(texture, shape))
+
+
+@dataclass(frozen=True)
+class _Factors:
+    """The fixed factor of the cells that show it.
+
+    `gap` are the shapes that are smooth over the picture, (shape, cell), `left` the share of the
+    factor of each cell (column) in that of a cell that shows it (row). `film` is the median. [um]
+    """
+
+    factor: Array
+    noise: Array
+    gap: Array
+    left: Array
+    centres: tuple[Array, Array]
+    film: float
+
+    def find(self) -> Texture | None:
+        """Size and length of what stands still; None where it is not significant."""
+        gain, size, std, length = _likeliest(
+            self.factor, self.noise, self.gap, self.left, self.centres
+        )
+        if gain < _SIGNIFICANT or size < _NOTED:
+            return None
+        return Texture(size, std, length, self.film)
+
+    def map(self, texture: Texture, shape: tuple[int, int]) -> Pattern:
+        """The most likely pattern."""
+        rough = _roughness(self.gap)
+        shown, widths = rough.T @ self.left, _cell_widths(self.centres)
+        covariance = texture.in_cells(self.centres)
+        known = shown @ covariance @ shown.T + (rough.T * self.noise) @ rough
+        weights = shown.T @ np.linalg.solve(known, rough.T @ self.factor)
+
+        # at pixels and in the mean over cells, column by column and row by row
+        middles = [np.unique(at) for at in self.centres]
+        along, down = (
+            _correlate_along(texture.length, np.arange(float(count)), at, width, means=1)
+            for count, at, width in zip(shape[::-1], middles, widths, strict=True)
+        )
+        grid = weights.reshape(len(middles[1]), len(middles[0]))
+        value = texture.size**2 * (down @ grid @ along.T)
+
+        # what is left in the middle of each cell
+        columns, rows = (
+            _correlate_along(texture.length, at, at, width, means=1)
+            for at, width in zip(middles, widths, strict=True)
+        )
+        seen = texture.size**2 * np.kron(rows, columns) @ shown.T
+        variance = texture.size**2 - np.sum(seen * np.linalg.solve(known, seen.T).T, axis=1)
+        std = np.sqrt(np.maximum(variance, 0.0)).reshape(grid.shape).astype(np.float32)
+        wide = cv2.resize(std, shape[::-1], interpolation=cv2.INTER_LINEAR)
+        return Pattern(value.astype(np.float32), np.asarray(wide))
+
+
+def _measure_factor(
+    record: LightCells, centres: tuple[Array, Array], calibration: RatioCurve
+) -> _Factors | None:
+    """The fixed factor of each cell beside marks and a smooth gap; None where too few show it."""
     steps = np.unique(np.linspace(0, len(record.log_ratio) - 1, _MOST_FRAMES).round().astype(int))
     value, variance = (np.asarray(one, float)[steps] for one in (record[1], record[3]))
     known = np.isfinite(value) & (variance > 0)
@@ -161,12 +290,8 @@ def find_texture(
     if known.sum() < _FEWEST:
         return None
     left = np.eye(len(factor)) - _absorbed(by_frame, weight, slope, shapes)
-    gain, size, std, length = _likeliest(
-        factor[known], noise[known], shapes[:, known], left[known], centres
-    )
-    if gain < _SIGNIFICANT or size < _NOTED:
-        return None
-    return Texture(size, std, length, float(np.median(film[weight > 0])))
+    seen = factor[known], noise[known], shapes[:, known], left[known]
+    return _Factors(*seen, centres, float(np.median(film[weight > 0])))
 
 
 def _shapes(x: Array, y: Array) -> Array:
@@ -243,25 +368,52 @@ def _separate(rest: Array, weight: Array, slope: Array, shapes: int) -> tuple[Ar
     return factor, np.maximum(excess, 1.0) * marks / det, by_frame
 
 
+def _cell_widths(centres: tuple[Array, Array]) -> list[float]:
+    """Columns and rows of a cell. [px]"""
+    return [float(np.ptp(at)) / (np.unique(at).size - 1) for at in centres]
+
+
+def _correlate(length: float, centres: tuple[Array, Array], widths: list[float]) -> Array:
+    """Covariance of the means of a pattern of variance 1 over cells, (cell, cell).
+
+    The mean over a cell is that of a Gaussian of the same width.
+    """
+    along, down = (
+        _correlate_along(length, at, at, width) for at, width in zip(centres, widths, strict=True)
+    )
+    return along * down
+
+
+def _correlate_along(
+    length: float, at: Array, cells: Array, width: float, *, means: int = 2
+) -> Array:
+    """The same along one axis; where one of both is a pixel, in place of a mean, `means` is 1."""
+    seen = length**2 + means * width**2 / 6
+    return np.asarray(
+        length / math.sqrt(seen) * np.exp(-(np.subtract.outer(at, cells) ** 2) / seen)
+    )
+
+
+def _roughness(shapes: Array) -> Array:
+    """Orthogonal changes of the cells that are not smooth over the picture, (cell, change)."""
+    return np.asarray(np.linalg.qr(shapes.T, mode="complete")[0][:, len(shapes) :])
+
+
 def _likeliest(
     factor: Array, noise: Array, shapes: Array, left: Array, centres: tuple[Array, Array]
 ) -> tuple[float, float, float, float]:
     """Rise of the logarithm of the likelihood by a texture; its size, standard deviation, length.
 
-    Without the smooth shapes; the mean over a cell is that of a Gaussian of the same width.
+    Without the smooth shapes.
     """
-    rough = np.linalg.qr(shapes.T, mode="complete")[0][:, len(shapes) :]
+    rough = _roughness(shapes)
     root = np.linalg.inv(np.linalg.cholesky((rough.T * noise) @ rough)) @ rough.T
-    widths = [np.ptp(at) / (np.unique(at).size - 1) for at in centres]
+    widths = _cell_widths(centres)
     sizes = np.geomspace(_SMALLEST, _LARGEST, _SIZES)
     lengths = np.geomspace(0.5 * max(widths), _LONGEST * min(widths), _LENGTHS)
     gains = []
     for length in lengths:
-        covariance = np.ones((1, 1))
-        for at, width in zip(centres, widths, strict=True):
-            seen = length**2 + width**2 / 3
-            apart = np.subtract.outer(at, at) ** 2
-            covariance = covariance * length / math.sqrt(seen) * np.exp(-apart / seen)
+        covariance = _correlate(length, centres, widths)
         power, axes = np.linalg.eigh(root @ left @ covariance @ left.T @ root.T)
         share, total = (axes.T @ (root @ factor)) ** 2, 1 + sizes[:, None] ** 2 * power
         gains.append(0.5 * (share - share / total - np.log(total)).sum(axis=1))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -19,7 +19,7 @@ from erlif.pipeline.physics.position import clearance_std
 from erlif.pipeline.plane import ObjectPlane
 from erlif.ratio import NO_CELLS, LightCells, cell_centres
 from erlif.ratio.cells import CELLS
-from erlif.trend import ErrorEstimate, estimate_errors
+from erlif.trend import ErrorEstimate, Texture, estimate_errors
 
 # Shift over its standard deviation from which a note is a warning.
 _SIGNIFICANT = 3.0
@@ -37,22 +37,24 @@ def shows_errors(calibration: RunCurve, plane: ObjectPlane) -> bool:
 
 
 def cells_of_region(
-    lights: Mapping[int, FrameResult], plane: ObjectPlane
+    cells: Sequence[LightCells], plane: ObjectPlane, *, count: tuple[int, int] = CELLS
 ) -> tuple[LightCells, tuple[Array, Array]] | None:
-    """Cells of all frames within the region of interest, and their middles; None without light."""
-    cells = [lights[frame].cells for frame in sorted(lights)] or [NO_CELLS]
-    parts = np.array(cells, float).reshape(len(cells), 4, -1)
+    """Cells of frames within the region of interest, and their middles; None without light.
+
+    `count` are the rows and columns of the cells.
+    """
+    parts = np.array(list(cells) or [NO_CELLS], float)
     if not np.isfinite(parts).any():
         return None
 
     # beside the region of interest there may be no joint, and the film of a patch is another one
-    x, y = centres = cell_centres(plane.shape)
+    x, y = centres = cell_centres(plane.shape, cells=count)
     rows, columns = plane.region.rows, plane.region.columns
     inside = (rows.start <= y) & (y < rows.stop) & (columns.start <= x) & (x < columns.stop)
     if plane.patch is not None:
         # half of a cell of whole blocks, which may have one more than others
         down, along = (
-            0.5 * size / count + BLOCK for size, count in zip(plane.shape, CELLS, strict=True)
+            0.5 * size / number + BLOCK for size, number in zip(plane.shape, count, strict=True)
         )
         rows, columns = plane.patch.rows, plane.patch.columns
         beside = (y < rows.start - down) | (y > rows.stop + down)
@@ -63,7 +65,12 @@ def cells_of_region(
 
 
 def find_errors(
-    lights: Mapping[int, FrameResult], calibration: RunCurve, plane: ObjectPlane, *, pairs: int
+    lights: Mapping[int, FrameResult],
+    calibration: RunCurve,
+    plane: ObjectPlane,
+    *,
+    pairs: int,
+    texture: Texture | None = None,
 ) -> ErrorEstimate | None:
     """Errors of the calibration and of its systematics, from the gap of all frames.
 
@@ -76,19 +83,22 @@ def find_errors(
     plane : ObjectPlane
     pairs : int
         Frame pairs of the run.
+    texture : Texture, optional
+        What stands still in the image.
 
     Returns
     -------
     ErrorEstimate or None
         None where `shows_errors` is false, and where the run does not determine them.
     """
-    if not shows_errors(calibration, plane) or (cells := cells_of_region(lights, plane)) is None:
+    frames = np.array(sorted(lights))
+    cells = cells_of_region([lights[frame].cells for frame in frames], plane)
+    if cells is None or not shows_errors(calibration, plane):
         return None
     joint, view = plane.settings.joint, plane.view
     assert joint is not None
     assert view is not None
     record, centres = cells
-    frames = np.array(sorted(lights))
     return estimate_errors(
         record,
         centres,
@@ -97,6 +107,7 @@ def find_errors(
         passed=shares_passed(frames, pairs),
         clearance_std=clearance_std(joint),
         flattening=_flattening(joint),
+        pattern=None if texture is None else texture.in_cells(centres),
     )
 
 

@@ -14,6 +14,7 @@ from erlif.core.arrays import AnyArray, Array
 from erlif.core.notes import Note, remark, warn
 from erlif.core.products import References
 from erlif.core.variables import FILM
+from erlif.correction.light import BLOCK
 from erlif.io.ingest import FramePairs, Run
 from erlif.io.settings import LightOptions, ReferenceSettings
 from erlif.pipeline.chain import FrameChain, FrameCorrection
@@ -33,21 +34,26 @@ from erlif.pipeline.physics.systematics import (
 )
 from erlif.pipeline.physics.texture import describe_texture
 from erlif.pipeline.plane import ObjectPlane
-from erlif.ratio import LightCells, PairRatio, cell_places
+from erlif.ratio import LightCells, PairRatio, cell_places, sample_cells
 from erlif.thickness import flag_beyond_maximum
 from erlif.trend import (
     BackgroundEstimate,
     CourseChange,
     Region,
+    Texture,
     Trend,
     estimate_background,
     find_ratio_change,
     find_texture,
     fit_trend,
+    map_texture,
 )
 
 # Standard deviations of its width up to which a drift of the ratio is one of the known errors.
 _MOST_RISING = 3.0
+
+# Rows and columns of cells that show a pattern: a quarter of them are those of the light.
+_SMALL_CELLS = (32, 40)
 
 # Frames of an estimate, spread over the run: their number bounds memory and time.
 _MOST_FRAMES = 400
@@ -113,6 +119,43 @@ def measure_lights(
     frames = sorted(choose_frames(chain.pairs, most))
     Threads(None).compute(measure, frames, lights.__setitem__)
     return lights
+
+
+def measure_pattern(
+    chain: FrameChain, frames: Sequence[int], calibration: RunCurve, plane: ObjectPlane
+) -> Texture | None:
+    """What stands still in the image, with its pattern, from frames whose ratio is measured again.
+
+    Parameters
+    ----------
+    chain : FrameChain
+    frames : sequence of int
+    calibration : RunCurve
+    plane : ObjectPlane
+
+    Returns
+    -------
+    Texture or None
+        None where nothing is significant. The pattern is nothing on a patch.
+    """
+    down, along = (
+        min(most, size // BLOCK) for most, size in zip(_SMALL_CELLS, plane.shape, strict=True)
+    )
+    found: dict[int, LightCells] = {}
+
+    def measure(frame: int) -> LightCells:
+        pair = chain.measure(frame)
+        flag_thick_films(pair, calibration, plane.patch)
+        images = pair.light_one, pair.log_ratio, pair.variance, pair.flags
+        return sample_cells(*images, cells=(down, along))
+
+    Threads(None).compute(measure, frames, found.__setitem__)
+    cells = cells_of_region([found[frame] for frame in frames], plane, count=(down, along))
+    texture = None if cells is None else map_texture(*cells, calibration.at(0.5), plane.shape)
+    if texture is not None and texture.pattern is not None and plane.patch is not None:
+        patch = plane.patch.rows, plane.patch.columns
+        texture.pattern.log_ratio[patch], texture.pattern.std[patch] = 0.0, texture.size
+    return texture
 
 
 def find_background(
@@ -376,10 +419,12 @@ def find_light(
     plane: ObjectPlane,
     options: LightOptions,
     reference: ReferenceSettings | None = None,
+    texture: Texture | None = None,
 ) -> LightFindings:
     """Background, bleaching, course and errors of a run, and the scale of its ratio on a patch.
 
-    Parameters as for the first two, `find_dark_levels`, `find_errors` and `fit_patch_scale`.
+    Parameters as for the first two, `find_dark_levels`, `find_errors` and `fit_patch_scale`;
+    `texture` is what stands still in the image where it was found before.
     """
     bleaching, source = find_bleaching(lights, triggers, energies)
     course = None
@@ -391,22 +436,24 @@ def find_light(
     # equal films show a drift better than one cycle does
     if course is not None and course.frame is None and bleaching is not None:
         course = None
-    background = find_background(lights, calibration, energies, pairs=triggers.size)
-    scale = None
-    if reference is not None:
-        scale = fit_patch_scale(
-            lights, calibration, reference, pairs=triggers.size, patch=plane.patch
-        )
     darks = find_dark_levels(lights, correct.unlit, correct.references.gain.values)
     # the lobes of a bore are no smooth gap
     smooth = plane.bore is None and bool(calibration.systematics)
-    cells = cells_of_region(lights, plane) if smooth else None
-    texture = None if cells is None else find_texture(*cells, calibration.at(0.5))
+    if smooth and texture is None:
+        cells = cells_of_region([lights[frame].cells for frame in sorted(lights)], plane)
+        texture = None if cells is None else find_texture(*cells, calibration.at(0.5))
 
-    # the gap shows errors where nothing else stands still in the image
+    background, scale = None, None
+    if texture is None:  # a pattern of the ratio looks like light that is not film
+        background = find_background(lights, calibration, energies, pairs=triggers.size)
+    if reference is not None:
+        scale = fit_patch_scale(
+            lights, calibration, reference, pairs=triggers.size, patch=plane.patch, texture=texture
+        )
+
     errors = None
     # darks that are wrong are a background beyond its width
-    beyond = bool(darks) or texture is not None
+    beyond = bool(darks)
     # the patch shows a drift of the ratio
     drifts = (bleaching, course)
     if scale is not None:
@@ -415,7 +462,7 @@ def find_light(
     if not options.corrects_light and not beyond:
         # beside those that a patch shows
         known = calibration if scale is None else with_patch(calibration, scale)
-        errors = find_errors(lights, known, plane, pairs=triggers.size)
+        errors = find_errors(lights, known, plane, pairs=triggers.size, texture=texture)
     return LightFindings(
         background, bleaching, source, course, scale, errors, tuple(darks), texture
     )

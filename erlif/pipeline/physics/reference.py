@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -14,7 +15,7 @@ from erlif.core.notes import Note, remark, warn
 from erlif.core.variables import FILM
 from erlif.io.settings import ReferenceSettings
 from erlif.pipeline.engines.results import FrameResult, TriggerResult, share_passed, shares_passed
-from erlif.trend import Region
+from erlif.trend import Region, Texture
 
 # Standard deviations from which on a deviation is reported.
 _DEVIANT = 3.0
@@ -56,6 +57,7 @@ def fit_patch_scale(
     *,
     pairs: int,
     patch: Region | None = None,
+    texture: Texture | None = None,
 ) -> PatchScale | None:
     """Line through the ratio of a patch over the frames, less that of its film.
 
@@ -69,6 +71,8 @@ def fit_patch_scale(
         Frame pairs of the run.
     patch : Region, optional
         Its rows and columns.
+    texture : Texture, optional
+        What stands still in the image: on the patch it looks like another film.
 
     Returns
     -------
@@ -96,6 +100,9 @@ def fit_patch_scale(
     if patch is not None:
         column, row = (0.5 * (part.start + part.stop - 1) for part in (patch.columns, patch.rows))
         place = column, row
+    if patch is not None and texture is not None:
+        pattern = texture.over(patch) / float(calibration.slope(film))
+        film_std = math.hypot(film_std, pattern)
     return PatchScale(course, covariance, film, film_std, place)
 
 

@@ -17,7 +17,7 @@ from erlif.pipeline.engines.results import FrameResult, TriggerResult
 from erlif.pipeline.physics.findings import LightFindings
 from erlif.pipeline.plane import ObjectPlane
 from erlif.ratio import LightCells, cell_centres, sample_cells
-from erlif.trend import GapMinimum, GapShape, Texture, find_texture
+from erlif.trend import GapShape, Texture, find_texture
 from erlif.trend.cells import FEWEST_FRAMES, FEWEST_VISITS, choosable_films
 
 _FILMS = 400  # of the range, at which the error of a pixel is tabulated
@@ -38,29 +38,19 @@ def with_texture(
 
     Their error is that of a pixel; numbers of a region depend on them less. The films of two
     triggers weigh its places differently, so that their errors are not the same share of the film:
-    the parameters are the largest principal components of all numbers. Where the film of a patch
-    has set the ratio, what stands still on the patch moves all films alike.
+    the parameters are the largest principal components of all numbers.
     """
     texture = findings.texture
     if texture is None:
         return list(results), calibration
-    curve, size = calibration.at(0.5), texture.size
-    numbers = _changes_of_numbers(results, texture, curve, plane, contact)
-    if findings.scale is not None and plane.patch is not None:
-        even, along_x = GapMinimum.unknown(0), plane.sliding_along_x
-        patch = texture.in_numbers(plane.patch, even, curve, contact, along_x=along_x)
-        of_patch = float(np.linalg.norm(patch[0]))
-
-        # one more part, which all numbers share
-        numbers = np.pad(numbers, ((0, 0), (0, 0), (0, 1)), constant_values=of_patch)
-        numbers /= np.hypot(1.0, of_patch)
-        size *= float(np.hypot(1.0, of_patch))
-
+    numbers = _changes_of_numbers(results, texture, calibration.at(0.5), plane, contact)
+    # what is taken out at the pixels is not smooth: numbers of a region keep their error
+    numbers *= texture.size / texture.left
     systematics, found = calibration.systematics, list(results)
     like = len(systematics.cross) + systematics.place("ratio", CONSTANT)
     parameters = TERMS["texture"].parameters
     for parameter, shares in zip(parameters, _components(numbers, len(parameters)), strict=True):
-        systematics = systematics.with_parameter("texture", parameter, size**2)
+        systematics = systematics.with_parameter("texture", parameter, texture.left**2)
         found = [
             result.with_parameter(like, float(mean), minimum=float(minimum))
             for result, (mean, minimum) in zip(found, shares, strict=True)
@@ -174,7 +164,7 @@ def _read(
         yield values[plane.region.rows, plane.region.columns]
 
 
-def widen_maps(maps: MapStore, triggers: int, curve: RunCurve) -> None:
+def widen_maps(maps: MapStore, triggers: int, curve: RunCurve, texture: Texture | None) -> None:
     """Add the error by what stands still in the image to the maps of a film that is measured.
 
     Near the maximum of the ratio two standard deviations of it are more film than the slope gives:
@@ -185,18 +175,19 @@ def widen_maps(maps: MapStore, triggers: int, curve: RunCurve) -> None:
     maps : MapStore
     triggers : int
     curve : RunCurve
-        As `with_texture` returns it.
+    texture : Texture or None
     """
-    if not (size := curve.systematics.widths.get("texture", 0.0)):
+    if texture is None:
         return
     films, name = np.linspace(*curve.thickness_range, _FILMS), "thickness_std_shared"
     ratio, slope = curve.predict_log(films), curve.slope(films)
-    thicker = np.interp(np.minimum(ratio + 2 * size, ratio[-1]), ratio, films)
-    added = np.maximum(size / slope, (thicker - films) / 2)
+    left = texture.size if texture.pattern is None else texture.pattern.std
 
     def widen(trigger: int) -> dict[str, bytes]:
         film, std = maps.read(trigger, "thickness"), maps.read(trigger, name)
-        return maps.encode({name: np.hypot(std, np.interp(film, films, added))})
+        at, rate = (np.interp(film, films, table) for table in (ratio, slope))
+        thicker = np.interp(np.minimum(at + 2 * left, ratio[-1]), ratio, films)
+        return maps.encode({name: np.hypot(std, np.maximum(left / rate, (thicker - film) / 2))})
 
     Threads().compute(widen, range(triggers), maps.revise)
 
@@ -206,10 +197,14 @@ def describe_texture(texture: Texture | None, calibration: RunCurve) -> list[Not
     if texture is None:
         return []
     size, shift = 100 * texture.size, texture.size / float(calibration.slope(texture.film))
+    taken = "The error bars include it"
+    if texture.pattern is not None:
+        left = 100 * texture.left
+        taken = f"It is taken out of the maps to {left:.2g} %, and the error bars include the rest"
     text = (
         "while the film moves, a pattern of the ratio stands still in the image: "
         f"{size:.2g} ± {100 * texture.std:.1g} %, {1e3 * shift:.0f} nm at {texture.film:.1f} um, "
         f"correlated over {texture.length:.0f} px. Likely: dust on a window, a flat that is off, "
-        f"or a wall that reflects unevenly. The error bars include it. {TERMS['texture'].cure}"
+        f"or a wall that reflects unevenly. {taken}. {TERMS['texture'].cure}"
     )
     return [warn("texture", text)]

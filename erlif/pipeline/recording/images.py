@@ -81,6 +81,7 @@ def restore_images(
     with open_film(film_path) as film:
         check_trigger(film, trigger)
         settings, image = settings_of(film), film[["x", "y"]].load()
+        pattern = film["ratio_pattern"].values if "ratio_pattern" in film else None
     with open_film(film_path, group="registration") as registration:
         camera_map = CameraMap.from_dataset(registration)
         blur, noise = _read_cameras(registration.attrs, film_path.name)
@@ -100,7 +101,8 @@ def restore_images(
         )
 
     change = stored.ratio_change.values if "ratio_change" in stored else None
-    chain = replace(restore_chain(run, camera_map, blur, noise), ratio_change=change)
+    chain = restore_chain(run, camera_map, blur, noise)
+    chain = replace(chain, ratio_change=change, pattern=pattern)
     if chain.correct.energies is None:
         energies = np.nan_to_num(stored.pulse_energy.values, nan=1.0)
         chain = replace(chain, correct=replace(chain.correct, energies=energies))

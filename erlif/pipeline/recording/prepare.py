@@ -23,7 +23,12 @@ from erlif.pipeline.chain import FrameChain, FrameCorrection
 from erlif.pipeline.engines.results import FrameResult
 from erlif.pipeline.physics.findings import LightFindings
 from erlif.pipeline.physics.gap import shows_errors
-from erlif.pipeline.physics.light import correct_light, find_light, measure_lights
+from erlif.pipeline.physics.light import (
+    correct_light,
+    find_light,
+    measure_lights,
+    measure_pattern,
+)
 from erlif.pipeline.physics.systematics import add_systematics, update_systematics
 from erlif.pipeline.physics.temperature import read_warming, without_warming
 from erlif.pipeline.plane import ObjectPlane
@@ -239,6 +244,7 @@ class PreparedRun:
             plane=self.plane,
             options=self.run.settings.light,
             reference=reference,
+            texture=self.light.texture,
         )
 
     def judge_light(
@@ -337,8 +343,15 @@ def prepare_run(
             most = None if options.corrects else _FRAMES_OF_GAP
             lights = measure_lights(chain, curve, plane.patch, most=most)
             findings = ready.find_light(lights, patch)
+            still = findings.texture if options.errors != "report" else None
+            if still is not None:
+                frames = sorted(lights)[:: -(-len(lights) // _FRAMES_OF_GAP)]
+                still = measure_pattern(chain, frames, curve, plane)
+                findings = replace(findings, texture=still or findings.texture)
         chain, curve, findings = correct_light(chain, curve, findings, options)
-        if options.corrects or curve.follows_run:
+        if still is not None and still.pattern is not None:
+            chain = replace(chain, pattern=still.pattern.log_ratio)
+        if options.corrects or curve.follows_run or still is not None:
             ready = replace(ready, chain=chain, curve=curve, light=findings)
 
     # the frames need neither the sample nor the references
