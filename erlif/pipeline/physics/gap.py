@@ -91,9 +91,10 @@ def find_errors(
     ErrorEstimate or None
         None where `shows_errors` is false, and where the run does not determine them.
     """
+    if not shows_errors(calibration, plane):
+        return None
     frames = np.array(sorted(lights))
-    cells = cells_of_region([lights[frame].cells for frame in frames], plane)
-    if cells is None or not shows_errors(calibration, plane):
+    if (cells := cells_of_region([lights[frame].cells for frame in frames], plane)) is None:
         return None
     joint, view = plane.settings.joint, plane.view
     assert joint is not None

@@ -157,11 +157,11 @@ def test_a_wrong_dark_leaves_the_errors_to_their_widths(tmp_path):
 
 
 def test_without_light_there_are_no_cells():
-    assert cells_of_region({}, None) is None
+    assert cells_of_region([], None) is None
 
 
 def test_cells_that_touch_a_patch_are_not_those_of_the_joint():
-    lights = {0: SimpleNamespace(cells=LightCells(*np.ones((4, 120))))}
+    lights = [LightCells(*np.ones((4, 120)))]
     plane = SimpleNamespace(shape=(240, 320), region=Region(slice(0, 240), slice(66, 320)))
     whole, (x, y) = cells_of_region(lights, SimpleNamespace(**vars(plane), patch=None))
     # its last column is in the cells from 54 to 81
