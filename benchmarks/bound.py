@@ -11,8 +11,9 @@ the light of camera 1 in 16 x 20 blocks of each frame, with photon noise and spe
 position, tilt and bend of the pin in each frame, the form of the gap, the marks of each block, the
 energy of each pulse, the beam at each block and its change from pulse to pulse up to the second
 degree (a ratio is measured because no beam is steady), the curve of the fixture, the film of the
-patch, and all errors. What erlif knows of them (docs/limits.md) is their prior. Derivatives are
-finite differences of the light of the virtual rig at the true films.
+patch, what stands still in each block of a textured wall, and all errors. What erlif knows of them
+(docs/limits.md) is their prior. Derivatives are finite differences of the light of the virtual rig
+at the true films.
 """
 
 from __future__ import annotations
@@ -57,11 +58,16 @@ SMALL = {"width": 160, "height": 128, "spacing": 2.0}
 MOVING = {"film_table": tuple(2 + 6 * np.sin(np.pi * np.arange(24) / 12) ** 2)}
 
 
+TEXTURED = {"wall": (0.1, 0.1), "wall_texture": (0.5, 1.0)}
+PATTERN, LENGTH = 0.026, 1.0  # of the ratio by this wall [1], and where it falls to 1/e [mm]
+
+
 class Row(NamedTuple):
     """What a rig has, and the widths that are stated of it."""
 
     changes: dict[str, object]
     widths: dict[str, float] = DEFAULTS
+    pattern: float = 0.0  # rms of what stands still in the image
 
 
 TABLE = {
@@ -72,6 +78,10 @@ TABLE = {
     "laboratory, field not stated": Row(
         SMALL | real_rigs.LABORATORY, LABORATORY | {"field": DEFAULTS["field"]}
     ),
+    "laboratory, walls 10 %, texture of 50 %": Row(
+        real_rigs.LABORATORY | TEXTURED, LABORATORY, PATTERN
+    ),
+    "nothing stated, walls 10 %, texture of 50 %": Row(TEXTURED, DEFAULTS, PATTERN),
 }
 
 
@@ -164,6 +174,20 @@ def list_errors(
     return np.array(table), scipy.linalg.block_diag(covariance, fitted)
 
 
+def pattern_unknowns(row: Row, rig: RigSettings, at: Blocks) -> tuple[np.ndarray, np.ndarray]:
+    """Derivatives of the log light by the pattern of each block, and covariance of these."""
+    frames, blocks = at.film.shape
+    acts = np.zeros((blocks, 2, frames, blocks))
+    acts[np.arange(blocks), 1, :, np.arange(blocks)] = 1.0
+    covariance = np.full((blocks, blocks), row.pattern**2)
+    sides = ((at.u, rig.field_width, COLUMNS), (at.v, rig.height * rig.pitch, ROWS))
+    for place, side, count in sides:
+        seen = LENGTH**2 + (side / count) ** 2 / 3
+        apart = np.subtract.outer(place, place) * side / 2
+        covariance *= LENGTH / np.sqrt(seen) * np.exp(-(apart**2) / seen)
+    return acts, covariance
+
+
 def gap_unknowns(rig: RigSettings, at: Blocks, marks: float) -> np.ndarray:
     """Change of the films with all unknowns of the gap at their width, (unknown, frame, block)."""
     frames, blocks = at.film.shape
@@ -218,8 +242,16 @@ def patch_information(
     film = np.full((frames, 1), rig.reference)
     patch = Blocks.of(rig, film, u, v)
 
-    acts = np.einsum("ebfc,en->nbfc", list_errors(row.widths, rig, patch, typical)[0], root)
-    acts = np.concatenate([acts, PATCH_STD * by_film(film)[None]])
+    of_errors = list_errors(row.widths, rig, patch, typical)[0]
+    acts = np.einsum("ebfc,en->nbfc", of_errors, root[: len(of_errors)])
+    # what stands still on the patch looks like another film of it
+    slope = by_film(film)
+    over = row.pattern**2
+    for side in (right - left, bottom - top):
+        places = np.linspace(0, side, 50)
+        over *= np.exp(-((np.subtract.outer(places, places) / LENGTH) ** 2)).mean()
+    film_std = np.hypot(PATCH_STD, np.sqrt(over) / np.diff(slope, axis=0)[0, 0, 0])
+    acts = np.concatenate([acts, film_std * slope[None]])
     ratio = np.diff(acts, axis=1)[:, 0, :, 0]
     pixels = (right - left) * (bottom - top) / rig.pitch**2
     noise = (1 / patch.light).sum(axis=0)[:, 0] / pixels + PATCH_EXCESS**2
@@ -242,8 +274,11 @@ def bounds(
     at = Blocks.of(rig, film, u, v)
     typical = np.median(at.light[:, :, region], axis=(1, 2))
     acts, covariance = list_errors(row.widths, rig, at, typical)
+    if row.pattern:
+        more, known = pattern_unknowns(row, rig, at)
+        acts, covariance = np.concatenate([acts, more]), scipy.linalg.block_diag(covariance, known)
     root = np.linalg.cholesky(covariance + 1e-18 * np.eye(len(covariance)))  # widths may be zero
-    acts = np.einsum("ebfc,en->nbfc", acts, root)
+    acts = np.einsum("ebfc,en->nbfc", acts, root, optimize=True)
 
     errors = np.eye(len(root) + 1)
     if rig.reference:
