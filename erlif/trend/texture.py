@@ -206,6 +206,15 @@ def map_texture(
     -------
     Texture or None
         With its pattern; None where nothing is significant.
+
+    Examples
+    --------
+    Four frames are too few:
+
+    >>> from erlif.show.plots import example_calibration
+    >>> empty, places = LightCells(*np.full((4, 4, 120), np.nan)), np.zeros(120)
+    >>> map_texture(empty, (places, places), example_calibration(), (80, 96)) is None
+    True
     """
     cells = _measure_factor(record, centres, calibration)
     texture = None if cells is None else cells.find()
