@@ -52,7 +52,7 @@ from erlif.trend import (
 # Standard deviations of its width up to which a drift of the ratio is one of the known errors.
 _MOST_RISING = 3.0
 
-# Rows and columns of cells that show a pattern: a quarter of them are those of the light.
+# Rows and columns, at most, of the cells in which a pattern is mapped.
 _SMALL_CELLS = (32, 40)
 
 # Frames of an estimate, spread over the run: their number bounds memory and time.
@@ -233,8 +233,8 @@ def describe_background(
     """
     if estimate is None:
         text = "light and films of this run do not determine light that is not film"
-        needs = "needs a dozen frames and films that differ. Frames of the dry joint (background "
-        needs += "in [camera1] and [camera2]) measure it"
+        needs = "needs a dozen frames, films that differ and an even wall. Frames of the dry "
+        needs += "joint (background in [camera1] and [camera2]) measure it"
         return {}, [
             warn("background", f"nothing was subtracted: {text}. That {needs}")
             if corrected
