@@ -347,7 +347,9 @@ def prepare_run(
             if still is not None:
                 frames = sorted(lights)[:: -(-len(lights) // _FRAMES_OF_GAP)]
                 still = measure_pattern(chain, frames, curve, plane)
-                findings = replace(findings, texture=still or findings.texture)
+            if still is not None:  # small cells show its size and length better
+                ready = replace(ready, light=LightFindings(texture=still))
+                findings = ready.find_light(lights, patch)
         chain, curve, findings = correct_light(chain, curve, findings, options)
         if still is not None and still.pattern is not None:
             chain = replace(chain, pattern=still.pattern.log_ratio)
