@@ -387,7 +387,7 @@ class _ErrorFit:
     def solve(self, measured: Array, start: Array) -> ErrorEstimate | None:
         """The estimate, from positions of the pin; None where it does not settle in the widths."""
         own, noise = self.calibration.full_covariance, 0.0
-        prior = own if self.pattern is None else block_diag(own, self.pattern)
+        prior = own if self.pattern is None else block_diag(own, self.pattern, self.pattern)
         nothing = np.zeros(len(prior)), np.zeros(measured.shape[1])
         state, bright = RigidityUnknowns(*nothing, start), self._illumination(measured)
         for _ in range(_ROUNDS):
@@ -448,9 +448,22 @@ class _ErrorFit:
             film, illumination=bright, passed=self.passed[:, None], place=self.place
         )
         if self.pattern is not None:
-            still = np.broadcast_to(np.eye(film.shape[1])[:, None], (film.shape[1], *film.shape))
-            errors = np.concatenate([errors, still])
+            errors = np.concatenate([errors, *self._pattern_acts(errors)])
         return RatioEquations(slope, errors, variance, *self.gap)
+
+    def _pattern_acts(self, errors: Array) -> tuple[Array, Array]:
+        """Derivatives by the pattern of each cell, (cell, frame, cell), in two parts.
+
+        That of a window or a flat acts on all films alike, that of a wall as its reflectance does.
+        A run does not show which it is: the first part is the mean of both, the second half of
+        their difference, of either sign.
+        """
+        systematics = self.calibration.systematics
+        places = len(errors) - len(systematics.parameters) + systematics.places("wall")
+        by_wall = errors[places].sum(axis=0) if places.size else np.ones_like(self.record.light)
+        share = by_wall / np.median(by_wall[self.chosen])
+        cells = np.eye(share.shape[1])[:, None]
+        return 0.5 * (1 + share) * cells, 0.5 * (1 - share) * cells
 
     def _rest(self, film: Array, acts: Array, errors: Array) -> Array:
         """Measured less expected logarithm of the ratio. [1]"""
