@@ -91,10 +91,8 @@ def march(  # type: ignore[no-untyped-def]
             dt /= parts
             for part in range(parts):
                 at = 2 * part / parts
-                turn, force = (
-                    _between(turns, k, at + 1 / parts),
-                    _between(forces, k, at + 1 / parts),
-                )
+                turn = _between(turns, k, at + 1 / parts)
+                force = _between(forces, k, at + 1 / parts)
                 half = 0.5 * dt
                 u2, v2 = _velocity(
                     x + half * u1, y + half * v1, turn, force, case, table, width, thinnest
@@ -102,10 +100,8 @@ def march(  # type: ignore[no-untyped-def]
                 u3, v3 = _velocity(
                     x + half * u2, y + half * v2, turn, force, case, table, width, thinnest
                 )
-                turn, force = (
-                    _between(turns, k, at + 2 / parts),
-                    _between(forces, k, at + 2 / parts),
-                )
+                turn = _between(turns, k, at + 2 / parts)
+                force = _between(forces, k, at + 2 / parts)
                 u4, v4 = _velocity(
                     x + dt * u3, y + dt * v3, turn, force, case, table, width, thinnest
                 )

@@ -23,7 +23,8 @@ from erlif.pipeline.chain import FrameChain
 from erlif.pipeline.engines.engine import Engine
 from erlif.pipeline.engines.results import FrameResult, TriggerResult, share_passed
 from erlif.pipeline.passes import FilmMaps, measure_film, measure_pulse
-from erlif.pipeline.physics.light import choose_frames, flag_thick_films
+from erlif.pipeline.physics.light import choose_frames
+from erlif.pipeline.physics.reference import flag_thick_films
 from erlif.pipeline.plane import ObjectPlane
 from erlif.pipeline.recording.prepare import PreparedRun
 from erlif.ratio import PairRatio, RatioSum, smooth_ratio

@@ -9,12 +9,11 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from erlif.calibration import RatioCurve, RunCurve
+from erlif.calibration import RunCurve
 from erlif.core.arrays import AnyArray, Array
 from erlif.core.notes import Note, remark, warn
 from erlif.core.products import References
 from erlif.core.variables import FILM
-from erlif.correction.light import BLOCK
 from erlif.io.ingest import FramePairs, Run
 from erlif.io.settings import LightOptions, ReferenceSettings
 from erlif.pipeline.chain import FrameChain, FrameCorrection
@@ -27,6 +26,7 @@ from erlif.pipeline.physics.reference import (
     describe_reference,
     describe_scale,
     fit_patch_scale,
+    flag_thick_films,
 )
 from erlif.pipeline.physics.systematics import (
     with_background,
@@ -34,8 +34,7 @@ from erlif.pipeline.physics.systematics import (
 )
 from erlif.pipeline.physics.texture import describe_texture
 from erlif.pipeline.plane import ObjectPlane
-from erlif.ratio import LightCells, PairRatio, cell_places, sample_cells
-from erlif.thickness import flag_beyond_maximum
+from erlif.ratio import LightCells, cell_places
 from erlif.trend import (
     BackgroundEstimate,
     CourseChange,
@@ -46,14 +45,10 @@ from erlif.trend import (
     find_ratio_change,
     find_texture,
     fit_trend,
-    map_texture,
 )
 
 # Standard deviations of its width up to which a drift of the ratio is one of the known errors.
 _MOST_RISING = 3.0
-
-# Rows and columns, at most, of the cells in which a pattern is mapped.
-_SMALL_CELLS = (32, 40)
 
 # Frames of an estimate, spread over the run: their number bounds memory and time.
 _MOST_FRAMES = 400
@@ -73,22 +68,6 @@ def choose_frames(pairs: FramePairs, most: int | None = None) -> frozenset[int]:
     frozenset of int
     """
     return frozenset(pairs.spread(_MOST_FRAMES if most is None else most))
-
-
-def flag_thick_films(pair: PairRatio, calibration: RatioCurve, patch: Region | None) -> None:
-    """Flag films beyond the maximum of the ratio, but the known one of a reference patch.
-
-    Parameters
-    ----------
-    pair : PairRatio
-        Its flags receive `Flag.ABOVE_RANGE`.
-    calibration : RatioCurve
-    patch : Region or None
-    """
-    at = (slice(0), slice(0)) if patch is None else (patch.rows, patch.columns)
-    known = pair.flags[at].copy()
-    flag_beyond_maximum(pair.log_ratio, pair.flags, calibration)
-    pair.flags[at] = known
 
 
 def measure_lights(
@@ -119,43 +98,6 @@ def measure_lights(
     frames = sorted(choose_frames(chain.pairs, most))
     Threads(None).compute(measure, frames, lights.__setitem__)
     return lights
-
-
-def measure_pattern(
-    chain: FrameChain, frames: Sequence[int], calibration: RunCurve, plane: ObjectPlane
-) -> Texture | None:
-    """What stands still in the image, with its pattern, from frames whose ratio is measured again.
-
-    Parameters
-    ----------
-    chain : FrameChain
-    frames : sequence of int
-    calibration : RunCurve
-    plane : ObjectPlane
-
-    Returns
-    -------
-    Texture or None
-        None where nothing is significant. The pattern is nothing on a patch.
-    """
-    down, along = (
-        min(most, size // BLOCK) for most, size in zip(_SMALL_CELLS, plane.shape, strict=True)
-    )
-    found: dict[int, LightCells] = {}
-
-    def measure(frame: int) -> LightCells:
-        pair = chain.measure(frame)
-        flag_thick_films(pair, calibration, plane.patch)
-        images = pair.light_one, pair.log_ratio, pair.variance, pair.flags
-        return sample_cells(*images, cells=(down, along))
-
-    Threads(None).compute(measure, frames, found.__setitem__)
-    cells = cells_of_region([found[frame] for frame in frames], plane, count=(down, along))
-    texture = None if cells is None else map_texture(*cells, calibration.at(0.5), plane.shape)
-    if texture is not None and texture.pattern is not None and plane.patch is not None:
-        patch = plane.patch.rows, plane.patch.columns
-        texture.pattern.log_ratio[patch], texture.pattern.std[patch] = 0.0, texture.size
-    return texture
 
 
 def find_background(
@@ -543,6 +485,8 @@ def correct_light(
     chain: FrameChain, calibration: RunCurve, findings: LightFindings, options: LightOptions
 ) -> tuple[FrameChain, RunCurve, LightFindings]:
     """Apply the requested corrections to chain and calibration; findings without other errors."""
+    if findings.texture is not None and findings.texture.pattern is not None:
+        chain = replace(chain, pattern=findings.texture.pattern.log_ratio)
     if options.background == "correct" and findings.background is not None:
         chain = subtract(chain, findings.background)
         calibration = with_background(calibration, findings.background.error)

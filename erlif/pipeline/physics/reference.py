@@ -9,12 +9,14 @@ from typing import Any
 
 import numpy as np
 
-from erlif.calibration import RunCurve
+from erlif.calibration import RatioCurve, RunCurve
 from erlif.core.arrays import Array
 from erlif.core.notes import Note, remark, warn
 from erlif.core.variables import FILM
 from erlif.io.settings import ReferenceSettings
 from erlif.pipeline.engines.results import FrameResult, TriggerResult, share_passed, shares_passed
+from erlif.ratio import PairRatio
+from erlif.thickness import flag_beyond_maximum
 from erlif.trend import Region, Texture
 
 # Standard deviations from which on a deviation is reported.
@@ -23,6 +25,22 @@ _DEVIANT = 3.0
 
 # Frames whose patch is valid, for the scale of the ratio at least.
 _FEWEST = 6
+
+
+def flag_thick_films(pair: PairRatio, calibration: RatioCurve, patch: Region | None) -> None:
+    """Flag films beyond the maximum of the ratio, but the known one of a reference patch.
+
+    Parameters
+    ----------
+    pair : PairRatio
+        Its flags receive `Flag.ABOVE_RANGE`.
+    calibration : RatioCurve
+    patch : Region or None
+    """
+    at = (slice(0), slice(0)) if patch is None else (patch.rows, patch.columns)
+    known = pair.flags[at].copy()
+    flag_beyond_maximum(pair.log_ratio, pair.flags, calibration)
+    pair.flags[at] = known
 
 
 @dataclass(frozen=True)
@@ -100,9 +118,8 @@ def fit_patch_scale(
     if patch is not None:
         column, row = (0.5 * (part.start + part.stop - 1) for part in (patch.columns, patch.rows))
         place = column, row
-    if patch is not None and texture is not None:
-        pattern = texture.over(patch) / float(calibration.slope(film))
-        film_std = math.hypot(film_std, pattern)
+        if texture is not None:
+            film_std = math.hypot(film_std, texture.over(patch) / float(calibration.slope(film)))
     return PatchScale(course, covariance, film, film_std, place)
 
 

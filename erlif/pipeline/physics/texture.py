@@ -11,20 +11,64 @@ from erlif.calibration import RatioCurve, RunCurve
 from erlif.core.arrays import AnyArray, Array
 from erlif.core.notes import Note, warn
 from erlif.core.terms import CONSTANT, TERMS
+from erlif.correction.light import BLOCK
 from erlif.io.files import MapStore
+from erlif.pipeline.chain import FrameChain
 from erlif.pipeline.engines.engine import Threads
 from erlif.pipeline.engines.results import FrameResult, TriggerResult
 from erlif.pipeline.physics.findings import LightFindings
+from erlif.pipeline.physics.gap import cells_of_region
+from erlif.pipeline.physics.reference import flag_thick_films
 from erlif.pipeline.plane import ObjectPlane
 from erlif.ratio import LightCells, cell_centres, sample_cells
-from erlif.trend import GapShape, Texture, find_texture
+from erlif.trend import GapShape, Texture, find_texture, map_texture
 from erlif.trend.cells import FEWEST_FRAMES, FEWEST_VISITS, choosable_films
 
 _FILMS = 400  # of the range, at which the error of a pixel is tabulated
 
 _MOST_MAPS = 100  # in which a pattern is sought
 
+# Rows and columns, at most, of the cells in which a pattern is mapped.
+_SMALL_CELLS = (32, 40)
+
 _ENOUGH_CELLS = 40  # of the 120 of a picture, with which it is sought in these: twice the fewest
+
+
+def measure_pattern(
+    chain: FrameChain, frames: Sequence[int], calibration: RunCurve, plane: ObjectPlane
+) -> Texture | None:
+    """What stands still in the image, with its pattern, from frames whose ratio is measured again.
+
+    Parameters
+    ----------
+    chain : FrameChain
+    frames : sequence of int
+    calibration : RunCurve
+    plane : ObjectPlane
+
+    Returns
+    -------
+    Texture or None
+        None where nothing is significant. Nothing is taken out on a patch of another film.
+    """
+    down, along = (
+        min(most, size // BLOCK) for most, size in zip(_SMALL_CELLS, plane.shape, strict=True)
+    )
+    found: dict[int, LightCells] = {}
+
+    def measure(frame: int) -> LightCells:
+        pair = chain.measure(frame)
+        flag_thick_films(pair, calibration, plane.patch)
+        images = pair.light_one, pair.log_ratio, pair.variance, pair.flags
+        return sample_cells(*images, cells=(down, along))
+
+    Threads(None).compute(measure, frames, found.__setitem__)
+    cells = cells_of_region([found[frame] for frame in frames], plane, count=(down, along))
+    texture = None if cells is None else map_texture(*cells, calibration.at(0.5), plane.shape)
+    if texture is not None and texture.pattern is not None and plane.patch is not None:
+        patch = plane.patch.rows, plane.patch.columns
+        texture.pattern.log_ratio[patch], texture.pattern.std[patch] = 0.0, texture.size
+    return texture
 
 
 def with_texture(

@@ -23,14 +23,10 @@ from erlif.pipeline.chain import FrameChain, FrameCorrection
 from erlif.pipeline.engines.results import FrameResult
 from erlif.pipeline.physics.findings import LightFindings
 from erlif.pipeline.physics.gap import shows_errors
-from erlif.pipeline.physics.light import (
-    correct_light,
-    find_light,
-    measure_lights,
-    measure_pattern,
-)
+from erlif.pipeline.physics.light import correct_light, find_light, measure_lights
 from erlif.pipeline.physics.systematics import add_systematics, update_systematics
 from erlif.pipeline.physics.temperature import read_warming, without_warming
+from erlif.pipeline.physics.texture import measure_pattern
 from erlif.pipeline.plane import ObjectPlane
 from erlif.pipeline.recording.cameras import Characterised, characterise_cameras
 from erlif.pipeline.recording.noise import (
@@ -343,17 +339,14 @@ def prepare_run(
             most = None if options.corrects else _FRAMES_OF_GAP
             lights = measure_lights(chain, curve, plane.patch, most=most)
             findings = ready.find_light(lights, patch)
-            still = findings.texture if options.errors != "report" else None
-            if still is not None:
-                frames = sorted(lights)[:: -(-len(lights) // _FRAMES_OF_GAP)]
-                still = measure_pattern(chain, frames, curve, plane)
-            if still is not None:  # small cells show its size and length better
-                ready = replace(ready, light=LightFindings(texture=still))
-                findings = ready.find_light(lights, patch)
+            if findings.texture is not None and options.errors != "report":
+                # the same beside a pattern whose size and length small cells show better
+                frames = run.pairs.spread(_FRAMES_OF_GAP)
+                if (texture := measure_pattern(chain, frames, curve, plane)) is not None:
+                    ready = replace(ready, light=LightFindings(texture=texture))
+                    findings = ready.find_light(lights, patch)
         chain, curve, findings = correct_light(chain, curve, findings, options)
-        if still is not None and still.pattern is not None:
-            chain = replace(chain, pattern=still.pattern.log_ratio)
-        if options.corrects or curve.follows_run or still is not None:
+        if options.corrects or curve.follows_run or chain.pattern is not None:
             ready = replace(ready, chain=chain, curve=curve, light=findings)
 
     # the frames need neither the sample nor the references

@@ -1,0 +1,176 @@
+"""What stands still in the image as a Gaussian process: its size, and its most likely values.
+
+The pattern has the covariance v exp(-d^2 / l^2) at a distance d. Its values by the factors of cells
+are equations 2.25 and 2.26 of Rasmussen and Williams (2006), http://www.gaussianprocess.org/gpml.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import cv2
+import numpy as np
+
+from erlif.core.arrays import Array, Image
+from erlif.trend.factor import CellFactors
+
+_LONGEST = 4  # cells: a third of the picture
+_LENGTHS, _SIZES = 8, 200  # that are tried, to 8 % of the variance
+_SMALLEST, _LARGEST = 1e-3, 0.3  # sizes among which the true one is sought
+
+
+class Pattern(NamedTuple):
+    """What stands still at each pixel, as it is taken out of the ratio, (y, x).
+
+    Attributes
+    ----------
+    log_ratio : Image
+        [1]
+    std : Image
+        Standard deviation of what is left. [1]
+    """
+
+    log_ratio: Image
+    std: Image
+
+
+class PatternSize(NamedTuple):
+    """How large a pattern is, and how far it is correlated.
+
+    Attributes
+    ----------
+    size : float
+        Standard deviation of the logarithm of the ratio over the picture. [1]
+    std : float
+        Standard deviation of the size. [1]
+    length : float
+        Distance over which it is correlated (1/e). [px]
+    gain : float
+        Rise of the logarithm of the likelihood by it.
+    """
+
+    size: float
+    std: float
+    length: float
+    gain: float
+
+
+def find_size(factors: CellFactors) -> PatternSize:
+    """Find size and length, means over all that are tried, each as likely before as any other.
+
+    Parameters
+    ----------
+    factors : CellFactors
+
+    Returns
+    -------
+    PatternSize
+    """
+    root = np.linalg.inv(np.linalg.cholesky(factors.noise))
+    shown, values = root @ factors.shown, root @ factors.values
+    widths = _cell_widths(factors.centres)
+    sizes = np.geomspace(_SMALLEST, _LARGEST, _SIZES)
+    lengths = np.geomspace(0.5 * max(widths), _LONGEST * min(widths), _LENGTHS)
+    gains = []
+    for length in lengths:
+        power, axes = np.linalg.eigh(shown @ correlate_cells(length, factors.centres) @ shown.T)
+        share, total = (axes.T @ values) ** 2, 1 + sizes[:, None] ** 2 * power
+        gains.append(0.5 * (share - share / total - np.log(total)).sum(axis=1))
+
+    likely = np.exp(np.array(gains) - np.max(gains))
+    of_size, squares = likely.sum(axis=0) / likely.sum(), likely @ sizes**2
+    size = math.sqrt(float(of_size @ sizes**2))
+    std = math.sqrt(max(size**2 - float(of_size @ sizes) ** 2, 0.0))
+    length = float(squares @ lengths / squares.sum())
+    return PatternSize(size, std, length, float(np.max(gains)))
+
+
+def map_pattern(
+    factors: CellFactors, size: float, length: float, shape: tuple[int, int]
+) -> Pattern:
+    """Map the most likely pattern of given size and length.
+
+    Parameters
+    ----------
+    factors : CellFactors
+    size : float
+        [1]
+    length : float
+        [px]
+    shape : tuple of int
+        Rows and columns of the image.
+
+    Returns
+    -------
+    Pattern
+    """
+    variance, shown, widths = size**2, factors.shown, _cell_widths(factors.centres)
+    own = shown @ correlate_cells(length, factors.centres) @ shown.T
+    known = np.linalg.inv(variance * own + factors.noise)
+
+    # at pixels, by the means over cells, column by column and row by row
+    middles = [np.unique(at) for at in factors.centres]
+    along, down = (
+        _correlate_along(length, np.arange(float(count)), at, width, means=1)
+        for count, at, width in zip(shape[::-1], middles, widths, strict=True)
+    )
+    weights = (shown.T @ known @ factors.values).reshape(len(middles[1]), len(middles[0]))
+    value = variance * (down @ weights @ along.T)
+
+    # what is left in the middle of each cell
+    columns, rows = (
+        _correlate_along(length, at, at, width, means=1)
+        for at, width in zip(middles, widths, strict=True)
+    )
+    seen = variance * np.kron(rows, columns) @ shown.T
+    left = variance - np.sum(seen @ known * seen, axis=1)
+    std = np.sqrt(np.maximum(left, 0.0)).reshape(weights.shape).astype(np.float32)
+    wide = cv2.resize(std, shape[::-1], interpolation=cv2.INTER_LINEAR)
+    return Pattern(value.astype(np.float32), np.asarray(wide))
+
+
+def correlate_cells(length: float, centres: tuple[Array, Array]) -> Array:
+    """Covariance of the means of a pattern of variance 1 over cells.
+
+    The mean over a cell is that of a Gaussian of the same width.
+
+    Parameters
+    ----------
+    length : float
+        [px]
+    centres : tuple of two arrays, (cell,)
+        Columns and rows of their middles. [px]
+
+    Returns
+    -------
+    array, (cell, cell)
+
+    Examples
+    --------
+    The mean over a cell varies less than the pattern:
+
+    >>> centres = np.array([0.0, 8, 0, 8]), np.array([0.0, 0, 8, 8])
+    >>> correlate_cells(16.0, centres)[0, :2].round(2)
+    array([0.92, 0.73])
+    """
+    along, down = (
+        _correlate_along(length, at, at, width)
+        for at, width in zip(centres, _cell_widths(centres), strict=True)
+    )
+    return along * down
+
+
+def _cell_widths(centres: tuple[Array, Array]) -> list[float]:
+    """Columns and rows of a cell. [px]"""
+    return [float(np.ptp(at)) / (np.unique(at).size - 1) for at in centres]
+
+
+def _correlate_along(
+    length: float, at: Array, cells: Array, width: float, *, means: int = 2
+) -> Array:
+    """The same along one axis, of `means` over cells; with a pixel in place of one it is 1."""
+    seen = length**2 + means * width**2 / 6
+    return np.asarray(
+        length / math.sqrt(seen) * np.exp(-(np.subtract.outer(at, cells) ** 2) / seen)
+    )

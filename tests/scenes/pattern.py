@@ -1,0 +1,28 @@
+"""Cells of a film that moves, with a fixed factor of the ratio and marks."""
+
+import numpy as np
+
+from erlif.ratio.cells import LightCells, cell_centres
+from erlif.show.plots import example_calibration
+
+SHAPE = 400, 480
+CENTRES = cell_centres(SHAPE)
+CURVE = example_calibration()
+NOISE = 1e-3
+
+
+def draw_field(length, rng, places=CENTRES):
+    """Gaussian fields of standard deviation 1 at places, correlated as exp(-d^2 / length^2)."""
+    apart = sum(np.subtract.outer(at, at) ** 2 for at in places)
+    root = np.linalg.cholesky(np.exp(-apart / length**2) + 1e-9 * np.eye(len(apart)))
+    return root @ rng.standard_normal(len(apart))
+
+
+def photograph(factor, *, swing=1.5, marks=0.1, frames=40, seed=0, centres=CENTRES):
+    """Cells of a film that moves by `swing` [um] about 4 um, with a fixed factor of the ratio."""
+    rng = np.random.default_rng(seed)
+    x, y = (2 * at / np.ptp(at) - 1 for at in centres)
+    move = swing * np.sin(np.linspace(0, 2 * np.pi, frames))
+    film = 4 + move[:, None] + 0.8 * x**2 + 0.1 * y + marks * rng.standard_normal(x.size)
+    log_ratio = CURVE.predict_log(film) + factor + NOISE * rng.standard_normal(film.shape)
+    return LightCells(0 * film, log_ratio, 0 * film, 0 * film + NOISE**2)

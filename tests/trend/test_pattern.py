@@ -1,0 +1,58 @@
+"""A pattern of known size and length, and what is known of it by the factors of cells."""
+
+import numpy as np
+import pytest
+from scenes.pattern import CURVE, draw_field, photograph
+
+from erlif.ratio.cells import cell_centres
+from erlif.trend.factor import CellFactors, measure_factors
+from erlif.trend.pattern import correlate_cells, find_size, map_pattern
+
+SHAPE = 192, 256
+CENTRES = cell_centres(SHAPE, cells=(24, 32))
+"""Cells of 8 x 8 pixels."""
+
+
+@pytest.mark.parametrize("length", [16.0, 40.0])
+def test_covariance_of_means_over_cells_is_the_integral_over_both(length):
+    inside = (np.arange(80) + 0.5) / 10
+    grid = np.meshgrid(inside, inside)
+    x, y = (np.concatenate([one.ravel() + shift for shift in (0, 8)]) for one in grid)
+    y[len(y) // 2 :] -= 8  # the second cell lies beside the first one
+    rng = np.random.default_rng(1)
+    one, two = rng.integers(0, 6400, 200_000), 6400 + rng.integers(0, 6400, 200_000)
+    apart = (x[one] - x[two]) ** 2 + (y[one] - y[two]) ** 2
+    expected = np.exp(-apart / length**2).mean()
+
+    square = np.array([4.0, 12, 4, 12]), np.array([4.0, 4, 12, 12])
+    found = correlate_cells(length, square)[0, 1]
+    assert abs(found / expected - 1) < 0.01
+
+
+def test_size_and_length_are_those_of_drawn_values():
+    """Of single cells that are measured to a tenth of the size."""
+    found = []
+    for seed in range(6):
+        rng = np.random.default_rng(seed)
+        values = 0.02 * draw_field(24, rng, CENTRES)
+        values += 0.002 * rng.standard_normal(values.size)
+        cells = np.eye(values.size)
+        factors = CellFactors(values, 0.002**2 * cells, cells, CENTRES, film=4.0)
+        found.append(find_size(factors))
+    assert 0.9 < np.mean([one.size for one in found]) / 0.02 < 1.2
+    assert all(0.7 < one.length / 24 < 1.4 for one in found)
+
+
+def test_the_most_likely_pattern_is_as_near_to_the_drawn_one_as_it_states():
+    """A third of its size is left; shares within one and two standard deviations."""
+    middles, within = tuple(np.round(at).astype(int) for at in CENTRES[::-1]), []
+    for seed in range(8):
+        factor = 0.02 * draw_field(24, np.random.default_rng(seed), CENTRES)
+        record = photograph(factor, seed=seed, marks=0.03, centres=CENTRES)
+        factors = measure_factors(record, CENTRES, CURVE)
+        taken, std = map_pattern(factors, 0.02, 24.0, SHAPE)
+        off = factor - taken[middles]
+        within.append(np.abs(off) / std[middles])
+        assert off.std() < 0.45 * 0.02
+    assert 0.55 < np.mean(np.array(within) < 1) < 0.8
+    assert 0.9 < np.mean(np.array(within) < 2) < 0.99
