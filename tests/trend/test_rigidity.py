@@ -113,6 +113,31 @@ def test_the_errors_that_remain_follow_their_covariance():
     assert np.min(gains) > 1.3
 
 
+@pytest.mark.slow
+def test_the_errors_that_remain_beside_a_pattern_follow_their_covariance():
+    """Thirty runs, each with another pattern of 1 % over 60 px; without it as unknown 2 or more."""
+    rng, curve = np.random.default_rng(7), CALIBRATION.at(1.0)
+    apart = sum(np.subtract.outer(at, at) ** 2 for at in cell_centres(SHAPE))
+    covariance = 1e-4 * np.exp(-apart / 60**2)
+    pulls = {"known": [], "left out": []}
+    for _ in range(30):
+        errors, form = draw_errors(rng), draw_roundness(rng)
+        still = rng.multivariate_normal(np.zeros(len(covariance)), covariance)
+        record = draw_run(rng, errors, form=form)
+        record = record._replace(log_ratio=record.log_ratio + still)
+        shift = true_shift(errors, 1.0)
+        for name, pattern in (("known", covariance), ("left out", None)):
+            if (found := estimate(record, pattern=pattern)) is None:
+                continue
+            std = found.film_std(FILMS, curve)
+            pulls[name].append((shift - found.film_shift(FILMS + shift, curve)) / std)
+    known = np.array(pulls["known"])
+    assert len(known) == 30
+    npt.assert_allclose(np.std(known, axis=0), 1, atol=3.2 * 0.13)
+    npt.assert_allclose(np.mean(known, axis=0), 0, atol=3.5 / np.sqrt(30))
+    assert (np.std(pulls["left out"], axis=0) > 1.8).all()
+
+
 def test_a_scale_of_the_ratio_is_found_and_taken_out():
     errors = (0.02, 0.0, 0.0, 0.0)
     found = estimate(draw_run(np.random.default_rng(1), errors))
