@@ -21,7 +21,7 @@ from __future__ import annotations
 import argparse
 import tempfile
 import warnings
-from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
@@ -59,7 +59,8 @@ MOVING = {"film_table": tuple(2 + 6 * np.sin(np.pi * np.arange(24) / 12) ** 2)}
 
 
 TEXTURED = {"wall": (0.1, 0.1), "wall_texture": (0.5, 1.0)}
-PATTERN, LENGTH = 0.026, 1.0  # of the ratio by this wall [1], and where it falls to 1/e [mm]
+PATTERN, LENGTH = 0.023, 1.0  # of the ratio by this wall [1], and where it falls to 1/e [mm]
+SIX = np.array(6.0)  # um: film whose ratio has this pattern; that of others by their derivative
 
 
 class Row(NamedTuple):
@@ -85,38 +86,45 @@ TABLE = {
 }
 
 
-def logarithms(film: np.ndarray, oil: DyedOil | None = None) -> np.ndarray:
+def logarithms(film: np.ndarray, oil: DyedOil) -> np.ndarray:
     """Logarithms of the light of both bands, (band, ...)."""
-    return np.log([filtered_light(film, band, oil=oil or DyedOil()) for band in BANDS])
+    return np.log([filtered_light(film, band, oil=oil) for band in BANDS])
 
 
-def by_film(film: np.ndarray) -> np.ndarray:
+def by_film(film: np.ndarray, oil: DyedOil) -> np.ndarray:
     """Their derivatives by the film. [1/um]"""
-    return (logarithms(film + STEP) - logarithms(film - STEP)) / (2 * STEP)
+    return (logarithms(film + STEP, oil) - logarithms(film - STEP, oil)) / (2 * STEP)
 
 
-def by_oil(film: np.ndarray, changed: Callable[[float], DyedOil]) -> np.ndarray:
-    """Their derivatives by a change of the oil or of the wall."""
-    return (logarithms(film, changed(STEP)) - logarithms(film)) / STEP
+def by_oil(film: np.ndarray, oil: DyedOil, **changed: object) -> np.ndarray:
+    """Their derivatives by a change of the oil or of the wall, which comes with `STEP`."""
+    return (logarithms(film, replace(oil, **changed)) - logarithms(film, oil)) / STEP
+
+
+def by_wall(film: np.ndarray, oil: DyedOil) -> np.ndarray:
+    """Their derivatives by the reflectance of the wall."""
+    return by_oil(film, oil, reflectance=oil.reflectance + STEP)
 
 
 class Blocks(NamedTuple):
-    """Films (frame, block) in um, places from -1 to 1, and light (band, frame, block)."""
+    """Films (frame, block) in um, places from -1 to 1, light (band, frame, block), and the oil."""
 
     film: np.ndarray
     u: np.ndarray
     v: np.ndarray
     light: np.ndarray  # electrons
+    oil: DyedOil  # with the wall of the joint
 
     @classmethod
     def of(cls, rig: RigSettings, film: np.ndarray, u: np.ndarray, v: np.ndarray) -> Blocks:
         x, y = (u + 1) * rig.centre[0], (v + 1) * rig.centre[1]
-        relative = np.exp(logarithms(film) - logarithms(np.array(200.0))[:, None, None])
+        oil = DyedOil(reflectance=rig.wall[1])
+        relative = np.exp(logarithms(film, oil) - logarithms(np.array(200.0), oil)[:, None, None])
         full = rig.light * np.array(rig.thick_film_signal)[:, None, None]
-        return cls(film, u, v, full * beam(x, y, rig) * relative)
+        return cls(film, u, v, full * beam(x, y, rig) * relative, oil)
 
 
-def curve_errors(rig: RigSettings, film: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def curve_errors(rig: RigSettings, film: np.ndarray, oil: DyedOil) -> tuple[np.ndarray, np.ndarray]:
     """Derivatives of the log ratio by ln K, p and q, and their covariance by the fixture.
 
     The model is r = K p/q (1 - exp(-q t)) / (1 - exp(-p t)).
@@ -127,14 +135,14 @@ def curve_errors(rig: RigSettings, film: np.ndarray) -> tuple[np.ndarray, np.nda
         return k + np.log(p / q * np.expm1(-q * of) / np.expm1(-p * of))
 
     wedge = np.linspace(*rig.wedge, rig.width)
-    true = np.diff(logarithms(wedge), axis=0)[0]
+    true = np.diff(logarithms(wedge, oil), axis=0)[0]
     at = scipy.optimize.least_squares(lambda k: predict(k, wedge) - true, [true[0], 0.4, 0.25]).x
     steps = STEP * np.eye(3)
     acts, own = (
         np.array([(predict(at + s, of) - predict(at - s, of)) / (2 * STEP) for s in steps])
         for of in (film, wedge)
     )
-    relative = np.exp(logarithms(wedge) - logarithms(np.array([200.0])))
+    relative = np.exp(logarithms(wedge, oil) - logarithms(np.array([200.0]), oil))
     electrons = np.array(rig.thick_film_signal)[:, None] * relative
     noise = (1 / electrons).sum(axis=0) / (rig.height * rig.fixture_frames)
     return acts, np.linalg.inv(own / noise @ own.T)
@@ -147,11 +155,11 @@ def list_errors(
 
     `typical` is the median light of both cameras [electron].
     """
-    film, u, v, light = at
+    film, u, v, light, oil = at
     passed = np.linspace(0, 1, len(film))[:, None] * np.ones(film.shape)
-    slope, one = by_film(film), np.ones(film.shape)
+    slope, one = by_film(film, oil), np.ones(film.shape)
     second, first = np.stack([0 * one, one]), np.stack([one, 0 * one])
-    both = by_oil(film, lambda step: DyedOil(left=(1 + step, 1 + step)))
+    both = by_oil(film, oil, left=(1 + STEP, 1 + STEP))
     legendre = (3**0.5 * u, 3**0.5 * v, 3 * u * v, *(5**0.5 * (1.5 * n**2 - 0.5) for n in (u, v)))
     pixel = (rig.wedge[1] - rig.wedge[0]) / rig.width  # um of the wedge
     listed = [
@@ -159,8 +167,8 @@ def list_errors(
         *((width[key], second * passed) for key in ("temperature", "bleaching")),
         (width["bleaching"], -both * passed),
         (width["batch"], both),
-        (width["batch"], by_oil(film, lambda step: DyedOil(left=(1.0, 1 + step)))),
-        (width["wall"], by_oil(film, lambda step: DyedOil(reflectance=step))),
+        (width["batch"], by_oil(film, oil, left=(1.0, 1 + STEP))),
+        (width["wall"], by_wall(film, oil)),
         *((width["linearity"], -light / FULL * side) for side in (first, second)),
         *((width["field"] / 5**0.5, second * shape) for shape in legendre),
         (width["position"] * pixel, slope),
@@ -169,7 +177,7 @@ def list_errors(
     ]
     covariance = np.diag([std**2 for std, _ in listed])
     covariance[-1, -2] = covariance[-2, -1] = 0.9 * width["background"] ** 2
-    acts, fitted = curve_errors(rig, film)
+    acts, fitted = curve_errors(rig, film, oil)
     table = [acts for _, acts in listed] + [np.stack([0 * each, each]) for each in acts]
     return np.array(table), scipy.linalg.block_diag(covariance, fitted)
 
@@ -178,7 +186,8 @@ def pattern_unknowns(row: Row, rig: RigSettings, at: Blocks) -> tuple[np.ndarray
     """Derivatives of the log light by the pattern of each block, and covariance of these."""
     frames, blocks = at.film.shape
     acts = np.zeros((blocks, 2, frames, blocks))
-    acts[np.arange(blocks), 1, :, np.arange(blocks)] = 1.0
+    of_ratio, typical = (np.diff(by_wall(each, at.oil), axis=0)[0] for each in (at.film, SIX))
+    acts[np.arange(blocks), 1, :, np.arange(blocks)] = (of_ratio / typical).T
     covariance = np.full((blocks, blocks), row.pattern**2)
     sides = ((at.u, rig.field_width, COLUMNS), (at.v, rig.height * rig.pitch, ROWS))
     for place, side, count in sides:
@@ -245,7 +254,7 @@ def patch_information(
     of_errors = list_errors(row.widths, rig, patch, typical)[0]
     acts = np.einsum("ebfc,en->nbfc", of_errors, root[: len(of_errors)])
     # what stands still on the patch looks like another film of it
-    slope = by_film(film)
+    slope = by_film(film, patch.oil)
     over = row.pattern**2
     for side in (right - left, bottom - top):
         places = np.linspace(0, side, 50)
@@ -284,7 +293,7 @@ def bounds(
     if rig.reference:
         errors += patch_information(row, rig, len(maps), typical, root)
 
-    slope = by_film(film)
+    slope = by_film(film, at.oil)
     of_error = np.concatenate([acts, 0 * acts[:1]])
     by_error = np.diff(of_error, axis=1)[:, 0] / np.diff(slope, axis=0)[0]
     of_gap = gap_unknowns(rig, at, float(marks.std()))

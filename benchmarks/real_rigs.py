@@ -501,11 +501,15 @@ def judge_beyond(job: tuple[str, tuple[float, float]]) -> str:
     flags = film["flags"].values
     lit = flags & ~np.uint16(Flag.ABOVE_RANGE | Flag.BELOW_RANGE) == 0
     valid, error = flags == 0, np.abs(film.thickness.values - true)
-    off = valid & (error > 2 * np.hypot(film.thickness_std, film.thickness_std_shared).values)
+    off = error > 2 * np.hypot(film.thickness_std, film.thickness_std_shared).values
     beyond, thin = lit & (true > end), lit & (true < 0.7 * end)
-    parts = f"{valid[beyond].mean():.2%} valid, {off[beyond].mean():.2%} off"
+    parts = f"{valid[beyond].mean():.2%} valid, {(off & valid)[beyond].mean():.2%} off"
     row = f"{joint:5s} wall {wall:.0%}, texture {share:.0%}: beyond {end:.1f} um {parts}"
-    return f"{row}; of thinner ones {1 - valid[thin].mean():.2%} flagged"
+    row = f"{row}; of thinner ones {1 - valid[thin].mean():.2%} flagged; within two"
+    for low, high in (*OCTAVES, (0.9 * end, end)):
+        of = valid & (true > low) & (true < min(high, end))
+        row += f" {1 - off[of].mean():.0%}" if of.sum() >= PULSES else " -"
+    return row
 
 
 FORMS = ("cosine", "circles", "projection", "parabola")

@@ -130,6 +130,10 @@ class RatioCurve(ABC):
         acts = systematics.gradient(thickness, self.model, slope, change, **at)
         return np.concatenate([fitted, acts])
 
+    def by_wall(self, thickness: npt.ArrayLike) -> Array:
+        """Derivative of the logarithm of the ratio by the reflectance of the wall."""
+        return self.model.with_wall.ratio(np.asarray(thickness, float)).by_reflectance
+
     def film_gradient(self, thickness: npt.ArrayLike, **at: Any) -> Array:
         """Derivatives of the film of a measured ratio by all parameters, (n, ...).
 

@@ -86,6 +86,14 @@ class Reabsorption:
         """Whether the wall behind the film reflects."""
         return len(self.parameters) > BLACK
 
+    @property
+    def with_wall(self) -> Reabsorption:
+        """The same with the parameters of a wall, a black one where it has none."""
+        if self.reflects:
+            return self
+        K, p, q = self.parameters
+        return Reabsorption(np.array([K, p, q, LASER_SHARE * q, 0.0]))
+
     def predict(self, thickness: npt.ArrayLike) -> Array:
         """Logarithm of the ratio of a film. `thickness` in um."""
         return self.ratio(thickness).log_ratio

@@ -15,7 +15,7 @@ from typing import Any, Literal
 import numpy as np
 import numpy.typing as npt
 
-from erlif.calibration.regression import LASER_SHARE, Reabsorption
+from erlif.calibration.regression import Reabsorption
 from erlif.core.arrays import Array, Mask
 from erlif.core.terms import PARAMETERS, RISE, STEP, TERMS, Acts, Parameter, Where
 
@@ -383,7 +383,7 @@ class Systematics:
         """
         film = np.asarray(thickness, float)
         lit = np.maximum(film, _THINNEST)
-        light, wall = model.light(lit), _with_wall(model)
+        light, wall = model.light(lit), model.with_wall
         reabsorbed = model.parameters[1] - model.parameters[2]
         if place is not None:
             x, y = (
@@ -480,11 +480,3 @@ class Systematics:
 
 # A calibration whose fixture has no error but those that its frames show.
 NO_SYSTEMATICS = Systematics.of({}, parameters=0)
-
-
-def _with_wall(model: Reabsorption) -> Reabsorption:
-    """Add the parameters of a black wall to a model that has none."""
-    if model.reflects:
-        return model
-    K, p, q = model.parameters
-    return Reabsorption(np.array([K, p, q, LASER_SHARE * q, 0.0]))

@@ -29,6 +29,7 @@ from erlif.ratio import BlurDifference, PairRatio, compute_ratio, measure_sharpn
 from erlif.ratio.log_ratio import empty_ratio
 from erlif.ratio.softening import Softening
 from erlif.registration import CameraMap, align_bands, align_frames
+from erlif.trend.pattern import Pattern
 
 
 @dataclass(frozen=True)
@@ -156,8 +157,8 @@ class FrameChain(PickledByFields):
     ratio_change : Array | None
         Change of the logarithm of the ratio by what is not film, (frame,), which is taken out; None
         where nothing is. [1]
-    pattern : Image | None
-        What stands still, (y, x), and is taken out of the logarithm of the ratio. [1]
+    pattern : Pattern | None
+        What stands still, and is taken out of the logarithm of the ratio.
     """
 
     correct: FrameCorrection
@@ -165,7 +166,7 @@ class FrameChain(PickledByFields):
     blur: BlurDifference = field(default_factory=BlurDifference)
     no_film_below: float = 0.25
     ratio_change: Array | None = None
-    pattern: Image | None = None
+    pattern: Pattern | None = None
 
     @property
     def pairs(self) -> FramePairs:
@@ -316,7 +317,7 @@ class FrameChain(PickledByFields):
         if change:
             log_ratio -= np.float32(change)
         if self.pattern is not None:
-            log_ratio -= self.pattern
+            self.pattern.take_out(log_ratio)
 
     def _change(self, frame: int) -> float:
         """Change of the logarithm of the ratio that is taken out of a frame. [1]"""

@@ -192,8 +192,9 @@ def with_light(draft: FilmDraft, maps: MapStore) -> FilmDraft:
     film = draft.film.assign(describe_statistics(results, curve))
     positions = [one.position for one in results]
     film = film.assign(describe_positions(positions, curve, ready.plane.view)).assign(light)
-    if ready.chain.pattern is not None:
-        film = film.assign(ratio_pattern=FILM["ratio_pattern"].fill(ready.chain.pattern))
+    if (pattern := ready.chain.pattern) is not None:
+        acts = {"ratios": pattern.ratios, "acts": pattern.acts}
+        film = film.assign(ratio_pattern=FILM["ratio_pattern"].fill(pattern.log_ratio, **acts))
     largest = name_largest_error(film, run.settings, ready.curve, curve)
     film = film.assign_attrs(
         largest_error=largest,

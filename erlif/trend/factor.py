@@ -1,16 +1,23 @@
 """The factor of the ratio of each cell that is the same in all frames, beside marks and film.
 
-The logarithm of the ratio of a cell less that of the smooth gap of its frame is f + m s and noise.
-The marks m of the surfaces are film, and act by the slope s of the logarithm of the ratio at that
-film. Films that differ at one place from frame to frame separate both. What is smooth over the
+The logarithm of the ratio of a cell less that of the smooth gap of its frame is a f + m s, beside
+noise. The marks m of the surfaces are film, and act by the slope s of the logarithm of the ratio at
+that film. Films that differ at one place from frame to frame separate both. What is smooth over the
 picture is left to the gap.
+
+Windows and flats act on all films alike, a is 1; the reflectance of a wall acts less on thin films,
+by its derivative. A run has a part of both: the share of the wall and the size of the marks are the
+most likely ones, over the values of f that they give.
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
 from erlif.calibration import RatioCurve
 from erlif.core.arrays import Array
@@ -23,7 +30,34 @@ _DEGREE = 3  # of the smooth gap, and of what is smooth over the picture: beyond
 _STEPS = 3  # of Gauss and Newton to the gap of each frame
 _FEWEST = 20  # cells whose factor is known
 _LITTLE = 1e-9  # ridge over the trace: the cells of a frame may lie in few columns
-_DEPENDENT = 1e-6  # determinant over its largest value from which f and m are not separated
+_DEPENDENT = 1e-2  # determinant over its largest value from which f and m are not separated
+_NOTHING = 1e-300  # determinant of a cell that is not used
+_SHARES = np.linspace(0, 1, 11)  # of a wall in the factor, which are tried
+_MARKS = np.geomspace(0.01, 1.0, 9)  # um: standard deviations of the marks, which are tried
+_SHARE_STD = 0.3  # of the share of the wall, at least: its derivative is that of the fixture
+
+
+class FactorKind(NamedTuple):
+    """How a factor acts: as that of a window, as that of a wall, or as both.
+
+    Attributes
+    ----------
+    film : float
+        Median film of the cells, for which the factor is given. [um]
+    wall : float
+        Share of it that acts as the reflectance of a wall, 0 to 1.
+    wall_std : float
+        Standard deviation of this.
+    """
+
+    film: float
+    wall: float = 0.0
+    wall_std: float = _SHARE_STD
+
+    def acts(self, film: npt.ArrayLike, calibration: RatioCurve) -> tuple[Array, Array]:
+        """Factor of other films over that of `film`, and its standard deviation by `wall_std`."""
+        less = 1 - calibration.by_wall(film) / calibration.by_wall(self.film)
+        return 1 - self.wall * less, self.wall_std * less
 
 
 @dataclass(frozen=True)
@@ -40,15 +74,15 @@ class CellFactors:
         How the factors of all cells make them, (change, cell). [1]
     centres : tuple[Array, Array]
         Columns and rows of the middles of all cells, (cell,). [px]
-    film : float
-        Median film of the cells. [um]
+    kind : FactorKind
+        How the factors act on other films.
     """
 
     values: Array
     noise: Array
     shown: Array
     centres: tuple[Array, Array]
-    film: float
+    kind: FactorKind
 
 
 def measure_factors(
@@ -93,11 +127,19 @@ def measure_factors(
     curve, value, measured = FilmCurve.of(calibration), value[frames], measured[frames]
     film, slope, rest = _fit_gaps(value, measured, weight, curve, shapes, rates)
 
-    factor, noise, by_frame = _separate(rest, weight, slope, len(shapes))
-    known = np.isfinite(factor)
+    # cells whose films differ
+    plain = _Sums.of(rest, weight, slope, np.ones_like(rest))
+    apart = plain.factor * plain.marks - plain.mixed**2
+    known = apart > _DEPENDENT * plain.factor * plain.marks
     if known.sum() < _FEWEST:
         return None
-    left = np.eye(len(factor)) - _absorbed(by_frame, weight, slope, shapes)
+    middle = float(np.median(film[weight > 0]))
+    less = 1 - calibration.by_wall(film) / calibration.by_wall(middle)
+    wall, wall_std, marks = _judge(*(each[:, known] for each in (rest, weight, slope, less)))
+    acts = 1 - wall * less
+    used = np.where(known, weight, 0.0)
+    factor, noise, by_frame = _separate(rest, used, slope, acts, marks, len(shapes))
+    left = np.eye(len(factor)) - _absorbed(by_frame, weight, slope, acts, shapes)
 
     # changes of these cells that are orthogonal to the smooth shapes
     smooth = shapes[:, known]
@@ -107,7 +149,7 @@ def measure_factors(
         noise=(rough * noise[known]) @ rough.T,
         shown=rough @ left[known],
         centres=centres,
-        film=float(np.median(film[weight > 0])),
+        kind=FactorKind(middle, wall, wall_std),
     )
 
 
@@ -139,10 +181,11 @@ def _fit_frames(acts: Array, weight: Array) -> Array:
     return np.asarray(np.linalg.solve(normal + _LITTLE * trace * np.eye(acts.shape[1]), weighted))
 
 
-def _absorbed(by_frame: Array, weight: Array, slope: Array, shapes: Array) -> Array:
+def _absorbed(by_frame: Array, weight: Array, slope: Array, acts: Array, shapes: Array) -> Array:
     """What the gaps of all frames take of a fixed factor, (cell, cell)."""
-    acts = slope[:, None] * shapes
-    return np.tensordot(by_frame[:, None] * acts, _fit_frames(acts, weight), axes=((0, 1), (0, 1)))
+    gaps = slope[:, None] * shapes
+    fitted = _fit_frames(gaps, weight) * acts[:, None]
+    return np.tensordot(by_frame[:, None] * gaps, fitted, axes=((0, 1), (0, 1)))
 
 
 def _fit_gaps(
@@ -165,21 +208,72 @@ def _fit_gaps(
     return film, slope, rest - np.einsum("fs,fsc->fc", change, acts)
 
 
-def _separate(rest: Array, weight: Array, slope: Array, shapes: int) -> tuple[Array, Array, Array]:
+def _judge(rest: Array, weight: Array, slope: Array, less: Array) -> tuple[float, float, float]:
+    """Share of a wall in the factor, its standard deviation, and that of the marks [um].
+
+    By the likelihood of all cells, factors and marks of any value; `less` is by how much less a
+    wall acts on each film.
+    """
+    found = []
+    for share in _SHARES:
+        sums = _Sums.of(rest, weight, slope, 1 - share * less)
+        found.append([sums.likelihood(marks) for marks in _MARKS])
+    gain = np.array(found)
+    of_share = np.exp(gain - gain.max()).sum(axis=1)
+    of_share /= of_share.sum()
+    mean = float(of_share @ _SHARES)
+    std = math.sqrt(float(of_share @ (_SHARES - mean) ** 2))
+    return mean, math.hypot(std, _SHARE_STD), float(_MARKS[np.argmax(gain.max(axis=0))])
+
+
+class _Sums(NamedTuple):
+    """Weighted sums over the frames of each cell, (cell,): its normal equations for f and m."""
+
+    factor: Array
+    mixed: Array
+    marks: Array
+    right_factor: Array
+    right_marks: Array
+    square: Array
+
+    @classmethod
+    def of(cls, rest: Array, weight: Array, slope: Array, acts: Array) -> _Sums:
+        """The sums of what is measured, of what the factor does, and of the slope."""
+        pairs = (acts, acts), (acts, slope), (slope, slope), (acts, rest), (slope, rest)
+        return cls(*((weight * a * b).sum(axis=0) for a, b in (*pairs, (rest, rest))))
+
+    def likelihood(self, marks: float) -> float:
+        """Logarithm of the likelihood, but for what is the same for all shares and marks."""
+        own = self.marks + marks**-2
+        det = self.factor * own - self.mixed**2
+        factor = (own * self.right_factor - self.mixed * self.right_marks) / det
+        mark = (self.factor * self.right_marks - self.mixed * self.right_factor) / det
+        misfit = self.square - factor * self.right_factor - mark * self.right_marks
+        # factors have the size that they show
+        spread = np.log1p(marks**2 * self.marks) + np.log(det / own * np.mean(factor**2))
+        return float(-0.5 * (misfit + spread).sum())
+
+
+def _separate(
+    rest: Array, weight: Array, slope: Array, acts: Array, marks: float, shapes: int
+) -> tuple[Array, Array, Array]:
     """Fixed factor of each cell beside its marks, its variance, and the share of each frame in it.
 
-    NaN where films hardly differ.
-    `shapes` is the number of those that were fitted to each frame.
+    `marks` is the standard deviation of these [um], `shapes` the number of those that were fitted
+    to each frame.
     """
-    own, mixed, marks = ((weight * slope**n).sum(axis=0) for n in range(3))
-    det = own * marks - mixed**2
-    det = np.where(det > _DEPENDENT * own * marks, det, np.nan)
-    by_frame = weight * (marks - mixed * slope) / det
+    sums = _Sums.of(rest, weight, slope, acts)
+    own = sums.marks + marks**-2
+    det = np.maximum(sums.factor * own - sums.mixed**2, _NOTHING)
+    by_frame = weight * (own * acts - sums.mixed * slope) / det
     factor = (by_frame * rest).sum(axis=0)
-    left = rest - factor - slope * (weight * (own * slope - mixed) / det * rest).sum(axis=0)
+    mark = (sums.factor * sums.right_marks - sums.mixed * sums.right_factor) / det
+    excess = _excess(rest - acts * factor - slope * mark, weight, shapes)
+    return factor, np.maximum(excess, 1.0) * own / det, by_frame
 
-    # noise beyond that of photons; the gap of each frame takes its share of the freedom
+
+def _excess(left: Array, weight: Array, shapes: int) -> Array:
+    """Noise of each cell over that of photons; the gap of each frame takes its share of freedom."""
     count = weight > 0
     share = 1 - shapes / np.maximum(count.sum(axis=1), shapes + 1)
-    excess = (weight * left**2).sum(axis=0) / np.maximum(share @ count - 2, 1)
-    return factor, np.maximum(excess, 1.0) * marks / det, by_frame
+    return np.asarray((weight * left**2).sum(axis=0) / np.maximum(share @ count - 2, 1))

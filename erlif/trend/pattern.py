@@ -12,27 +12,45 @@ from typing import NamedTuple
 import cv2
 import numpy as np
 
+from erlif.calibration import RatioCurve
 from erlif.core.arrays import Array, Image
-from erlif.trend.factor import CellFactors
+from erlif.trend.factor import CellFactors, FactorKind
 
 _LONGEST = 4  # cells: a third of the picture
-_LENGTHS, _SIZES = 8, 200  # that are tried, to 8 % of the variance
+_LENGTHS, _SIZES = 8, 200  # that are tried; sizes to 3 %
 _SMALLEST, _LARGEST = 1e-3, 0.3  # sizes among which the true one is sought
+_FILMS = 33  # of the range, for which it is tabulated how a pattern acts
 
 
 class Pattern(NamedTuple):
-    """What stands still at each pixel, as it is taken out of the ratio, (y, x).
+    """What stands still at each pixel, (y, x), as it is taken out of the ratio.
 
     Attributes
     ----------
     log_ratio : Image
-        [1]
+        In the film of its `FactorKind`. [1]
     std : Image
-        Standard deviation of what is left. [1]
+        Standard deviation of what is left there. [1]
+    ratios : Array
+        Logarithms of the ratio, rising, (film,).
+    acts : Array
+        Factor of the films that have these, (film,). [1]
     """
 
     log_ratio: Image
     std: Image
+    ratios: Array = np.zeros(1)
+    acts: Array = np.ones(1)
+
+    def on_films(self, kind: FactorKind, curve: RatioCurve) -> Pattern:
+        """The same as it acts on films of this curve."""
+        films = np.linspace(*curve.thickness_range, _FILMS)
+        return self._replace(ratios=curve.predict_log(films), acts=kind.acts(films, curve)[0])
+
+    def take_out(self, log_ratio: Image) -> None:
+        """Subtract it from the logarithm of a ratio, in its place."""
+        acts = np.interp(log_ratio - self.log_ratio, self.ratios, self.acts)
+        log_ratio -= (self.log_ratio * acts).astype(np.float32)
 
 
 class PatternSize(NamedTuple):
@@ -71,19 +89,27 @@ def find_size(factors: CellFactors) -> PatternSize:
     shown, values = root @ factors.shown, root @ factors.values
     widths = _cell_widths(factors.centres)
     sizes = np.geomspace(_SMALLEST, _LARGEST, _SIZES)
-    lengths = np.geomspace(0.5 * max(widths), _LONGEST * min(widths), _LENGTHS)
-    gains = []
-    for length in lengths:
-        power, axes = np.linalg.eigh(shown @ correlate_cells(length, factors.centres) @ shown.T)
-        share, total = (axes.T @ values) ** 2, 1 + sizes[:, None] ** 2 * power
-        gains.append(0.5 * (share - share / total - np.log(total)).sum(axis=1))
 
-    likely = np.exp(np.array(gains) - np.max(gains))
+    def find_gains(lengths: Array) -> Array:
+        gains = []
+        for length in lengths:
+            power, axes = np.linalg.eigh(shown @ correlate_cells(length, factors.centres) @ shown.T)
+            share, total = (axes.T @ values) ** 2, 1 + sizes[:, None] ** 2 * power
+            gains.append(0.5 * (share - share / total - np.log(total)).sum(axis=1))
+        return np.array(gains)
+
+    # many cells leave a range of lengths that is narrower than the steps of the first search
+    lengths = np.geomspace(0.5 * max(widths), _LONGEST * min(widths), _LENGTHS)
+    best = int(np.argmax(find_gains(lengths).max(axis=1)))
+    shortest, longest = lengths[max(best - 1, 0)], lengths[min(best + 1, _LENGTHS - 1)]
+    lengths = np.geomspace(shortest, longest, _LENGTHS)
+    gains = find_gains(lengths)
+    likely = np.exp(gains - gains.max())
     of_size, squares = likely.sum(axis=0) / likely.sum(), likely @ sizes**2
     size = math.sqrt(float(of_size @ sizes**2))
     std = math.sqrt(max(size**2 - float(of_size @ sizes) ** 2, 0.0))
     length = float(squares @ lengths / squares.sum())
-    return PatternSize(size, std, length, float(np.max(gains)))
+    return PatternSize(size, std, length, float(gains.max()))
 
 
 def map_pattern(

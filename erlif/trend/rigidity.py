@@ -25,6 +25,7 @@ from erlif.core.statistics import covariance_root
 from erlif.ratio.cells import LightCells
 from erlif.trend.cells import FEWEST_FRAMES, choose_cells, separate_light
 from erlif.trend.position import PinView
+from erlif.trend.texture import Texture
 
 # Accuracy of the clearance by the radii at best. [1]
 CLEARANCE_STD = 0.01
@@ -296,7 +297,7 @@ def estimate_errors(
     passed: Array,
     clearance_std: float,
     flattening: float = 0.0,
-    pattern: Array | None = None,
+    texture: Texture | None = None,
 ) -> ErrorEstimate | None:
     """Estimate the errors of a run from the gap that all its frames show.
 
@@ -315,8 +316,8 @@ def estimate_errors(
     flattening : float
         Depth by which the load flattens the surfaces: the form of the gap, and its change from
         frame to frame, are known to so much. [um]
-    pattern : array, (cell, cell), optional
-        Covariance of a factor of the ratio that is fixed in the image, an unknown of each cell. [1]
+    texture : Texture, optional
+        A factor of the ratio that is fixed in the image: an unknown of each cell.
 
     Returns
     -------
@@ -339,6 +340,10 @@ def estimate_errors(
     """
     steps = np.unique(np.linspace(0, len(passed) - 1, _MOST_FRAMES).round().astype(int))
     record = LightCells(*(np.asarray(part, float)[steps] for part in record))
+    if texture is not None:
+        # films that differ within a cell curve its mean; what differs by the pattern does not
+        within = texture.size**2 - np.diag(texture.in_cells(centres))
+        record = record._replace(spread=record.spread - within)
     known = np.isfinite(record.log_ratio) & np.isfinite(record.light) & (record.variance > 0)
     film = calibration.inverse.look_up(np.where(known, record.log_ratio, 0.0))
     chosen = choose_cells(film, known, calibration)
@@ -358,7 +363,7 @@ def estimate_errors(
         return None
     record = LightCells(*(np.where(chosen, part, 0.0) for part in record))
     return _ErrorFit(
-        record, chosen, calibration, passed[steps], gap, view.clearance, centres, pattern
+        record, chosen, calibration, passed[steps], gap, view.clearance, centres, texture
     ).solve(film, start)
 
 
@@ -382,12 +387,15 @@ class _ErrorFit:
     gap: tuple[Array, Array, Array]
     clearance: float
     place: tuple[Array, Array]
-    pattern: Array | None
+    texture: Texture | None
 
     def solve(self, measured: Array, start: Array) -> ErrorEstimate | None:
         """The estimate, from positions of the pin; None where it does not settle in the widths."""
         own, noise = self.calibration.full_covariance, 0.0
-        prior = own if self.pattern is None else block_diag(own, self.pattern, self.pattern)
+        prior = own
+        if self.texture is not None:
+            pattern = self.texture.in_cells(self.place)
+            prior = block_diag(own, pattern, pattern)
         nothing = np.zeros(len(prior)), np.zeros(measured.shape[1])
         state, bright = RigidityUnknowns(*nothing, start), self._illumination(measured)
         for _ in range(_ROUNDS):
@@ -447,23 +455,12 @@ class _ErrorFit:
         errors = calibration.gradient(
             film, illumination=bright, passed=self.passed[:, None], place=self.place
         )
-        if self.pattern is not None:
-            errors = np.concatenate([errors, *self._pattern_acts(errors)])
+        if self.texture is not None:
+            # the second part: whether it is that of a window or of a wall is known to its error
+            cells = np.eye(film.shape[1])[:, None]
+            acts = self.texture.kind.acts(film, calibration)
+            errors = np.concatenate([errors, *(each * cells for each in acts)])
         return RatioEquations(slope, errors, variance, *self.gap)
-
-    def _pattern_acts(self, errors: Array) -> tuple[Array, Array]:
-        """Derivatives by the pattern of each cell, (cell, frame, cell), in two parts.
-
-        That of a window or a flat acts on all films alike, that of a wall as its reflectance does.
-        A run does not show which it is: the first part is the mean of both, the second half of
-        their difference, of either sign.
-        """
-        systematics = self.calibration.systematics
-        places = len(errors) - len(systematics.parameters) + systematics.places("wall")
-        by_wall = errors[places].sum(axis=0) if places.size else np.ones_like(self.record.light)
-        share = by_wall / np.median(by_wall[self.chosen])
-        cells = np.eye(share.shape[1])[:, None]
-        return 0.5 * (1 + share) * cells, 0.5 * (1 - share) * cells
 
     def _rest(self, film: Array, acts: Array, errors: Array) -> Array:
         """Measured less expected logarithm of the ratio. [1]"""

@@ -1,7 +1,7 @@
 """What stands still in the image while the film moves: a fixed factor of the ratio.
 
-The reflectance of a wall acts on films from 5 to 10 um alike to 10 %, as windows and flats do: the
-films of a run do not separate them.
+The reflectance of a wall acts on films from 5 to 10 um alike to 10 %, as windows and flats do, and
+less on thinner ones.
 """
 
 from __future__ import annotations
@@ -15,12 +15,12 @@ from erlif.calibration import RatioCurve
 from erlif.core.arrays import Array
 from erlif.ratio.cells import LightCells
 from erlif.trend.blocks import Region
-from erlif.trend.factor import CellFactors, measure_factors
+from erlif.trend.factor import CellFactors, FactorKind, measure_factors
 from erlif.trend.gap import GapMinimum, GapShape, gap_shapes
 from erlif.trend.pattern import Pattern, correlate_cells, find_size, map_pattern
 
 _NOTED = 0.0015  # flat frames of small pictures leave as much
-_SIGNIFICANT = 12.0  # rise of the logarithm of the likelihood: five standard deviations
+_SIGNIFICANT = 18.0  # rise of the logarithm of the likelihood: six standard deviations
 _GRID = 24  # places along and across a region
 
 
@@ -36,8 +36,8 @@ class Texture:
         Standard deviation of the size. [1]
     length : float
         Distance over which it is correlated (1/e). [px]
-    film : float
-        Median film of the cells. [um]
+    kind : FactorKind
+        How it acts on other films; size and pattern are those at its film.
     pattern : Pattern | None
         What of it is taken out of the ratio; None where nothing is.
     """
@@ -45,7 +45,7 @@ class Texture:
     size: float
     std: float
     length: float
-    film: float
+    kind: FactorKind
     pattern: Pattern | None = None
 
     @property
@@ -57,9 +57,9 @@ class Texture:
         """Covariance of its means over cells of these columns and rows, (cell, cell)."""
         return self.size**2 * correlate_cells(self.length, centres)
 
-    def over(self, region: Region) -> float:
-        """Standard deviation of its mean over a region. [1]"""
-        variance = self.size**2
+    def over(self, region: Region, film: float, curve: RatioCurve) -> float:
+        """Standard deviation of its mean over a region of this film [um]. [1]"""
+        variance = self.size**2 * float(np.sum(np.square(self.kind.acts(film, curve))))
         for side in (region.rows, region.columns):
             places = np.linspace(side.start, side.stop - 1, _GRID)
             variance *= np.exp(-((np.subtract.outer(places, places) / self.length) ** 2)).mean()
@@ -104,7 +104,7 @@ class Texture:
         along, across = (axes * np.sqrt(np.maximum(power, 0.0)) for power, axes in powers)
 
         # weights of even places of the region in the mean, and in the least squares of the gap
-        of_mean = of_gap = np.ones(_GRID**2)
+        of_mean = of_gap = acts = np.ones(_GRID**2)
         if np.isfinite(gap.amplitudes).all():
             even = np.stack(np.meshgrid(places, places, indexing="ij")).reshape(2, -1)
             shapes = gap_shapes(even[0], even[1], contact)
@@ -116,9 +116,13 @@ class Texture:
             at_place = gap_shapes(at[0], at[1], contact)
             of_mean = (film < high) / curve.slope(np.clip(film, low, high))
             of_gap = of_mean * (at_place @ np.linalg.solve(used @ shapes.T, used))
+            acts = np.hypot(*self.kind.acts(np.clip(film, low, high), curve))
 
-        tables = (weights.reshape(_GRID, _GRID) for weights in (of_mean, of_gap))
-        return np.stack([(along.T @ table @ across).ravel() / table.sum() for table in tables])
+        found = []
+        for weights in (of_mean, of_gap):
+            table = (acts * weights).reshape(_GRID, _GRID)
+            found.append((along.T @ table @ across).ravel() / weights.sum())
+        return np.stack(found)
 
 
 def find_texture(
@@ -185,7 +189,8 @@ def map_texture(
     factors = measure_factors(record, centres, calibration)
     if factors is None or (texture := _judge(factors)) is None:
         return None
-    return replace(texture, pattern=map_pattern(factors, texture.size, texture.length, shape))
+    pattern = map_pattern(factors, texture.size, texture.length, shape)
+    return replace(texture, pattern=pattern.on_films(texture.kind, calibration))
 
 
 def _judge(factors: CellFactors) -> Texture | None:
@@ -193,4 +198,4 @@ def _judge(factors: CellFactors) -> Texture | None:
     found = find_size(factors)
     if found.gain < _SIGNIFICANT or found.size < _NOTED:
         return None
-    return Texture(found.size, found.std, found.length, factors.film)
+    return Texture(found.size, found.std, found.length, factors.kind)

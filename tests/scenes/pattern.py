@@ -18,11 +18,15 @@ def draw_field(length, rng, places=CENTRES):
     return root @ rng.standard_normal(len(apart))
 
 
-def photograph(factor, *, swing=1.5, marks=0.1, frames=40, seed=0, centres=CENTRES):
+def photograph(
+    factor, *, swing=1.5, marks=0.1, frames=40, seed=0, centres=CENTRES, acts=np.ones_like
+):
     """Cells of a film that moves by `swing` [um] about 4 um, with a fixed factor of the ratio."""
     rng = np.random.default_rng(seed)
     x, y = (2 * at / np.ptp(at) - 1 for at in centres)
     move = swing * np.sin(np.linspace(0, 2 * np.pi, frames))
     film = 4 + move[:, None] + 0.8 * x**2 + 0.1 * y + marks * rng.standard_normal(x.size)
-    log_ratio = CURVE.predict_log(film) + factor + NOISE * rng.standard_normal(film.shape)
+    log_ratio = (
+        CURVE.predict_log(film) + factor * acts(film) + NOISE * rng.standard_normal(film.shape)
+    )
     return LightCells(0 * film, log_ratio, 0 * film, 0 * film + NOISE**2)

@@ -1,6 +1,7 @@
 """Fixed factors of cells, from drawn ones."""
 
 import numpy as np
+import pytest
 from scenes.pattern import CENTRES, CURVE, draw_field, photograph
 
 from erlif.trend.factor import measure_factors
@@ -18,11 +19,25 @@ def test_what_is_measured_is_the_drawn_factor_within_its_noise():
     assert 0.7 < np.mean(reduced) < 1.4
 
 
-def test_films_that_hardly_move_leave_a_noise_far_above_the_factor():
+def test_films_that_hardly_move_show_no_factor():
     factor = 0.01 * draw_field(50, np.random.default_rng(0))
-    noise = [
-        np.sqrt(np.median(np.diag(measure_factors(record, CENTRES, CURVE).noise)))
-        for record in (photograph(factor, swing=1.5), photograph(factor, swing=0.0))
-    ]
-    assert noise[0] < 0.2 * 0.01
-    assert noise[1] > 5 * 0.01
+    found = measure_factors(photograph(factor, swing=1.5), CENTRES, CURVE)
+    assert np.sqrt(np.median(np.diag(found.noise))) < 0.2 * 0.01
+    assert measure_factors(photograph(factor, swing=0.1), CENTRES, CURVE) is None
+
+
+def act_of_wall(film):
+    """Change of the ratio by a reflecting wall, over that at 4 um."""
+    return CURVE.by_wall(film) / CURVE.by_wall(4.0)
+
+
+@pytest.mark.parametrize(("of_wall", "least", "most"), [(False, 0.0, 0.3), (True, 0.7, 1.0)])
+def test_a_factor_is_that_of_a_window_or_of_a_wall(of_wall, least, most):
+    """Marks of 0.05 um beside it."""
+    found = []
+    for seed in range(5):
+        factor = 0.02 * draw_field(50, np.random.default_rng(seed))
+        acts = act_of_wall if of_wall else np.ones_like
+        record = photograph(factor, seed=seed, marks=0.05, acts=acts)
+        found.append(measure_factors(record, CENTRES, CURVE).kind.wall)
+    assert least <= np.mean(found) <= most

@@ -5,7 +5,7 @@ import pytest
 from scenes.pattern import CURVE, draw_field, photograph
 
 from erlif.ratio.cells import cell_centres
-from erlif.trend.factor import CellFactors, measure_factors
+from erlif.trend.factor import CellFactors, FactorKind, measure_factors
 from erlif.trend.pattern import correlate_cells, find_size, map_pattern
 
 SHAPE = 192, 256
@@ -37,7 +37,7 @@ def test_size_and_length_are_those_of_drawn_values():
         values = 0.02 * draw_field(24, rng, CENTRES)
         values += 0.002 * rng.standard_normal(values.size)
         cells = np.eye(values.size)
-        factors = CellFactors(values, 0.002**2 * cells, cells, CENTRES, film=4.0)
+        factors = CellFactors(values, 0.002**2 * cells, cells, CENTRES, kind=FactorKind(4.0))
         found.append(find_size(factors))
     assert 0.9 < np.mean([one.size for one in found]) / 0.02 < 1.2
     assert all(0.7 < one.length / 24 < 1.4 for one in found)
@@ -50,7 +50,7 @@ def test_the_most_likely_pattern_is_as_near_to_the_drawn_one_as_it_states():
         factor = 0.02 * draw_field(24, np.random.default_rng(seed), CENTRES)
         record = photograph(factor, seed=seed, marks=0.03, centres=CENTRES)
         factors = measure_factors(record, CENTRES, CURVE)
-        taken, std = map_pattern(factors, 0.02, 24.0, SHAPE)
+        taken, std, *_ = map_pattern(factors, 0.02, 24.0, SHAPE)
         off = factor - taken[middles]
         within.append(np.abs(off) / std[middles])
         assert off.std() < 0.45 * 0.02

@@ -17,6 +17,8 @@ from erlif.trend import (
     gap_of_pin,
     solve_equations,
 )
+from erlif.trend.factor import FactorKind
+from erlif.trend.texture import Texture
 
 SHAPE, PITCH = (256, 320), 0.06
 PIN, BORE = 33.36, 33.59
@@ -113,12 +115,20 @@ def test_the_errors_that_remain_follow_their_covariance():
     assert np.min(gains) > 1.3
 
 
+class Still(Texture):
+    """A pattern in cells that are points."""
+
+    def in_cells(self, centres):
+        apart = sum(np.subtract.outer(at, at) ** 2 for at in centres)
+        return self.size**2 * np.exp(-apart / self.length**2)
+
+
 @pytest.mark.slow
 def test_the_errors_that_remain_beside_a_pattern_follow_their_covariance():
     """Thirty runs, each with another pattern of 1 % over 60 px; without it as unknown 2 or more."""
     rng, curve = np.random.default_rng(7), CALIBRATION.at(1.0)
-    apart = sum(np.subtract.outer(at, at) ** 2 for at in cell_centres(SHAPE))
-    covariance = 1e-4 * np.exp(-apart / 60**2)
+    texture = Still(0.01, 1e-3, 60.0, FactorKind(5.0))
+    covariance = texture.in_cells(cell_centres(SHAPE))
     pulls = {"known": [], "left out": []}
     for _ in range(30):
         errors, form = draw_errors(rng), draw_roundness(rng)
@@ -126,8 +136,8 @@ def test_the_errors_that_remain_beside_a_pattern_follow_their_covariance():
         record = draw_run(rng, errors, form=form)
         record = record._replace(log_ratio=record.log_ratio + still)
         shift = true_shift(errors, 1.0)
-        for name, pattern in (("known", covariance), ("left out", None)):
-            if (found := estimate(record, pattern=pattern)) is None:
+        for name, unknown in (("known", texture), ("left out", None)):
+            if (found := estimate(record, texture=unknown)) is None:
                 continue
             std = found.film_std(FILMS, curve)
             pulls[name].append((shift - found.film_shift(FILMS + shift, curve)) / std)

@@ -6,6 +6,7 @@ from scenes.pattern import CENTRES, CURVE, NOISE, draw_field, photograph
 
 from erlif.ratio.cells import LightCells
 from erlif.trend import GapMinimum, GapShape, Region, find_texture
+from erlif.trend.factor import FactorKind
 from erlif.trend.texture import Texture
 
 U, V = (one.ravel() for one in np.meshgrid(*[np.linspace(-1, 1, 20)] * 2))
@@ -39,7 +40,7 @@ def test_a_film_that_stands_still_shows_nothing():
 
 
 REGION = Region(slice(0, 200), slice(0, 300))
-TEXTURE = Texture(size=0.01, std=0.001, length=60.0, film=4.0)
+TEXTURE = Texture(size=0.01, std=0.001, length=60.0, kind=FactorKind(4.0))
 
 
 def draw_fields(seed):

@@ -100,12 +100,6 @@ def find_errors(
     assert joint is not None
     assert view is not None
     record, centres = cells
-    pattern = None
-    if texture is not None:
-        # films that differ within a cell curve its mean; what differs by the pattern does not
-        pattern = texture.in_cells(centres)
-        within = texture.size**2 - np.diag(pattern)
-        record = record._replace(spread=record.spread - within)
     return estimate_errors(
         record,
         centres,
@@ -114,7 +108,7 @@ def find_errors(
         passed=shares_passed(frames, pairs),
         clearance_std=clearance_std(joint),
         flattening=_flattening(joint),
-        pattern=pattern,
+        texture=texture,
     )
 
 

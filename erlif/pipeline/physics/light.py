@@ -486,7 +486,7 @@ def correct_light(
 ) -> tuple[FrameChain, RunCurve, LightFindings]:
     """Apply the requested corrections to chain and calibration; findings without other errors."""
     if findings.texture is not None and findings.texture.pattern is not None:
-        chain = replace(chain, pattern=findings.texture.pattern.log_ratio)
+        chain = replace(chain, pattern=findings.texture.pattern)
     if options.background == "correct" and findings.background is not None:
         chain = subtract(chain, findings.background)
         calibration = with_background(calibration, findings.background.error)

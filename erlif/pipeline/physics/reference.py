@@ -119,7 +119,10 @@ def fit_patch_scale(
         column, row = (0.5 * (part.start + part.stop - 1) for part in (patch.columns, patch.rows))
         place = column, row
         if texture is not None:
-            film_std = math.hypot(film_std, texture.over(patch) / float(calibration.slope(film)))
+            film_std = math.hypot(
+                film_std,
+                texture.over(patch, film, calibration.at(0.5)) / float(calibration.slope(film)),
+            )
     return PatchScale(course, covariance, film, film_std, place)
 
 

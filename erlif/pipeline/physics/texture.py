@@ -225,11 +225,15 @@ def widen_maps(maps: MapStore, triggers: int, curve: RunCurve, texture: Texture 
         return
     films, name = np.linspace(*curve.thickness_range, _FILMS), "thickness_std_shared"
     ratio, slope = curve.predict_log(films), curve.slope(films)
-    left = texture.size if texture.pattern is None else texture.pattern.std
+    tables = ratio, slope, *texture.kind.acts(films, curve)
 
     def widen(trigger: int) -> dict[str, bytes]:
         film, std = maps.read(trigger, "thickness"), maps.read(trigger, name)
-        at, rate = (np.interp(film, films, table) for table in (ratio, slope))
+        at, rate, acts, off = (np.interp(film, films, table) for table in tables)
+        if texture.pattern is None:
+            left = texture.size * np.hypot(acts, off)
+        else:
+            left = np.hypot(texture.pattern.std * acts, texture.pattern.log_ratio * off)
         thicker = np.interp(np.minimum(at + 2 * left, ratio[-1]), ratio, films)
         return maps.encode({name: np.hypot(std, np.maximum(left / rate, (thicker - film) / 2))})
 
@@ -240,14 +244,15 @@ def describe_texture(texture: Texture | None, calibration: RunCurve) -> list[Not
     """Make the warning of what stands still in the image; none where nothing does."""
     if texture is None:
         return []
-    size, shift = 100 * texture.size, texture.size / float(calibration.slope(texture.film))
+    film = texture.kind.film
+    size, shift = 100 * texture.size, texture.size / float(calibration.slope(film))
     taken = "The error bars include it"
     if texture.pattern is not None:
         left = 100 * texture.left
         taken = f"It is taken out of the maps to {left:.2g} %, and the error bars include the rest"
     text = (
         "while the film moves, a pattern of the ratio stands still in the image: "
-        f"{size:.2g} ± {100 * texture.std:.1g} %, {1e3 * shift:.0f} nm at {texture.film:.1f} um, "
+        f"{size:.2g} ± {100 * texture.std:.1g} %, {1e3 * shift:.0f} nm at {film:.1f} um, "
         f"correlated over {texture.length:.0f} px. Likely: dust on a window, a flat that is off, "
         f"or a wall that reflects unevenly. {taken}. {TERMS['texture'].cure}"
     )

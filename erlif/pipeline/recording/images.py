@@ -26,6 +26,7 @@ from erlif.pipeline.recording.prepare import restore_chain
 from erlif.ratio import BlurDifference, RatioSum, smooth_ratio
 from erlif.registration import CameraMap
 from erlif.thickness import flag_steps
+from erlif.trend.pattern import Pattern
 
 _RATIO = ("log_ratio", "log_ratio_var", "log_ratio_var_fixed", "log_ratio_var_shared")
 
@@ -81,7 +82,7 @@ def restore_images(
     with open_film(film_path) as film:
         check_trigger(film, trigger)
         settings, image = settings_of(film), film[["x", "y"]].load()
-        pattern = film["ratio_pattern"].values if "ratio_pattern" in film else None
+        pattern = _read_pattern(film)
     with open_film(film_path, group="registration") as registration:
         camera_map = CameraMap.from_dataset(registration)
         blur, noise = _read_cameras(registration.attrs, film_path.name)
@@ -108,6 +109,15 @@ def restore_images(
         chain = replace(chain, correct=replace(chain.correct, energies=energies))
     images = _combine_frames(chain, stored, frames, settings.thickness.smoothing)
     return images.assign_coords(image.coords).assign_attrs(trigger=trigger, frames=frames)
+
+
+def _read_pattern(film: xr.Dataset) -> Pattern | None:
+    """What was taken out of the ratio; that of an earlier version acts on all films alike."""
+    if "ratio_pattern" not in film:
+        return None
+    image = film["ratio_pattern"]
+    acts = {key: np.asarray(image.attrs[key]) for key in ("ratios", "acts") if key in image.attrs}
+    return Pattern(image.values, np.zeros(1, np.float32), **acts)
 
 
 def _read_cameras(attrs: Mapping[str, Any], film: str) -> tuple[BlurDifference, list[CameraNoise]]:
