@@ -60,7 +60,9 @@ MOVING = {"film_table": tuple(2 + 6 * np.sin(np.pi * np.arange(24) / 12) ** 2)}
 
 TEXTURED = {"wall": (0.1, 0.1), "wall_texture": (0.5, 1.0)}
 PATTERN, LENGTH = 0.023, 1.0  # of the ratio by this wall [1], and where it falls to 1/e [mm]
-SIX = np.array(6.0)  # um: film whose ratio has this pattern; that of others by their derivative
+PATTERN_FILM = np.array(
+    6.0
+)  # um: film whose ratio has this pattern; that of others by their derivative
 
 
 class Row(NamedTuple):
@@ -186,7 +188,9 @@ def pattern_unknowns(row: Row, rig: RigSettings, at: Blocks) -> tuple[np.ndarray
     """Derivatives of the log light by the pattern of each block, and covariance of these."""
     frames, blocks = at.film.shape
     acts = np.zeros((blocks, 2, frames, blocks))
-    of_ratio, typical = (np.diff(by_wall(each, at.oil), axis=0)[0] for each in (at.film, SIX))
+    of_ratio, typical = (
+        np.diff(by_wall(each, at.oil), axis=0)[0] for each in (at.film, PATTERN_FILM)
+    )
     acts[np.arange(blocks), 1, :, np.arange(blocks)] = (of_ratio / typical).T
     covariance = np.full((blocks, blocks), row.pattern**2)
     sides = ((at.u, rig.field_width, COLUMNS), (at.v, rig.height * rig.pitch, ROWS))

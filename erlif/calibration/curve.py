@@ -131,7 +131,10 @@ class RatioCurve(ABC):
         return np.concatenate([fitted, acts])
 
     def by_wall(self, thickness: npt.ArrayLike) -> Array:
-        """Derivative of the logarithm of the ratio by the reflectance of the wall."""
+        """Derivative of the logarithm of the ratio by the reflectance of the wall, 0 to 1. [1]
+
+        `thickness` is in um. A wall that the fixture does not show is black.
+        """
         return self.model.with_wall.ratio(np.asarray(thickness, float)).by_reflectance
 
     def film_gradient(self, thickness: npt.ArrayLike, **at: Any) -> Array:

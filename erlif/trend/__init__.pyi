@@ -64,7 +64,6 @@ from .statistics import summarise_blocks as summarise_blocks
 from .statistics import summarise_film as summarise_film
 from .texture import Texture as Texture
 from .texture import find_texture as find_texture
-from .texture import map_texture as map_texture
 from .theory import LubricatedContact as LubricatedContact
 from .theory import LubricatedJoint as LubricatedJoint
 from .theory import Solid as Solid

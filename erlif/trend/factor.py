@@ -31,7 +31,6 @@ _STEPS = 3  # of Gauss and Newton to the gap of each frame
 _FEWEST = 20  # cells whose factor is known
 _LITTLE = 1e-9  # ridge over the trace: the cells of a frame may lie in few columns
 _DEPENDENT = 1e-2  # determinant over its largest value from which f and m are not separated
-_NOTHING = 1e-300  # determinant of a cell that is not used
 _SHARES = np.linspace(0, 1, 11)  # of a wall in the factor, which are tried
 _MARKS = np.geomspace(0.01, 1.0, 9)  # um: standard deviations of the marks, which are tried
 _SHARE_STD = 0.3  # of the share of the wall, at least: its derivative is that of the fixture
@@ -92,12 +91,8 @@ def measure_factors(
 
     Parameters
     ----------
-    record : LightCells
-        (frame, cell)
-    centres : tuple of two arrays, (cell,)
-        Columns and rows of the middles of the cells. [px]
-    calibration : RatioCurve
-        In the middle of the run.
+    record, centres, calibration
+        As for `erlif.trend.find_texture`.
 
     Returns
     -------
@@ -135,19 +130,23 @@ def measure_factors(
         return None
     middle = float(np.median(film[weight > 0]))
     less = 1 - calibration.by_wall(film) / calibration.by_wall(middle)
-    wall, wall_std, marks = _judge(*(each[:, known] for each in (rest, weight, slope, less)))
+    cells = rest[:, known], weight[:, known], slope[:, known]
+    wall, wall_std, marks = _judge_kind(*cells, less[:, known])
     acts = 1 - wall * less
-    used = np.where(known, weight, 0.0)
-    factor, noise, by_frame = _separate(rest, used, slope, acts, marks, len(shapes))
-    left = np.eye(len(factor)) - _absorbed(by_frame, weight, slope, acts, shapes)
+    factor, noise, by_frame = _separate(*cells, acts[:, known], marks, len(shapes))
+
+    # what the gaps of all frames take of the factors of all cells
+    gaps = slope[:, None] * shapes
+    fitted = _fit_frames(gaps, weight) * acts[:, None]
+    taken = np.tensordot(by_frame[:, None] * gaps[..., known], fitted, axes=((0, 1), (0, 1)))
 
     # changes of these cells that are orthogonal to the smooth shapes
     smooth = shapes[:, known]
     rough = np.linalg.qr(smooth.T, mode="complete")[0][:, len(smooth) :].T
     return CellFactors(
-        values=rough @ factor[known],
-        noise=(rough * noise[known]) @ rough.T,
-        shown=rough @ left[known],
+        values=rough @ factor,
+        noise=(rough * noise) @ rough.T,
+        shown=rough @ (np.eye(known.size)[known] - taken),
         centres=centres,
         kind=FactorKind(middle, wall, wall_std),
     )
@@ -181,13 +180,6 @@ def _fit_frames(acts: Array, weight: Array) -> Array:
     return np.asarray(np.linalg.solve(normal + _LITTLE * trace * np.eye(acts.shape[1]), weighted))
 
 
-def _absorbed(by_frame: Array, weight: Array, slope: Array, acts: Array, shapes: Array) -> Array:
-    """What the gaps of all frames take of a fixed factor, (cell, cell)."""
-    gaps = slope[:, None] * shapes
-    fitted = _fit_frames(gaps, weight) * acts[:, None]
-    return np.tensordot(by_frame[:, None] * gaps, fitted, axes=((0, 1), (0, 1)))
-
-
 def _fit_gaps(
     value: Array, measured: Array, weight: Array, curve: FilmCurve, shapes: Array, rates: Array
 ) -> tuple[Array, Array, Array]:
@@ -208,7 +200,9 @@ def _fit_gaps(
     return film, slope, rest - np.einsum("fs,fsc->fc", change, acts)
 
 
-def _judge(rest: Array, weight: Array, slope: Array, less: Array) -> tuple[float, float, float]:
+def _judge_kind(
+    rest: Array, weight: Array, slope: Array, less: Array
+) -> tuple[float, float, float]:
     """Share of a wall in the factor, its standard deviation, and that of the marks [um].
 
     By the likelihood of all cells, factors and marks of any value; `less` is by how much less a
@@ -242,15 +236,21 @@ class _Sums(NamedTuple):
         pairs = (acts, acts), (acts, slope), (slope, slope), (acts, rest), (slope, rest)
         return cls(*((weight * a * b).sum(axis=0) for a, b in (*pairs, (rest, rest))))
 
-    def likelihood(self, marks: float) -> float:
-        """Logarithm of the likelihood, but for what is the same for all shares and marks."""
+    def solve(self, marks: float) -> tuple[Array, Array, Array]:
+        """Factor, mark and variance of the factor, for marks of this standard deviation [um]."""
         own = self.marks + marks**-2
         det = self.factor * own - self.mixed**2
         factor = (own * self.right_factor - self.mixed * self.right_marks) / det
         mark = (self.factor * self.right_marks - self.mixed * self.right_factor) / det
+        return factor, mark, own / det
+
+    def likelihood(self, marks: float) -> float:
+        """Logarithm of the likelihood, but for what is the same for all shares and marks."""
+        factor, mark, variance = self.solve(marks)
         misfit = self.square - factor * self.right_factor - mark * self.right_marks
+
         # factors have the size that they show
-        spread = np.log1p(marks**2 * self.marks) + np.log(det / own * np.mean(factor**2))
+        spread = np.log1p(marks**2 * self.marks) + np.log(np.mean(factor**2) / variance)
         return float(-0.5 * (misfit + spread).sum())
 
 
@@ -263,17 +263,11 @@ def _separate(
     to each frame.
     """
     sums = _Sums.of(rest, weight, slope, acts)
-    own = sums.marks + marks**-2
-    det = np.maximum(sums.factor * own - sums.mixed**2, _NOTHING)
-    by_frame = weight * (own * acts - sums.mixed * slope) / det
-    factor = (by_frame * rest).sum(axis=0)
-    mark = (sums.factor * sums.right_marks - sums.mixed * sums.right_factor) / det
-    excess = _excess(rest - acts * factor - slope * mark, weight, shapes)
-    return factor, np.maximum(excess, 1.0) * own / det, by_frame
+    factor, mark, variance = sums.solve(marks)
+    by_frame = weight * variance * (acts - sums.mixed / (sums.marks + marks**-2) * slope)
 
-
-def _excess(left: Array, weight: Array, shapes: int) -> Array:
-    """Noise of each cell over that of photons; the gap of each frame takes its share of freedom."""
-    count = weight > 0
+    # noise beyond that of photons; the gap of each frame takes its share of the freedom
+    left, count = rest - acts * factor - slope * mark, weight > 0
     share = 1 - shapes / np.maximum(count.sum(axis=1), shapes + 1)
-    return np.asarray((weight * left**2).sum(axis=0) / np.maximum(share @ count - 2, 1))
+    excess = (weight * left**2).sum(axis=0) / np.maximum(share @ count - 2, 1)
+    return factor, np.maximum(excess, 1.0) * variance, by_frame

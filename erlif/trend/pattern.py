@@ -19,6 +19,7 @@ from erlif.trend.factor import CellFactors, FactorKind
 _LONGEST = 4  # cells: a third of the picture
 _LENGTHS, _SIZES = 8, 200  # that are tried; sizes to 3 %
 _SMALLEST, _LARGEST = 1e-3, 0.3  # sizes among which the true one is sought
+_STEPS = 3  # each leaves a tenth of what the one before did
 _FILMS = 33  # of the range, for which it is tabulated how a pattern acts
 
 
@@ -49,8 +50,11 @@ class Pattern(NamedTuple):
 
     def take_out(self, log_ratio: Image) -> None:
         """Subtract it from the logarithm of a ratio, in its place."""
-        acts = np.interp(log_ratio - self.log_ratio, self.ratios, self.acts)
-        log_ratio -= (self.log_ratio * acts).astype(np.float32)
+        taken = self.log_ratio
+        for _ in range(_STEPS):  # to that of the film whose ratio is left
+            acts = np.interp(log_ratio - taken, self.ratios, self.acts)
+            taken = (self.log_ratio * acts).astype(np.float32)
+        log_ratio -= taken
 
 
 class PatternSize(NamedTuple):
@@ -112,18 +116,13 @@ def find_size(factors: CellFactors) -> PatternSize:
     return PatternSize(size, std, length, float(gains.max()))
 
 
-def map_pattern(
-    factors: CellFactors, size: float, length: float, shape: tuple[int, int]
-) -> Pattern:
-    """Map the most likely pattern of given size and length.
+def map_pattern(factors: CellFactors, found: PatternSize, shape: tuple[int, int]) -> Pattern:
+    """Map the most likely pattern of the size and length found.
 
     Parameters
     ----------
     factors : CellFactors
-    size : float
-        [1]
-    length : float
-        [px]
+    found : PatternSize
     shape : tuple of int
         Rows and columns of the image.
 
@@ -131,7 +130,8 @@ def map_pattern(
     -------
     Pattern
     """
-    variance, shown, widths = size**2, factors.shown, _cell_widths(factors.centres)
+    variance, length = found.size**2, found.length
+    shown, widths = factors.shown, _cell_widths(factors.centres)
     own = shown @ correlate_cells(length, factors.centres) @ shown.T
     known = np.linalg.inv(variance * own + factors.noise)
 

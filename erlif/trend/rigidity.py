@@ -342,7 +342,7 @@ def estimate_errors(
     record = LightCells(*(np.asarray(part, float)[steps] for part in record))
     if texture is not None:
         # films that differ within a cell curve its mean; what differs by the pattern does not
-        within = texture.size**2 - np.diag(texture.in_cells(centres))
+        within = texture.found.size**2 - np.diag(texture.in_cells(centres))
         record = record._replace(spread=record.spread - within)
     known = np.isfinite(record.log_ratio) & np.isfinite(record.light) & (record.variance > 0)
     film = calibration.inverse.look_up(np.where(known, record.log_ratio, 0.0))

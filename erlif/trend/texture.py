@@ -7,7 +7,7 @@ less on thinner ones.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -15,9 +15,9 @@ from erlif.calibration import RatioCurve
 from erlif.core.arrays import Array
 from erlif.ratio.cells import LightCells
 from erlif.trend.blocks import Region
-from erlif.trend.factor import CellFactors, FactorKind, measure_factors
+from erlif.trend.factor import FactorKind, measure_factors
 from erlif.trend.gap import GapMinimum, GapShape, gap_shapes
-from erlif.trend.pattern import Pattern, correlate_cells, find_size, map_pattern
+from erlif.trend.pattern import Pattern, PatternSize, correlate_cells, find_size, map_pattern
 
 _NOTED = 0.0015  # flat frames of small pictures leave as much
 _SIGNIFICANT = 18.0  # rise of the logarithm of the likelihood: six standard deviations
@@ -30,39 +30,35 @@ class Texture:
 
     Attributes
     ----------
-    size : float
-        Standard deviation of the logarithm of the ratio over the picture. [1]
-    std : float
-        Standard deviation of the size. [1]
-    length : float
-        Distance over which it is correlated (1/e). [px]
+    found : PatternSize
+        How large it is, and how far it is correlated.
     kind : FactorKind
         How it acts on other films; size and pattern are those at its film.
     pattern : Pattern | None
         What of it is taken out of the ratio; None where nothing is.
     """
 
-    size: float
-    std: float
-    length: float
+    found: PatternSize
     kind: FactorKind
     pattern: Pattern | None = None
 
     @property
     def left(self) -> float:
         """Error of a pixel in the maps, the median over the picture. [1]"""
-        return self.size if self.pattern is None else float(np.median(self.pattern.std))
+        return self.found.size if self.pattern is None else float(np.median(self.pattern.std))
 
     def in_cells(self, centres: tuple[Array, Array]) -> Array:
         """Covariance of its means over cells of these columns and rows, (cell, cell)."""
-        return self.size**2 * correlate_cells(self.length, centres)
+        return self.found.size**2 * correlate_cells(self.found.length, centres)
 
     def over(self, region: Region, film: float, curve: RatioCurve) -> float:
         """Standard deviation of its mean over a region of this film [um]. [1]"""
-        variance = self.size**2 * float(np.sum(np.square(self.kind.acts(film, curve))))
+        variance = self.found.size**2 * float(np.sum(np.square(self.kind.acts(film, curve))))
         for side in (region.rows, region.columns):
             places = np.linspace(side.start, side.stop - 1, _GRID)
-            variance *= np.exp(-((np.subtract.outer(places, places) / self.length) ** 2)).mean()
+            variance *= np.exp(
+                -((np.subtract.outer(places, places) / self.found.length) ** 2)
+            ).mean()
         return math.sqrt(variance)
 
     def in_numbers(
@@ -100,7 +96,9 @@ class Texture:
         half = 0.5 * (np.array([one.stop for one in pixels]) - 1 - start)
         places = np.linspace(-1, 1, _GRID)
         apart = np.subtract.outer(places, places)
-        powers = [np.linalg.eigh(np.exp(-((side * apart / self.length) ** 2))) for side in half]
+        powers = [
+            np.linalg.eigh(np.exp(-((side * apart / self.found.length) ** 2))) for side in half
+        ]
         along, across = (axes * np.sqrt(np.maximum(power, 0.0)) for power, axes in powers)
 
         # weights of even places of the region in the mean, and in the least squares of the gap
@@ -126,7 +124,11 @@ class Texture:
 
 
 def find_texture(
-    record: LightCells, centres: tuple[Array, Array], calibration: RatioCurve
+    record: LightCells,
+    centres: tuple[Array, Array],
+    calibration: RatioCurve,
+    *,
+    shape: tuple[int, int] | None = None,
 ) -> Texture | None:
     """Find what stands still in the image, beside marks and a smooth gap.
 
@@ -138,6 +140,9 @@ def find_texture(
         Columns and rows of the middles of the cells. [px]
     calibration : RatioCurve
         In the middle of the run.
+    shape : tuple of int, optional
+        Rows and columns of the image, where its most likely value at each pixel is asked for: of
+        cells that are small enough to show it.
 
     Returns
     -------
@@ -154,48 +159,12 @@ def find_texture(
     True
     """
     factors = measure_factors(record, centres, calibration)
-    return None if factors is None else _judge(factors)
-
-
-def map_texture(
-    record: LightCells,
-    centres: tuple[Array, Array],
-    calibration: RatioCurve,
-    shape: tuple[int, int],
-) -> Texture | None:
-    """Find what stands still in the image, and its most likely value at each pixel.
-
-    Parameters
-    ----------
-    record, centres, calibration
-        As for `find_texture`, of cells that are small enough to show it.
-    shape : tuple of int
-        Rows and columns of the image.
-
-    Returns
-    -------
-    Texture or None
-        With its pattern; None where nothing is significant.
-
-    Examples
-    --------
-    Four frames are too few:
-
-    >>> from erlif.show.plots import example_calibration
-    >>> empty, places = LightCells(*np.full((4, 4, 120), np.nan)), np.zeros(120)
-    >>> map_texture(empty, (places, places), example_calibration(), (80, 96)) is None
-    True
-    """
-    factors = measure_factors(record, centres, calibration)
-    if factors is None or (texture := _judge(factors)) is None:
+    if factors is None:
         return None
-    pattern = map_pattern(factors, texture.size, texture.length, shape)
-    return replace(texture, pattern=pattern.on_films(texture.kind, calibration))
-
-
-def _judge(factors: CellFactors) -> Texture | None:
-    """What stands still by the factors of the cells; None where it is not significant."""
     found = find_size(factors)
     if found.gain < _SIGNIFICANT or found.size < _NOTED:
         return None
-    return Texture(found.size, found.std, found.length, factors.kind)
+    if shape is None:
+        return Texture(found, factors.kind)
+    pattern = map_pattern(factors, found, shape)
+    return Texture(found, factors.kind, pattern.on_films(factors.kind, calibration))

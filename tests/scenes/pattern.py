@@ -30,3 +30,26 @@ def photograph(
         CURVE.predict_log(film) + factor * acts(film) + NOISE * rng.standard_normal(film.shape)
     )
     return LightCells(0 * film, log_ratio, 0 * film, 0 * film + NOISE**2)
+
+
+def act_of_wall(film):
+    """Change of the log ratio with the reflectance of a nearly black wall, over that at 4 um.
+
+    By an integral of the light of each depth, whose laser comes from the window and returns from
+    the wall, as does its own light. Both attenuations are those of laser and light together.
+    """
+    _, p, q = CURVE.parameters
+    laser = 0.8 * q
+    depth = (np.arange(2000) + 0.5) / 2000
+
+    def log_light(of, band, reflectance):
+        z, back = of * depth, of * (2 - depth)
+        into, out = (np.exp(-a * z) + reflectance * np.exp(-a * back) for a in (laser, band))
+        return np.log(np.mean(into * out))
+
+    def change(of):
+        two, one = (log_light(of, q - laser, R) - log_light(of, p - laser, R) for R in (1e-4, 0.0))
+        return two - one
+
+    of_four = change(4.0)
+    return np.vectorize(change, otypes=[float])(film) / of_four

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from scenes.pattern import CENTRES, CURVE, draw_field, photograph
+from scenes.pattern import CENTRES, CURVE, act_of_wall, draw_field, photograph
 
 from erlif.trend.factor import measure_factors
 
@@ -24,11 +24,6 @@ def test_films_that_hardly_move_show_no_factor():
     found = measure_factors(photograph(factor, swing=1.5), CENTRES, CURVE)
     assert np.sqrt(np.median(np.diag(found.noise))) < 0.2 * 0.01
     assert measure_factors(photograph(factor, swing=0.1), CENTRES, CURVE) is None
-
-
-def act_of_wall(film):
-    """Change of the ratio by a reflecting wall, over that at 4 um."""
-    return CURVE.by_wall(film) / CURVE.by_wall(4.0)
 
 
 @pytest.mark.parametrize(("of_wall", "least", "most"), [(False, 0.0, 0.3), (True, 0.7, 1.0)])

@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
-from scenes.pattern import CURVE, draw_field, photograph
+from scenes.pattern import CURVE, act_of_wall, draw_field, photograph
 
 from erlif.ratio.cells import cell_centres
 from erlif.trend.factor import CellFactors, FactorKind, measure_factors
-from erlif.trend.pattern import correlate_cells, find_size, map_pattern
+from erlif.trend.pattern import Pattern, PatternSize, correlate_cells, find_size, map_pattern
 
 SHAPE = 192, 256
 CENTRES = cell_centres(SHAPE, cells=(24, 32))
@@ -45,14 +45,27 @@ def test_size_and_length_are_those_of_drawn_values():
 
 def test_the_most_likely_pattern_is_as_near_to_the_drawn_one_as_it_states():
     """A third of its size is left; shares within one and two standard deviations."""
+    found = PatternSize(0.02, std=0.0, length=24.0, gain=100.0)
     middles, within = tuple(np.round(at).astype(int) for at in CENTRES[::-1]), []
     for seed in range(8):
         factor = 0.02 * draw_field(24, np.random.default_rng(seed), CENTRES)
         record = photograph(factor, seed=seed, marks=0.03, centres=CENTRES)
         factors = measure_factors(record, CENTRES, CURVE)
-        taken, std, *_ = map_pattern(factors, 0.02, 24.0, SHAPE)
+        taken, std, *_ = map_pattern(factors, found, SHAPE)
         off = factor - taken[middles]
         within.append(np.abs(off) / std[middles])
         assert off.std() < 0.45 * 0.02
     assert 0.55 < np.mean(np.array(within) < 1) < 0.8
     assert 0.9 < np.mean(np.array(within) < 2) < 0.99
+
+
+def test_what_is_taken_out_of_a_film_is_what_acts_there():
+    """A factor of 3 % at 4 um, by a wall whose light is integrated over the depth."""
+    films = np.linspace(1.0, 8.0, 15)
+    pattern = Pattern(np.full(films.size, np.float32(0.03)), np.zeros(films.size))
+    pattern = pattern.on_films(FactorKind(4.0, wall=1.0), CURVE)
+    seen = CURVE.predict_log(films) + 0.03 * act_of_wall(films)
+    left = seen.astype(np.float32)
+    pattern.take_out(left)
+    off = left - CURVE.predict_log(films)
+    assert np.abs(off).max() < 0.05 * 0.03

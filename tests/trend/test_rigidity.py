@@ -18,6 +18,7 @@ from erlif.trend import (
     solve_equations,
 )
 from erlif.trend.factor import FactorKind
+from erlif.trend.pattern import PatternSize
 from erlif.trend.texture import Texture
 
 SHAPE, PITCH = (256, 320), 0.06
@@ -120,14 +121,14 @@ class Still(Texture):
 
     def in_cells(self, centres):
         apart = sum(np.subtract.outer(at, at) ** 2 for at in centres)
-        return self.size**2 * np.exp(-apart / self.length**2)
+        return self.found.size**2 * np.exp(-apart / self.found.length**2)
 
 
 @pytest.mark.slow
 def test_the_errors_that_remain_beside_a_pattern_follow_their_covariance():
     """Thirty runs, each with another pattern of 1 % over 60 px; without it as unknown 2 or more."""
     rng, curve = np.random.default_rng(7), CALIBRATION.at(1.0)
-    texture = Still(0.01, 1e-3, 60.0, FactorKind(5.0))
+    texture = Still(PatternSize(0.01, std=1e-3, length=60.0, gain=100.0), FactorKind(5.0))
     covariance = texture.in_cells(cell_centres(SHAPE))
     pulls = {"known": [], "left out": []}
     for _ in range(30):

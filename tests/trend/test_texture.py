@@ -7,6 +7,7 @@ from scenes.pattern import CENTRES, CURVE, NOISE, draw_field, photograph
 from erlif.ratio.cells import LightCells
 from erlif.trend import GapMinimum, GapShape, Region, find_texture
 from erlif.trend.factor import FactorKind
+from erlif.trend.pattern import PatternSize
 from erlif.trend.texture import Texture
 
 U, V = (one.ravel() for one in np.meshgrid(*[np.linspace(-1, 1, 20)] * 2))
@@ -18,8 +19,8 @@ def test_size_and_length_of_a_fixed_factor_are_found(length):
     for seed in range(6):
         factor = 0.01 * draw_field(length, np.random.default_rng(seed))
         found = find_texture(photograph(factor, seed=seed), CENTRES, CURVE)
-        assert 0.6 < found.length / length < 1.7
-        sizes.append(found.size)
+        assert 0.6 < found.found.length / length < 1.7
+        sizes.append(found.found.size)
     # the mean over a cell of 40 pixels has less of it than a pixel: here cells are points
     assert 0.8 < np.mean(sizes) / 0.01 < (1.6 if length == 40 else 1.3)
 
@@ -40,13 +41,13 @@ def test_a_film_that_stands_still_shows_nothing():
 
 
 REGION = Region(slice(0, 200), slice(0, 300))
-TEXTURE = Texture(size=0.01, std=0.001, length=60.0, kind=FactorKind(4.0))
+TEXTURE = Texture(PatternSize(0.01, std=0.001, length=60.0, gain=100.0), FactorKind(4.0))
 
 
 def draw_fields(seed):
     """Fields of the log ratio over the region, (field, place)."""
     rng = np.random.default_rng(seed)
-    return np.array([draw_field(TEXTURE.length, rng, (150 * U, 100 * V)) for _ in range(300)])
+    return np.array([draw_field(TEXTURE.found.length, rng, (150 * U, 100 * V)) for _ in range(300)])
 
 
 @pytest.mark.parametrize("along_x", [True, False])
@@ -108,5 +109,5 @@ def test_size_of_a_smooth_factor_holds_where_the_gaps_take_up_most_of_it():
         record = LightCells(
             0 * film, np.where(part, log_ratio, np.nan), 0 * film, 0 * film + NOISE**2
         )
-        squares.append((0.02 / find_texture(record, CENTRES, CURVE).size) ** 2)
+        squares.append((0.02 / find_texture(record, CENTRES, CURVE).found.size) ** 2)
     assert 0.8 < np.mean(squares) < 1.2

@@ -21,7 +21,7 @@ from erlif.pipeline.physics.gap import cells_of_region
 from erlif.pipeline.physics.reference import flag_thick_films
 from erlif.pipeline.plane import ObjectPlane
 from erlif.ratio import LightCells, cell_centres, sample_cells
-from erlif.trend import GapShape, Texture, find_texture, map_texture
+from erlif.trend import GapShape, Texture, find_texture
 from erlif.trend.cells import FEWEST_FRAMES, FEWEST_VISITS, choosable_films
 
 _FILMS = 400  # of the range, at which the error of a pixel is tabulated
@@ -64,10 +64,12 @@ def measure_pattern(
 
     Threads(None).compute(measure, frames, found.__setitem__)
     cells = cells_of_region([found[frame] for frame in frames], plane, count=(down, along))
-    texture = None if cells is None else map_texture(*cells, calibration.at(0.5), plane.shape)
+    if cells is None:
+        return None
+    texture = find_texture(*cells, calibration.at(0.5), shape=plane.shape)
     if texture is not None and texture.pattern is not None and plane.patch is not None:
         patch = plane.patch.rows, plane.patch.columns
-        texture.pattern.log_ratio[patch], texture.pattern.std[patch] = 0.0, texture.size
+        texture.pattern.log_ratio[patch], texture.pattern.std[patch] = 0.0, texture.found.size
     return texture
 
 
@@ -89,7 +91,7 @@ def with_texture(
         return list(results), calibration
     numbers = _changes_of_numbers(results, texture, calibration.at(0.5), plane, contact)
     # what is taken out at the pixels is not smooth: numbers of a region keep their error
-    numbers *= texture.size / texture.left
+    numbers *= texture.found.size / texture.left
     systematics, found = calibration.systematics, list(results)
     like = len(systematics.cross) + systematics.place("ratio", CONSTANT)
     parameters = TERMS["texture"].parameters
@@ -231,7 +233,7 @@ def widen_maps(maps: MapStore, triggers: int, curve: RunCurve, texture: Texture 
         film, std = maps.read(trigger, "thickness"), maps.read(trigger, name)
         at, rate, acts, off = (np.interp(film, films, table) for table in tables)
         if texture.pattern is None:
-            left = texture.size * np.hypot(acts, off)
+            left = texture.found.size * np.hypot(acts, off)
         else:
             left = np.hypot(texture.pattern.std * acts, texture.pattern.log_ratio * off)
         thicker = np.interp(np.minimum(at + 2 * left, ratio[-1]), ratio, films)
@@ -244,16 +246,16 @@ def describe_texture(texture: Texture | None, calibration: RunCurve) -> list[Not
     """Make the warning of what stands still in the image; none where nothing does."""
     if texture is None:
         return []
-    film = texture.kind.film
-    size, shift = 100 * texture.size, texture.size / float(calibration.slope(film))
+    film, (size, std, length, _) = texture.kind.film, texture.found
+    shift = 1e3 * size / float(calibration.slope(film))
     taken = "The error bars include it"
     if texture.pattern is not None:
         left = 100 * texture.left
         taken = f"It is taken out of the maps to {left:.2g} %, and the error bars include the rest"
     text = (
         "while the film moves, a pattern of the ratio stands still in the image: "
-        f"{size:.2g} ± {100 * texture.std:.1g} %, {1e3 * shift:.0f} nm at {film:.1f} um, "
-        f"correlated over {texture.length:.0f} px. Likely: dust on a window, a flat that is off, "
+        f"{100 * size:.2g} ± {100 * std:.1g} %, {shift:.0f} nm at {film:.1f} um, "
+        f"correlated over {length:.0f} px. Likely: dust on a window, a flat that is off, "
         f"or a wall that reflects unevenly. {taken}. {TERMS['texture'].cure}"
     )
     return [warn("texture", text)]

@@ -112,12 +112,12 @@ def restore_images(
 
 
 def _read_pattern(film: xr.Dataset) -> Pattern | None:
-    """What was taken out of the ratio; that of an earlier version acts on all films alike."""
+    """What was taken out of the ratio, its error apart; None where nothing was."""
     if "ratio_pattern" not in film:
         return None
     image = film["ratio_pattern"]
-    acts = {key: np.asarray(image.attrs[key]) for key in ("ratios", "acts") if key in image.attrs}
-    return Pattern(image.values, np.zeros(1, np.float32), **acts)
+    std, acts = np.zeros_like(image.values), (image.attrs[key] for key in ("ratios", "acts"))
+    return Pattern(image.values, std, *acts)
 
 
 def _read_cameras(attrs: Mapping[str, Any], film: str) -> tuple[BlurDifference, list[CameraNoise]]:

@@ -122,7 +122,8 @@ def test_the_error_bars_hold_films_below_a_ball_up_to_the_maximum_of_the_ratio(t
     off /= np.hypot(film.thickness_std, film.thickness_std_shared).values
     for low, high in ((1, 2), (2, 4), (4, 8), (8, end)):
         octave = valid & (low < truth) & (truth < high)
-        assert np.mean(off[octave] < 1) > 0.6
+        # bars of 1.4 times the error hold more
+        assert 0.6 < np.mean(off[octave] < 1) < 0.93
         assert np.mean(off[octave] < 2) > (0.93 if high < end else 0.88)
     assert np.mean(off[valid & (truth > 0.9 * end)] > 2) < 0.2
 
