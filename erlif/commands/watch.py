@@ -227,8 +227,11 @@ def _follow(watched: Watch, quiet: float | None, on_alarm: str | None) -> None:
     known: set[str] = set()
     reported: set[str] = set()
     try:
-        while not watched.is_quiet(quiet):
+        ended = False
+        while not ended:
             time.sleep(_LOOK)
+            # the state is that of all pairs that have been measured once the run has ended
+            ended = watched.is_quiet(quiet)
             state = watched.state()
             for name in state.alarms.keys() - known:
                 echo_aside(f"ALARM {state.alarms[name]}")
@@ -250,8 +253,9 @@ def _follow(watched: Watch, quiet: float | None, on_alarm: str | None) -> None:
 
 
 def _start(text: str) -> None:
-    """Run a command of the user beside the watch."""
-    Thread(target=subprocess.run, args=(text,), kwargs={"shell": True}, daemon=True).start()
+    """Run a command of the user beside the watch; it has begun even where the watch ends."""
+    child = subprocess.Popen(text, shell=True)
+    Thread(target=child.wait, daemon=True).start()
 
 
 def _line(state: WatchState) -> str:

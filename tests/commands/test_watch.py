@@ -7,9 +7,11 @@ import shutil
 import signal
 import threading
 import time
+from types import SimpleNamespace
 
 import pytest
 
+from erlif.commands import watch
 from erlif.commands.watch import ALARMED
 from erlif.pipeline.watch.watch import Watch
 from erlif.rig.live import Fault, write_live
@@ -70,6 +72,22 @@ def test_an_alarm_gives_the_exit_status_and_runs_the_command(recording, run_watc
     assert "ALARM minimum film" in result.stderr
     assert "alarm: minimum film" in result.stderr
     assert ran.exists()
+
+
+def test_an_alarm_of_the_last_pair_is_given_where_the_run_ends_with_it(capsys, tmp_path):
+    """The pair is measured after the last look, and the run has been quiet for long."""
+    ran = tmp_path / "ran"
+    alarms = {"film": "minimum film of pair 5"}
+    watched = SimpleNamespace(
+        is_quiet=lambda _: True,
+        state=lambda: SimpleNamespace(alarms=alarms, faults={}, latest=None, arrived=6),
+    )
+    watch._follow(watched, 1.0, f"touch {ran}")
+    assert "ALARM minimum film of pair 5" in capsys.readouterr().err
+    end = time.monotonic() + 20
+    while not ran.exists():
+        assert time.monotonic() < end
+        time.sleep(0.01)
 
 
 @pytest.mark.usefixtures("maps_alone")
