@@ -226,22 +226,25 @@ def _follow(watched: Watch, quiet: float | None, on_alarm: str | None) -> None:
     printed, line = 0.0, ""
     known: set[str] = set()
     reported: set[str] = set()
+
+    def report(state: WatchState) -> None:
+        """Print alarms and faults that are new, and run the command of an alarm."""
+        nonlocal known, reported
+        for name in state.alarms.keys() - known:
+            echo_aside(f"ALARM {state.alarms[name]}")
+            if on_alarm:
+                _start(on_alarm)
+        # a fault that lasts is printed again where another file or frame has joined it
+        faults = {re.sub(r"\d+", "", text): text for text in state.faults.values()}
+        for text in faults.keys() - reported:
+            echo_aside(faults[text])
+        known, reported = set(state.alarms), set(faults)
+
     try:
-        ended = False
-        while not ended:
+        while not watched.is_quiet(quiet):
             time.sleep(_LOOK)
-            # the state is that of all pairs that have been measured once the run has ended
-            ended = watched.is_quiet(quiet)
             state = watched.state()
-            for name in state.alarms.keys() - known:
-                echo_aside(f"ALARM {state.alarms[name]}")
-                if on_alarm:
-                    _start(on_alarm)
-            # a fault that lasts is printed again where another file or frame has joined it
-            faults = {re.sub(r"\d+", "", text): text for text in state.faults.values()}
-            for text in faults.keys() - reported:
-                echo_aside(faults[text])
-            known, reported = set(state.alarms), set(faults)
+            report(state)
             if time.monotonic() - printed > _EVERY and _line(state) != line:
                 line, printed = _line(state), time.monotonic()
                 click.echo(line)
@@ -249,13 +252,16 @@ def _follow(watched: Watch, quiet: float | None, on_alarm: str | None) -> None:
         raise
     except KeyboardInterrupt:  # the end of the recording, not of the command
         pass
-    click.echo(_line(watched.state()))
+
+    # what was measured since the last look
+    state = watched.state()
+    report(state)
+    click.echo(_line(state))
 
 
 def _start(text: str) -> None:
-    """Run a command of the user beside the watch; it has begun even where the watch ends."""
-    child = subprocess.Popen(text, shell=True)
-    Thread(target=child.wait, daemon=True).start()
+    """Run a command of the user beside the watch."""
+    Thread(target=subprocess.run, args=(text,), kwargs={"shell": True}, daemon=True).start()
 
 
 def _line(state: WatchState) -> str:

@@ -74,19 +74,28 @@ def test_an_alarm_gives_the_exit_status_and_runs_the_command(recording, run_watc
     assert ran.exists()
 
 
-def test_an_alarm_of_the_last_pair_is_given_where_the_run_ends_with_it(capsys, tmp_path):
-    """The pair is measured after the last look, and the run has been quiet for long."""
+def interrupt(_):
+    raise KeyboardInterrupt
+
+
+@pytest.mark.parametrize("end", [lambda _: True, interrupt], ids=["quiet", "Ctrl-C"])
+def test_an_alarm_of_the_last_pair_is_given_where_the_run_ends_with_it(end, capsys, tmp_path):
+    """The pair is measured after the last look."""
     ran = tmp_path / "ran"
-    alarms = {"film": "minimum film of pair 5"}
-    watched = SimpleNamespace(
-        is_quiet=lambda _: True,
-        state=lambda: SimpleNamespace(alarms=alarms, faults={}, latest=None, arrived=6),
+    state = SimpleNamespace(
+        alarms={"film": "minimum film of pair 5"},
+        faults={"frames": "camera 2 lacks frame_0005.tif"},
+        latest=None,
+        arrived=6,
     )
+    watched = SimpleNamespace(is_quiet=end, state=lambda: state)
     watch._follow(watched, 1.0, f"touch {ran}")
-    assert "ALARM minimum film of pair 5" in capsys.readouterr().err
-    end = time.monotonic() + 20
+    printed = capsys.readouterr().err
+    assert "ALARM minimum film of pair 5" in printed
+    assert "camera 2 lacks frame_0005.tif" in printed
+    latest = time.monotonic() + 20
     while not ran.exists():
-        assert time.monotonic() < end
+        assert time.monotonic() < latest
         time.sleep(0.01)
 
 
