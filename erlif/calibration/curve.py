@@ -130,12 +130,16 @@ class RatioCurve(ABC):
         acts = systematics.gradient(thickness, self.model, slope, change, **at)
         return np.concatenate([fitted, acts])
 
-    def by_wall(self, thickness: npt.ArrayLike) -> Array:
+    def by_wall(self, thickness: npt.ArrayLike, reflectance: float | None = None) -> Array:
         """Derivative of the logarithm of the ratio by the reflectance of the wall, 0 to 1. [1]
 
-        `thickness` is in um. A wall that the fixture does not show is black.
+        `thickness` is in um. The default of `reflectance` is that of the fixture; a wall that it
+        does not show is black.
         """
-        return self.model.with_wall.ratio(np.asarray(thickness, float)).by_reflectance
+        wall = self.model.with_wall
+        if reflectance is not None:
+            wall = Reabsorption(np.append(wall.parameters[:-1], reflectance))
+        return wall.ratio(np.asarray(thickness, float)).by_reflectance
 
     def film_gradient(self, thickness: npt.ArrayLike, **at: Any) -> Array:
         """Derivatives of the film of a measured ratio by all parameters, (n, ...).

@@ -17,15 +17,25 @@ _THINNEST = 1.0  # um: below it the response of a film to its light is steep and
 # Share of the covered range; the noise of a cell with a thicker film may reach beyond it, and a
 # choice that depends on the noise would bias what is estimated.
 _THICKEST = 0.8
+_PATTERNS = 2.0  # standard deviations of a pattern that stay within the range
 
 
-def choosable_films(calibration: RatioCurve) -> tuple[float, float]:
-    """Films between which a cell is chosen: from 1 um to 0.8 of the covered range. [um]"""
+def choosable_films(calibration: RatioCurve, pattern: float = 0.0) -> tuple[float, float]:
+    """Films between which a cell is chosen: from 1 um to 0.8 of the covered range. [um]
+
+    A pattern of the ratio of this size [1] lifts pixels of thick films beyond the range, and the
+    mean of those left is too thin: two standard deviations of it end within the range.
+    """
     low = max(calibration.thickness_range[0], _THINNEST)
-    return low, _THICKEST * float(calibration.inverse.thickness[-1])
+    table = calibration.inverse
+    end = calibration.predict_log(calibration.thickness_range[1])
+    inside = float(table.look_up(end - _PATTERNS * pattern))
+    return low, min(_THICKEST * float(table.thickness[-1]), inside)
 
 
-def choose_cells(film: Array, measured: Mask, calibration: RatioCurve) -> Mask:
+def choose_cells(
+    film: Array, measured: Mask, calibration: RatioCurve, pattern: float = 0.0
+) -> Mask:
     """Choose the cells of each frame whose light can be compared with that of their film.
 
     Parameters
@@ -35,11 +45,13 @@ def choose_cells(film: Array, measured: Mask, calibration: RatioCurve) -> Mask:
     measured : array of bool, (frame, cell)
         Whether light and film are known.
     calibration : RatioCurve
+    pattern : float
+        Standard deviation of what stands still in the ratio of the pixels. [1]
 
     Returns
     -------
     array of bool, (frame, cell)
-        Films from 1 um to 0.8 of the covered range, of frames with 24 cells and of cells with 6
+        Films of `choosable_films`, of frames with 24 cells and of cells with 6
         frames at least.
 
     Examples
@@ -52,7 +64,7 @@ def choose_cells(film: Array, measured: Mask, calibration: RatioCurve) -> Mask:
     >>> int(chosen.sum())
     232
     """
-    low, high = choosable_films(calibration)
+    low, high = choosable_films(calibration, pattern)
     usable: Mask = measured & (film > low) & (film < high)
     usable &= (usable.sum(axis=1) >= _FEWEST_CELLS)[:, None]
     usable &= usable.sum(axis=0) >= FEWEST_VISITS

@@ -6,8 +6,8 @@ that film. Films that differ at one place from frame to frame separate both. Wha
 picture is left to the gap.
 
 Windows and flats act on all films alike, a is 1; the reflectance of a wall acts less on thin films,
-by its derivative. A run has a part of both: the share of the wall and the size of the marks are the
-most likely ones, over the values of f that they give.
+by its derivative at its mean. A run has a part of both: the share of the wall, its mean reflectance
+and the size of the marks are the most likely ones, over the values of f that they give.
 """
 
 from __future__ import annotations
@@ -32,8 +32,9 @@ _FEWEST = 20  # cells whose factor is known
 _LITTLE = 1e-9  # ridge over the trace: the cells of a frame may lie in few columns
 _DEPENDENT = 1e-2  # determinant over its largest value from which f and m are not separated
 _SHARES = np.linspace(0, 1, 11)  # of a wall in the factor, which are tried
+_REFLECTANCES = np.array([0, 0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.6])  # of it in the mean
 _MARKS = np.geomspace(0.01, 1.0, 9)  # um: standard deviations of the marks, which are tried
-_SHARE_STD = 0.3  # of the share of the wall, at least: its derivative is that of the fixture
+_SHARE_STD = 0.15  # of the share of the wall, at least: what the derivative of the model is off
 
 
 class FactorKind(NamedTuple):
@@ -47,15 +48,19 @@ class FactorKind(NamedTuple):
         Share of it that acts as the reflectance of a wall, 0 to 1.
     wall_std : float
         Standard deviation of this.
+    reflectance : float
+        Of the wall in the mean.
     """
 
     film: float
     wall: float = 0.0
     wall_std: float = _SHARE_STD
+    reflectance: float = 0.0
 
     def acts(self, film: npt.ArrayLike, calibration: RatioCurve) -> tuple[Array, Array]:
         """Factor of other films over that of `film`, and its standard deviation by `wall_std`."""
-        less = 1 - calibration.by_wall(film) / calibration.by_wall(self.film)
+        here, there = (calibration.by_wall(of, self.reflectance) for of in (film, self.film))
+        less = 1 - here / there
         return 1 - self.wall * less, self.wall_std * less
 
 
@@ -85,13 +90,16 @@ class CellFactors:
 
 
 def measure_factors(
-    record: LightCells, centres: tuple[Array, Array], calibration: RatioCurve
+    record: LightCells,
+    centres: tuple[Array, Array],
+    calibration: RatioCurve,
+    pattern: float = 0.0,
 ) -> CellFactors | None:
     """Measure the fixed factor of the cells of a run.
 
     Parameters
     ----------
-    record, centres, calibration
+    record, centres, calibration, pattern
         As for `erlif.trend.find_texture`.
 
     Returns
@@ -112,15 +120,19 @@ def measure_factors(
     value, variance = (np.asarray(one, float)[steps] for one in (record[1], record[3]))
     known = np.isfinite(value) & (variance > 0)
     measured = calibration.inverse.look_up(np.where(known, value, 0.0))
-    chosen = choose_cells(measured, known, calibration)
-    frames = chosen.any(axis=1)
-    if frames.sum() < FEWEST_FRAMES:
-        return None
-    weight = np.where(chosen, 1 / np.where(chosen, variance, 1.0), 0.0)[frames]
     places = np.array([2 * (at - at.min()) / np.ptp(at) - 1 for at in centres])
     shapes, rates = _shapes(*places), _change_within(centres, places)
-    curve, value, measured = FilmCurve.of(calibration), value[frames], measured[frames]
-    film, slope, rest = _fit_gaps(value, measured, weight, curve, shapes, rates)
+    curve, film = FilmCurve.of(calibration), measured
+    for _ in range(2):
+        # chosen by their own films, cells at the end of the range are those with less of it
+        chosen = choose_cells(film, known, calibration, pattern)
+        frames = chosen.any(axis=1)
+        if frames.sum() < FEWEST_FRAMES:
+            return None
+        value, measured, known = value[frames], measured[frames], known[frames]
+        variance, chosen = variance[frames], chosen[frames]
+        weight = np.where(chosen, 1 / np.where(chosen, variance, 1.0), 0.0)
+        film, slope, rest = _fit_gaps(value, measured, weight, curve, shapes, rates)
 
     # cells whose films differ
     plain = _Sums.of(rest, weight, slope, np.ones_like(rest))
@@ -129,10 +141,9 @@ def measure_factors(
     if known.sum() < _FEWEST:
         return None
     middle = float(np.median(film[weight > 0]))
-    less = 1 - calibration.by_wall(film) / calibration.by_wall(middle)
     cells = rest[:, known], weight[:, known], slope[:, known]
-    wall, wall_std, marks = _judge_kind(*cells, less[:, known])
-    acts = 1 - wall * less
+    kind, marks = _judge_kind(*cells, film[:, known], middle, calibration)
+    acts = kind.acts(film, calibration)[0]
     factor, noise, by_frame = _separate(*cells, acts[:, known], marks, len(shapes))
 
     # what the gaps of all frames take of the factors of all cells
@@ -148,7 +159,7 @@ def measure_factors(
         noise=(rough * noise) @ rough.T,
         shown=rough @ (np.eye(known.size)[known] - taken),
         centres=centres,
-        kind=FactorKind(middle, wall, wall_std),
+        kind=kind,
     )
 
 
@@ -201,23 +212,27 @@ def _fit_gaps(
 
 
 def _judge_kind(
-    rest: Array, weight: Array, slope: Array, less: Array
-) -> tuple[float, float, float]:
-    """Share of a wall in the factor, its standard deviation, and that of the marks [um].
+    rest: Array, weight: Array, slope: Array, film: Array, middle: float, calibration: RatioCurve
+) -> tuple[FactorKind, float]:
+    """How the factor acts, given for the film `middle` [um], and standard deviation of marks [um].
 
-    By the likelihood of all cells, factors and marks of any value; `less` is by how much less a
-    wall acts on each film.
+    By the likelihood of all cells, factors and marks of any value.
     """
     found = []
-    for share in _SHARES:
-        sums = _Sums.of(rest, weight, slope, 1 - share * less)
-        found.append([sums.likelihood(marks) for marks in _MARKS])
-    gain = np.array(found)
-    of_share = np.exp(gain - gain.max()).sum(axis=1)
-    of_share /= of_share.sum()
+    for reflectance in _REFLECTANCES:
+        less = 1 - FactorKind(middle, 1.0, reflectance=reflectance).acts(film, calibration)[0]
+        for share in _SHARES:
+            sums = _Sums.of(rest, weight, slope, 1 - share * less)
+            found.append([sums.likelihood(marks) for marks in _MARKS])
+    gain = np.array(found).reshape(_REFLECTANCES.size, _SHARES.size, _MARKS.size)
+    likely = np.exp(gain - gain.max()).sum(axis=2)
+    of_reflectance, of_share = (likely.sum(axis=axis) / likely.sum() for axis in (1, 0))
     mean = float(of_share @ _SHARES)
     std = math.sqrt(float(of_share @ (_SHARES - mean) ** 2))
-    return mean, math.hypot(std, _SHARE_STD), float(_MARKS[np.argmax(gain.max(axis=0))])
+    kind = FactorKind(
+        middle, mean, math.hypot(std, _SHARE_STD), float(of_reflectance @ _REFLECTANCES)
+    )
+    return kind, float(_MARKS[np.argmax(gain.max(axis=(0, 1)))])
 
 
 class _Sums(NamedTuple):

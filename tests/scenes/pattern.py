@@ -32,8 +32,8 @@ def photograph(
     return LightCells(0 * film, log_ratio, 0 * film, 0 * film + NOISE**2)
 
 
-def act_of_wall(film):
-    """Change of the log ratio with the reflectance of a nearly black wall, over that at 4 um.
+def act_of_wall(film, mean=0.0):
+    """Change of the log ratio with the reflectance of a wall, 0 to 1, over that at 4 um.
 
     By an integral of the light of each depth, whose laser comes from the window and returns from
     the wall, as does its own light. Both attenuations are those of laser and light together.
@@ -48,7 +48,8 @@ def act_of_wall(film):
         return np.log(np.mean(into * out))
 
     def change(of):
-        two, one = (log_light(of, q - laser, R) - log_light(of, p - laser, R) for R in (1e-4, 0.0))
+        both = (mean + 1e-4, mean)
+        two, one = (log_light(of, q - laser, R) - log_light(of, p - laser, R) for R in both)
         return two - one
 
     of_four = change(4.0)

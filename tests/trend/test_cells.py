@@ -18,6 +18,19 @@ def test_films_beyond_the_response_of_the_light_are_left_out():
     npt.assert_array_equal(chosen, (film > 1) & (film < 0.8 * thickest))
 
 
+def test_a_pattern_keeps_its_pixels_within_the_range():
+    """Films whose ratio by the narrow-band law is two sizes of the pattern below the thickest."""
+    k, p, q = CALIBRATION.parameters
+    films, size = np.linspace(2.0, CALIBRATION.thickness_range[1], 200), 0.05
+    law = np.log(k * p * np.expm1(-q * films) / (q * np.expm1(-p * films)))
+    film = np.repeat(films, 30)[None].repeat(8, axis=0)
+    chosen = choose_cells(film, np.ones(film.shape, bool), CALIBRATION, size)[0, ::30]
+    lifted = law + 2 * size
+    npt.assert_array_equal(chosen[lifted < law[-1] - 0.002], True)
+    npt.assert_array_equal(chosen[lifted > law[-1] + 0.002], False)
+    assert not chosen[films < 0.8 * CALIBRATION.covered_range[1]].all()
+
+
 def test_frames_of_few_cells_and_cells_of_few_frames_are_left_out():
     """Frame 0 has 23 cells, one less than are needed; cell 29 has then 5 frames of 6."""
     film, measured = np.full((10, 30), 4.0), np.ones((10, 30), bool)

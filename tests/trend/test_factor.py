@@ -26,6 +26,14 @@ def test_films_that_hardly_move_show_no_factor():
     assert measure_factors(photograph(factor, swing=0.1), CENTRES, CURVE) is None
 
 
+def test_derivative_by_a_wall_is_that_of_its_mean_reflectance():
+    """Over that at 4 um."""
+    films = np.array([1.0, 2.5, 6.0, 8.0])
+    for mean in (0.0, 0.1, 0.25):
+        found = CURVE.by_wall(films, mean) / CURVE.by_wall(4.0, mean)
+        np.testing.assert_allclose(found, act_of_wall(films, mean), rtol=0.03)
+
+
 @pytest.mark.parametrize(("of_wall", "least", "most"), [(False, 0.0, 0.3), (True, 0.7, 1.0)])
 def test_a_factor_is_that_of_a_window_or_of_a_wall(of_wall, least, most):
     """Marks of 0.05 um beside it."""
