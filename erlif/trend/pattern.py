@@ -20,6 +20,7 @@ _LONGEST = 4  # cells: a third of the picture
 _LENGTHS, _SIZES = 8, 200  # that are tried; sizes to 3 %
 _SMALLEST, _LARGEST = 1e-3, 0.3  # sizes among which the true one is sought
 _STEPS = 3  # each leaves a tenth of what the one before did
+_RIDGE = 1e-4  # of the variance: means of neighbours hardly differ where the pattern is long
 _FILMS = 33  # of the range, for which it is tabulated how a pattern acts
 
 
@@ -78,6 +79,24 @@ class PatternSize(NamedTuple):
     gain: float
 
 
+class CellPattern(NamedTuple):
+    """Means of a pattern over cells.
+
+    Attributes
+    ----------
+    centres : tuple[Array, Array]
+        Columns and rows of the middles of the cells, (cell,). [px]
+    value : Array
+        (cell,) [1]
+    covariance : Array
+        (cell, cell) [1]
+    """
+
+    centres: tuple[Array, Array]
+    value: Array
+    covariance: Array
+
+
 def find_size(factors: CellFactors) -> PatternSize:
     """Find size and length, means over all that are tried, each as likely before as any other.
 
@@ -116,8 +135,16 @@ def find_size(factors: CellFactors) -> PatternSize:
     return PatternSize(size, std, length, float(gains.max()))
 
 
-def map_pattern(factors: CellFactors, found: PatternSize, shape: tuple[int, int]) -> Pattern:
+def map_pattern(
+    factors: CellFactors,
+    found: PatternSize,
+    shape: tuple[int, int],
+    means: CellPattern | None = None,
+) -> Pattern:
     """Map the most likely pattern of the size and length found.
+
+    The factors show what no smooth gap takes up. Where means over larger cells are known from a gap
+    of known form, they are the pattern there, and the factors show how it varies about them.
 
     Parameters
     ----------
@@ -125,6 +152,8 @@ def map_pattern(factors: CellFactors, found: PatternSize, shape: tuple[int, int]
     found : PatternSize
     shape : tuple of int
         Rows and columns of the image.
+    means : CellPattern, optional
+        Over cells, each a number of whole cells of the factors.
 
     Returns
     -------
@@ -132,8 +161,8 @@ def map_pattern(factors: CellFactors, found: PatternSize, shape: tuple[int, int]
     """
     variance, length = found.size**2, found.length
     shown, widths = factors.shown, _cell_widths(factors.centres)
-    own = shown @ correlate_cells(length, factors.centres) @ shown.T
-    known = np.linalg.inv(variance * own + factors.noise)
+    prior = variance * correlate_cells(length, factors.centres)
+    known = np.linalg.inv(shown @ prior @ shown.T + factors.noise)
 
     # at pixels, by the means over cells, column by column and row by row
     middles = [np.unique(at) for at in factors.centres]
@@ -141,19 +170,36 @@ def map_pattern(factors: CellFactors, found: PatternSize, shape: tuple[int, int]
         _correlate_along(length, np.arange(float(count)), at, width, means=1)
         for count, at, width in zip(shape[::-1], middles, widths, strict=True)
     )
-    weights = (shown.T @ known @ factors.values).reshape(len(middles[1]), len(middles[0]))
-    value = variance * (down @ weights @ along.T)
+    weights = shown.T @ known @ factors.values
 
     # what is left in the middle of each cell
     columns, rows = (
         _correlate_along(length, at, at, width, means=1)
         for at, width in zip(middles, widths, strict=True)
     )
-    seen = variance * np.kron(rows, columns) @ shown.T
+    at_middles = variance * np.kron(rows, columns)
+    seen = at_middles @ shown.T
     left = variance - np.sum(seen @ known * seen, axis=1)
-    std = np.sqrt(np.maximum(left, 0.0)).reshape(weights.shape).astype(np.float32)
+    if means is not None:
+        merge = _merge_cells(factors.centres, means.centres)
+        by_means = merge.T - shown.T @ known @ (shown @ prior @ merge.T)
+        before = merge @ prior @ by_means
+        share = by_means @ np.linalg.inv(before + _RIDGE * variance * np.eye(len(before)))
+        weights = weights + share @ (means.value - merge @ prior @ weights)
+        moved = at_middles @ share
+        left = left + np.sum(moved @ (means.covariance - before) * moved, axis=1)
+    table = len(middles[1]), len(middles[0])
+    value = variance * (down @ weights.reshape(table) @ along.T)
+    std = np.sqrt(np.maximum(left, 0.0)).reshape(table).astype(np.float32)
     wide = cv2.resize(std, shape[::-1], interpolation=cv2.INTER_LINEAR)
     return Pattern(value.astype(np.float32), np.asarray(wide))
+
+
+def _merge_cells(small: tuple[Array, Array], large: tuple[Array, Array]) -> Array:
+    """Weights of small cells in the means over large ones, (large, small)."""
+    apart = sum(np.subtract.outer(one, other) ** 2 for one, other in zip(large, small, strict=True))
+    inside = np.equal.outer(np.arange(len(large[0])), np.argmin(apart, axis=0)).astype(float)
+    return np.asarray(inside / inside.sum(axis=1, keepdims=True))
 
 
 def correlate_cells(length: float, centres: tuple[Array, Array]) -> Array:

@@ -12,6 +12,7 @@ lower the errors by another fifth, at the price of its energies and of the model
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -24,6 +25,7 @@ from erlif.core.arrays import Array, Mask
 from erlif.core.statistics import covariance_root
 from erlif.ratio.cells import LightCells
 from erlif.trend.cells import FEWEST_FRAMES, choose_cells, separate_light
+from erlif.trend.pattern import CellPattern
 from erlif.trend.position import PinView
 from erlif.trend.texture import Texture
 
@@ -62,6 +64,9 @@ class RatioEquations(NamedTuple):
         Standard deviations of these, (motion,). [um]
     form : Array
         Covariance of the form of the gap, (cell, cell). [um2]
+    pattern : Array
+        Derivatives by further errors, one of each cell and part that acts there alone,
+        (part, frame, cell).
     """
 
     slope: Array
@@ -70,6 +75,14 @@ class RatioEquations(NamedTuple):
     motion: Array
     motion_std: Array
     form: Array
+    pattern: Array = np.zeros((0, 1, 1))
+
+    def by_errors(self, errors: Array) -> Array:
+        """Change of the logarithm of the ratio by errors, (frame, cell). [1]"""
+        common, each = np.split(errors, [len(self.errors)])
+        parts, _, cells = self.pattern.shape
+        local = (each.reshape(parts, 1, cells) * self.pattern).sum(axis=0)
+        return np.asarray(np.tensordot(common, self.errors, axes=1) + local)
 
 
 class RigidityUnknowns(NamedTuple):
@@ -78,7 +91,7 @@ class RigidityUnknowns(NamedTuple):
     Attributes
     ----------
     errors : Array
-        (error,)
+        (error,), those of the pattern last, part by part.
     form : Array
         Of the gap, (cell,). [um]
     motion : Array
@@ -91,7 +104,12 @@ class RigidityUnknowns(NamedTuple):
 
 
 def solve_equations(
-    equations: RatioEquations, prior: Array, rest: Array, at: RigidityUnknowns
+    equations: RatioEquations,
+    prior: Array,
+    rest: Array,
+    at: RigidityUnknowns,
+    *,
+    pattern: Array | None = None,
 ) -> tuple[RigidityUnknowns, Array, Array]:
     """Solve the equations of all frames together.
 
@@ -99,17 +117,19 @@ def solve_equations(
     ----------
     equations : RatioEquations
     prior : array, (error, error)
-        Covariance of the errors.
+        Covariance of the errors, without those of the pattern.
     rest : array, (frame, cell)
         Measured less expected logarithm of the ratio. [1]
     at : RigidityUnknowns
         Where the equations hold; the priors draw towards zero.
+    pattern : array, (cell, cell), optional
+        Covariance of each part of the pattern, where the equations have one.
 
     Returns
     -------
     change : RigidityUnknowns
     covariance : array, (error, error)
-        Of the errors with the run.
+        Of all errors with the run.
     scatter : array, (error, error)
         The part of it by noise, which is new in every run. The rest is what the priors leave.
 
@@ -126,36 +146,64 @@ def solve_equations(
     >>> round(float(covariance[0, 0] / 1e-4), 1)
     1.0
     """
-    root = covariance_root(prior)
-    cells, causes = len(equations.form), root.shape[1]
+    cells = len(equations.form)
+    roots = [covariance_root(prior)]
+    roots += [covariance_root(pattern) for _ in equations.pattern if pattern is not None]
+    causes, root = roots[0].shape[1], block_diag(*roots)
+    shown, pull, solved = _add_frames(equations, roots, rest, at.motion)
+
+    # in the order causes, form, pattern
+    form = slice(causes, causes + cells)
+    errors = np.r_[:causes, form.stop : len(pull)]
+    known, start = np.eye(len(pull)), np.zeros(len(pull))
+    known[form, form] = np.linalg.inv(equations.form)
+    start[form], start[errors] = at.form, np.linalg.pinv(root) @ at.errors
+    inverse = np.linalg.inv(known + shown)
+    change = inverse @ (pull - known @ start)
+    motion = solved[..., -1] - solved[..., :-1] @ change
+    scatter = inverse @ shown @ inverse
+    found = RigidityUnknowns(root @ change[errors], change[form], motion)
+    covariance, scatter = (
+        root @ one[np.ix_(errors, errors)] @ root.T for one in (inverse, scatter)
+    )
+    return found, covariance, scatter
+
+
+def _add_frames(
+    equations: RatioEquations, roots: Sequence[Array], rest: Array, motion: Array
+) -> tuple[Array, Array, Array]:
+    """Information of all frames on causes, form and pattern; its product with them; motion by them.
+
+    The last are those of each frame by all of these, and by the rest, (frame, motion, unknown + 1).
+    """
     weight = 1 / equations.variance
-    by_cause = np.einsum("efc,en->fcn", equations.errors, root, optimize=True)
-    known = np.zeros((cells + causes, cells + causes))
-    known[:cells, :cells] = np.linalg.inv(equations.form)
-    known[cells:, cells:] = np.eye(causes)
-    normal = known.copy()
-    right = -known @ np.concatenate([at.form, np.linalg.pinv(root) @ at.errors])
+    common = np.einsum("efc,en->nfc", equations.errors, roots[0], optimize=True)
+
+    # form and pattern act in each cell alone, all other causes in every one
+    acts = [equations.slope, *equations.pattern]
+    bases = [np.eye(len(equations.form)), *roots[1:]]
+    local = list(zip(acts, bases, strict=True))
+    beside = [np.einsum("fc,nfc->nc", weight * act, common) @ base for act, base in local]
+    rows = [[common.reshape(len(common), -1) @ (weight * common).reshape(len(common), -1).T]]
+    rows[0] += beside
+    for (act, base), mixed in zip(local, beside, strict=True):
+        sums = [(weight * act * other).sum(axis=0)[:, None] * of for other, of in local]
+        rows.append([mixed.T, *(base.T @ each for each in sums)])
+    shown = np.block(rows)
+    of_cells = [(weight * act * rest).sum(axis=0) @ base for act, base in local]
+    pull = np.concatenate([np.tensordot(common, weight * rest, axes=2), *of_cells])
 
     # the position of each frame is eliminated
-    each, kept = equations.motion_std**-2.0, []
-    for k, slope in enumerate(equations.slope):
-        common = np.concatenate([np.diag(slope), by_cause[k]], axis=1)
-        own = (equations.motion * slope).T
-        weighted = weight[k][:, None] * own
-        pull = weighted.T @ rest[k] - each * at.motion[k]
-        mixed = weighted.T @ common
-        solved = np.linalg.solve(own.T @ weighted + np.diag(each), np.column_stack([mixed, pull]))
-        normal += common.T @ (weight[k][:, None] * common) - mixed.T @ solved[:, :-1]
-        right += common.T @ (weight[k] * rest[k]) - mixed.T @ solved[:, -1]
-        kept.append(solved)
-
-    inverse = np.linalg.inv(normal)
-    change = inverse @ right
-    motion = np.array([solved[:, -1] - solved[:, :-1] @ change for solved in kept])
-    scatter = inverse @ (normal - known) @ inverse
-    found = RigidityUnknowns(root @ change[cells:], change[:cells], motion)
-    covariance, scatter = (root @ each[cells:, cells:] @ root.T for each in (inverse, scatter))
-    return found, covariance, scatter
+    each = equations.motion_std**-2.0
+    own = equations.motion * equations.slope[:, None]
+    weighted = own * weight[:, None]
+    parts = [np.einsum("fmc,nfc->fmn", weighted, common)]
+    parts += [(weighted * act[:, None]) @ base for act, base in local]
+    right = (weighted @ rest[..., None]) - (each * motion)[..., None]
+    known = own @ np.swapaxes(weighted, 1, 2) + np.diag(each)
+    solved = np.linalg.solve(known, np.concatenate([*parts, right], axis=2))
+    taken = np.tensordot(np.concatenate(parts, axis=2), solved, axes=((0, 1), (0, 1)))
+    return shown - taken[:, :-1], pull - taken[:, -1], solved
 
 
 def gap_of_pin(
@@ -247,6 +295,8 @@ class ErrorEstimate:
         Scatter of the logarithm of the ratio of a cell beyond photon noise. [1]
     film : float
         Median film of the cells. [um]
+    pattern : CellPattern | None
+        What stands still in the image; None where it was no unknown.
     """
 
     value: Array
@@ -255,6 +305,7 @@ class ErrorEstimate:
     prior: Array
     noise: float
     film: float
+    pattern: CellPattern | None = None
 
     @property
     def second_moment(self) -> Array:
@@ -346,7 +397,8 @@ def estimate_errors(
         record = record._replace(spread=record.spread - within)
     known = np.isfinite(record.log_ratio) & np.isfinite(record.light) & (record.variance > 0)
     film = calibration.inverse.look_up(np.where(known, record.log_ratio, 0.0))
-    chosen = choose_cells(film, known, calibration)
+    size = 0.0 if texture is None else texture.found.size
+    chosen = choose_cells(film, known, calibration, size)
     x, y = (view.pitch * centre for centre in centres)
     along, across = (x, y) if view.sliding_along_x else (y, x)
     gap = gap_of_pin(
@@ -358,7 +410,7 @@ def estimate_errors(
     )
     # chosen by their own films, cells at the end of the range are those whose noise is negative
     start = _fit_positions(film, chosen, gap[0], view.clearance)
-    chosen = choose_cells(view.clearance + start @ gap[0], known, calibration)
+    chosen = choose_cells(view.clearance + start @ gap[0], known, calibration, size)
     if chosen.any(axis=1).sum() < FEWEST_FRAMES:
         return None
     record = LightCells(*(np.where(chosen, part, 0.0) for part in record))
@@ -391,29 +443,31 @@ class _ErrorFit:
 
     def solve(self, measured: Array, start: Array) -> ErrorEstimate | None:
         """The estimate, from positions of the pin; None where it does not settle in the widths."""
-        own, noise = self.calibration.full_covariance, 0.0
-        prior = own
-        if self.texture is not None:
-            pattern = self.texture.in_cells(self.place)
-            prior = block_diag(own, pattern, pattern)
-        nothing = np.zeros(len(prior)), np.zeros(measured.shape[1])
+        own, noise, cells = self.calibration.full_covariance, 0.0, measured.shape[1]
+        still = None if self.texture is None else self.texture.in_cells(self.place)
+        width = np.sqrt(np.diag(own if still is None else block_diag(own, still, still)))
+        nothing = np.zeros(len(width)), np.zeros(cells)
         state, bright = RigidityUnknowns(*nothing, start), self._illumination(measured)
         for _ in range(_ROUNDS):
             film = self._film(state)
             if not (film > _THINNEST).all():
                 return None
             equations = self._linearise(self._rigid_film(state), bright, noise)
-            rest = self._rest(film, equations.errors, state.errors)
-            step, covariance, scatter = solve_equations(equations, prior, rest, state)
+            rest = self._rest(film, equations.by_errors(state.errors))
+            step, covariance, scatter = solve_equations(equations, own, rest, state, pattern=still)
             state = RigidityUnknowns(*(old + new for old, new in zip(state, step, strict=True)))
             noise = max(noise + self._excess(equations, rest, step), 0.0)
-            if (np.abs(step.errors) <= _SETTLED * np.sqrt(np.diag(covariance)) + _NOTHING).all():
+            settled = np.abs(step.errors) <= _SETTLED * np.sqrt(np.diag(covariance)) + _NOTHING
+            if settled[: len(own)].all():
                 break
         else:
             return None
-        if (np.abs(state.errors) > _LARGEST * np.sqrt(np.diag(prior)) + _NOTHING).any():
+        if (np.abs(state.errors) > _LARGEST * width + _NOTHING).any():
             return None
-        curve = slice(len(own))
+        curve, pattern = slice(len(own)), slice(len(own), len(own) + cells)
+        means = None
+        if still is not None:
+            means = CellPattern(self.place, state.errors[pattern], covariance[pattern, pattern])
         value, covariance = of_curve(
             state.errors[curve], covariance[curve, curve], self.calibration.systematics
         )
@@ -424,6 +478,7 @@ class _ErrorFit:
             own,
             float(np.sqrt(noise)),
             float(np.median(film[self.chosen])),
+            means,
         )
 
     def _illumination(self, measured: Array) -> Array:
@@ -455,27 +510,26 @@ class _ErrorFit:
         errors = calibration.gradient(
             film, illumination=bright, passed=self.passed[:, None], place=self.place
         )
-        if self.texture is not None:
-            # the second part: whether it is that of a window or of a wall is known to its error
-            cells = np.eye(film.shape[1])[:, None]
-            acts = self.texture.kind.acts(film, calibration)
-            errors = np.concatenate([errors, *(each * cells for each in acts)])
-        return RatioEquations(slope, errors, variance, *self.gap)
+        equations = RatioEquations(slope, errors, variance, *self.gap)
+        if self.texture is None:
+            return equations
+        # the second part: whether it is that of a window or of a wall is known to its error
+        return equations._replace(pattern=np.stack(self.texture.kind.acts(film, calibration)))
 
-    def _rest(self, film: Array, acts: Array, errors: Array) -> Array:
+    def _rest(self, film: Array, by_errors: Array) -> Array:
         """Measured less expected logarithm of the ratio. [1]"""
         step, slope = 0.01, self.calibration.slope
         curvature = (slope(film + step) - slope(film - step)) / (2 * step)
 
         # mean of the logarithm over a cell whose films differ, to second order
         bent = 0.5 * curvature * np.maximum(self.record.spread, 0.0) / slope(film) ** 2
-        expected = self.calibration.predict_log(film) + np.tensordot(errors, acts, axes=1) + bent
+        expected = self.calibration.predict_log(film) + by_errors + bent
         return np.where(self.chosen, self.record.log_ratio - expected, 0.0)
 
     def _excess(self, equations: RatioEquations, rest: Array, step: RigidityUnknowns) -> float:
         """Variance of the logarithm of the ratio beyond the one taken. [1]"""
         moved = step.motion @ equations.motion + step.form
-        left = rest - equations.slope * moved - np.tensordot(step.errors, equations.errors, axes=1)
+        left = rest - equations.slope * moved - equations.by_errors(step.errors)
         weight = np.where(self.chosen, 1 / equations.variance, 0.0)
         cells, frames = (int(self.chosen.any(axis=axis).sum()) for axis in (0, 1))
         freedom = self.chosen.sum() - cells - (len(equations.motion) - 1) * frames

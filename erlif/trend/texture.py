@@ -7,17 +7,25 @@ less on thinner ones.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from erlif.calibration import RatioCurve
 from erlif.core.arrays import Array
+from erlif.core.statistics import covariance_root
 from erlif.ratio.cells import LightCells
 from erlif.trend.blocks import Region
-from erlif.trend.factor import FactorKind, measure_factors
+from erlif.trend.factor import CellFactors, FactorKind, measure_factors
 from erlif.trend.gap import GapMinimum, GapShape, gap_shapes
-from erlif.trend.pattern import Pattern, PatternSize, correlate_cells, find_size, map_pattern
+from erlif.trend.pattern import (
+    CellPattern,
+    Pattern,
+    PatternSize,
+    correlate_cells,
+    find_size,
+    map_pattern,
+)
 
 _NOTED = 0.0015  # flat frames of small pictures leave as much
 _SIGNIFICANT = 18.0  # rise of the logarithm of the likelihood: six standard deviations
@@ -34,13 +42,19 @@ class Texture:
         How large it is, and how far it is correlated.
     kind : FactorKind
         How it acts on other films; size and pattern are those at its film.
+    factors : CellFactors | None
+        By which it was found.
     pattern : Pattern | None
         What of it is taken out of the ratio; None where nothing is.
+    means : CellPattern | None
+        What is known of its means over cells; None where nothing is taken out.
     """
 
     found: PatternSize
     kind: FactorKind
+    factors: CellFactors | None = None
     pattern: Pattern | None = None
+    means: CellPattern | None = None
 
     @property
     def left(self) -> float:
@@ -50,6 +64,17 @@ class Texture:
     def in_cells(self, centres: tuple[Array, Array]) -> Array:
         """Covariance of its means over cells of these columns and rows, (cell, cell)."""
         return self.found.size**2 * correlate_cells(self.found.length, centres)
+
+    def mapped(
+        self, shape: tuple[int, int], curve: RatioCurve, means: CellPattern | None = None
+    ) -> Texture:
+        """Return a copy that is taken out of the ratio of an image of this shape, (rows, columns).
+
+        `means` are those that the known gap of a joint shows.
+        """
+        assert self.factors is not None
+        pattern = map_pattern(self.factors, self.found, shape, means)
+        return replace(self, pattern=pattern.on_films(self.kind, curve), means=means)
 
     def over(self, region: Region, film: float, curve: RatioCurve) -> float:
         """Standard deviation of its mean over a region of this film [um]. [1]"""
@@ -61,8 +86,32 @@ class Texture:
             ).mean()
         return math.sqrt(variance)
 
+    def parts_in(self, region: Region, *, along_x: bool) -> Array:
+        """Independent parts of what is left of it, at even places of a region, (place, part). [1]
+
+        Places lie line by line along sliding, which is image x with `along_x`.
+        """
+        sides = (region.columns, region.rows)
+        even = [np.linspace(one.start, one.stop - 1, _GRID) for one in sides]
+        if self.means is None:
+            roots = [
+                covariance_root(np.exp(-((np.subtract.outer(at, at) / self.found.length) ** 2)))
+                for at in even
+            ]
+            parts = self.found.size * np.kron(*roots)
+        else:
+            columns, rows = np.meshgrid(*even, indexing="ij")
+            apart = sum(
+                np.subtract.outer(at.ravel(), cells) ** 2
+                for at, cells in zip((columns, rows), self.means.centres, strict=True)
+            )
+            parts = covariance_root(self.means.covariance)[np.argmin(apart, axis=1)]
+        table = parts.reshape(_GRID, _GRID, -1)
+        return np.asarray((table if along_x else table.swapaxes(0, 1)).reshape(_GRID**2, -1))
+
     def in_numbers(
         self,
+        parts: Array,
         region: Region,
         gap: GapMinimum,
         curve: RatioCurve,
@@ -73,11 +122,13 @@ class Texture:
         """Changes of the mean over a region, and of the minimum of a fitted gap, by the pattern.
 
         Both over those by a change of the ratio that is even over the region. In thick films the
-        same change of the ratio is more film. The norm of a row is the share of the size that is
-        the error of the number; products of rows are covariances, also those of several gaps.
+        same change of the ratio is more film. The norm of a row is the even change of the ratio by
+        which the number is off; products of rows are covariances, also those of several gaps.
 
         Parameters
         ----------
+        parts : array, (place, part)
+            As `parts_in` gives them for the region.
         region : Region
         gap : GapMinimum
         curve : RatioCurve
@@ -88,18 +139,12 @@ class Texture:
         Returns
         -------
         array, (2, part)
-            By independent parts of the pattern of variance 1; those of the mean of an even film for
-            both where the gap is not known.
+            By each part; those of the mean of an even film for both where the gap is not known. [1]
         """
         pixels = (region.columns, region.rows) if along_x else (region.rows, region.columns)
         start = np.array([one.start for one in pixels])
         half = 0.5 * (np.array([one.stop for one in pixels]) - 1 - start)
         places = np.linspace(-1, 1, _GRID)
-        apart = np.subtract.outer(places, places)
-        powers = [
-            np.linalg.eigh(np.exp(-((side * apart / self.found.length) ** 2))) for side in half
-        ]
-        along, across = (axes * np.sqrt(np.maximum(power, 0.0)) for power, axes in powers)
 
         # weights of even places of the region in the mean, and in the least squares of the gap
         of_mean = of_gap = acts = np.ones(_GRID**2)
@@ -116,19 +161,15 @@ class Texture:
             of_gap = of_mean * (at_place @ np.linalg.solve(used @ shapes.T, used))
             acts = np.hypot(*self.kind.acts(np.clip(film, low, high), curve))
 
-        found = []
-        for weights in (of_mean, of_gap):
-            table = (acts * weights).reshape(_GRID, _GRID)
-            found.append((along.T @ table @ across).ravel() / weights.sum())
-        return np.stack(found)
+        weights = np.stack([of_mean, of_gap])
+        return np.asarray((acts * weights) @ parts / weights.sum(axis=1, keepdims=True))
 
 
 def find_texture(
     record: LightCells,
     centres: tuple[Array, Array],
     calibration: RatioCurve,
-    *,
-    shape: tuple[int, int] | None = None,
+    pattern: float = 0.0,
 ) -> Texture | None:
     """Find what stands still in the image, beside marks and a smooth gap.
 
@@ -140,9 +181,8 @@ def find_texture(
         Columns and rows of the middles of the cells. [px]
     calibration : RatioCurve
         In the middle of the run.
-    shape : tuple of int, optional
-        Rows and columns of the image, where its most likely value at each pixel is asked for: of
-        cells that are small enough to show it.
+    pattern : float
+        Size of it by larger cells, where it was found there. [1]
 
     Returns
     -------
@@ -158,13 +198,10 @@ def find_texture(
     >>> find_texture(empty, (places, places), example_calibration()) is None
     True
     """
-    factors = measure_factors(record, centres, calibration)
+    factors = measure_factors(record, centres, calibration, pattern)
     if factors is None:
         return None
     found = find_size(factors)
     if found.gain < _SIGNIFICANT or found.size < _NOTED:
         return None
-    if shape is None:
-        return Texture(found, factors.kind)
-    pattern = map_pattern(factors, found, shape)
-    return Texture(found, factors.kind, pattern.on_films(factors.kind, calibration))
+    return Texture(found, factors.kind, factors)

@@ -126,11 +126,14 @@ class Still(Texture):
 
 @pytest.mark.slow
 def test_the_errors_that_remain_beside_a_pattern_follow_their_covariance():
-    """Thirty runs, each with another pattern of 1 % over 60 px; without it as unknown 2 or more."""
+    """Thirty runs, each with another pattern of 1 % over 60 px; without it as unknown 2 or more.
+
+    The pattern is found within its own covariance.
+    """
     rng, curve = np.random.default_rng(7), CALIBRATION.at(1.0)
     texture = Still(PatternSize(0.01, std=1e-3, length=60.0, gain=100.0), FactorKind(5.0))
     covariance = texture.in_cells(cell_centres(SHAPE))
-    pulls = {"known": [], "left out": []}
+    pulls, squares = {"known": [], "left out": []}, []
     for _ in range(30):
         errors, form = draw_errors(rng), draw_roundness(rng)
         still = rng.multivariate_normal(np.zeros(len(covariance)), covariance)
@@ -142,10 +145,14 @@ def test_the_errors_that_remain_beside_a_pattern_follow_their_covariance():
                 continue
             std = found.film_std(FILMS, curve)
             pulls[name].append((shift - found.film_shift(FILMS + shift, curve)) / std)
+            if found.pattern is not None:
+                off = still - found.pattern.value
+                squares.append(off @ np.linalg.solve(found.pattern.covariance, off) / off.size)
     known = np.array(pulls["known"])
     assert len(known) == 30
     npt.assert_allclose(np.std(known, axis=0), 1, atol=3.2 * 0.13)
     npt.assert_allclose(np.mean(known, axis=0), 0, atol=3.5 / np.sqrt(30))
+    assert 0.85 < np.mean(squares) < 1.15
     assert (np.std(pulls["left out"], axis=0) > 1.8).all()
 
 

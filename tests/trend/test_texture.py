@@ -1,5 +1,7 @@
 """What stands still in the image, from cells of known films, factors and marks."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scenes.pattern import CENTRES, CURVE, NOISE, draw_field, photograph
@@ -7,7 +9,7 @@ from scenes.pattern import CENTRES, CURVE, NOISE, draw_field, photograph
 from erlif.ratio.cells import LightCells
 from erlif.trend import GapMinimum, GapShape, Region, find_texture
 from erlif.trend.factor import FactorKind
-from erlif.trend.pattern import PatternSize
+from erlif.trend.pattern import CellPattern, PatternSize
 from erlif.trend.texture import Texture
 
 U, V = (one.ravel() for one in np.meshgrid(*[np.linspace(-1, 1, 20)] * 2))
@@ -44,6 +46,12 @@ REGION = Region(slice(0, 200), slice(0, 300))
 TEXTURE = Texture(PatternSize(0.01, std=0.001, length=60.0, gain=100.0), FactorKind(4.0))
 
 
+def in_numbers(gap, *, along_x=True):
+    """Changes of mean and minimum over a region by a pattern of 1 %, in shares of its size."""
+    parts = TEXTURE.parts_in(REGION, along_x=along_x)
+    return TEXTURE.in_numbers(parts, REGION, gap, CURVE, GapShape.LINE, along_x=along_x) / 0.01
+
+
 def draw_fields(seed):
     """Fields of the log ratio over the region, (field, place)."""
     rng = np.random.default_rng(seed)
@@ -69,8 +77,26 @@ def test_error_of_mean_and_minimum_is_that_of_fits_to_drawn_fields(along_x, bend
     of_mean = (fields * per_ratio).mean(axis=1).std() / per_ratio.mean()
     place = np.array([149.5, 199.0] if along_x else [299.0, 99.5])
     gap = GapMinimum.unknown(3)._replace(place=place, amplitudes=amplitudes)
-    found = TEXTURE.in_numbers(REGION, gap, CURVE, GapShape.LINE, along_x=along_x)
+    found = in_numbers(gap, along_x=along_x)
     np.testing.assert_allclose(np.linalg.norm(found, axis=1), [of_mean, at_edge], rtol=0.15)
+
+
+@pytest.mark.parametrize("along_x", [True, False])
+def test_error_of_a_mean_is_that_of_drawn_means_over_cells(along_x):
+    """Cells of half the picture are better known; correlated errors of neighbours."""
+    columns, rows = CENTRES
+    std = np.where(rows < 100, 2e-4, 2e-3)
+    apart = sum(np.subtract.outer(at, at) ** 2 for at in CENTRES)
+    covariance = np.outer(std, std) * np.exp(-apart / 80**2)
+    texture = replace(TEXTURE, means=CellPattern(CENTRES, np.zeros(std.size), covariance))
+
+    inside = (columns < 300) & (rows < 200)
+    drawn = np.random.default_rng(6).multivariate_normal(0 * std, covariance, 4000)
+    parts = texture.parts_in(REGION, along_x=along_x)
+    gap = GapMinimum.unknown(3)
+    found = texture.in_numbers(parts, REGION, gap, CURVE, GapShape.LINE, along_x=along_x)
+    expected = drawn[:, inside].mean(axis=1).std()
+    np.testing.assert_allclose(np.linalg.norm(found, axis=1), expected, rtol=0.1)
 
 
 def test_minima_of_thin_and_thick_films_differ_as_fits_to_drawn_fields():
@@ -84,14 +110,14 @@ def test_minima_of_thin_and_thick_films_differ_as_fits_to_drawn_fields():
         fitted = np.linalg.lstsq(shapes.T, changes.T, rcond=None)[0]
         at_edge.append((fitted[0] + fitted[2])[:-1] / (fitted[0] + fitted[2])[-1])
         gap = GapMinimum.unknown(3)._replace(place=np.array([149.5, 199]), amplitudes=amplitudes)
-        rows.append(TEXTURE.in_numbers(REGION, gap, CURVE, GapShape.LINE, along_x=True)[1])
+        rows.append(in_numbers(gap)[1])
     apart = np.linalg.norm(rows[1] - rows[0])
     np.testing.assert_allclose(apart, (at_edge[1] - at_edge[0]).std(), rtol=0.15)
     assert apart > 0.02
 
 
 def test_error_of_a_gap_that_is_not_known_is_that_of_an_even_film():
-    found = TEXTURE.in_numbers(REGION, GapMinimum.unknown(3), CURVE, GapShape.LINE, along_x=True)
+    found = in_numbers(GapMinimum.unknown(3))
     share = draw_fields(5).mean(axis=1).std()
     np.testing.assert_allclose(np.linalg.norm(found, axis=1), share, rtol=0.15)
 

@@ -5,11 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
 from erlif.calibration import RunCurve
-from erlif.core.arrays import Array
+from erlif.core.arrays import AnyArray, Array
 from erlif.core.notes import Note, remark, warn
 from erlif.correction.light import BLOCK
 from erlif.io.settings import JointSettings
@@ -64,6 +65,24 @@ def cells_of_region(
     return LightCells(*parts.transpose(1, 0, 2)), centres
 
 
+class MeasuredCells(NamedTuple):
+    """Cells of frames that were measured for them.
+
+    Attributes
+    ----------
+    frames : AnyArray
+        (frame,)
+    record : LightCells
+        Within the region of interest, (frame, cell).
+    centres : tuple[Array, Array]
+        Columns and rows of their middles, (cell,). [px]
+    """
+
+    frames: AnyArray
+    record: LightCells
+    centres: tuple[Array, Array]
+
+
 def find_errors(
     lights: Mapping[int, FrameResult],
     calibration: RunCurve,
@@ -71,6 +90,7 @@ def find_errors(
     *,
     pairs: int,
     texture: Texture | None = None,
+    cells: MeasuredCells | None = None,
 ) -> ErrorEstimate | None:
     """Errors of the calibration and of its systematics, from the gap of all frames.
 
@@ -85,6 +105,8 @@ def find_errors(
         Frame pairs of the run.
     texture : Texture, optional
         What stands still in the image.
+    cells : MeasuredCells, optional
+        In place of those of the lights.
 
     Returns
     -------
@@ -93,19 +115,21 @@ def find_errors(
     """
     if not shows_errors(calibration, plane):
         return None
-    frames = np.array(sorted(lights))
-    if (cells := cells_of_region([lights[frame].cells for frame in frames], plane)) is None:
-        return None
+    if cells is None:
+        frames = np.array(sorted(lights))
+        found = cells_of_region([lights[frame].cells for frame in frames], plane)
+        if found is None:
+            return None
+        cells = MeasuredCells(frames, *found)
     joint, view = plane.settings.joint, plane.view
     assert joint is not None
     assert view is not None
-    record, centres = cells
     return estimate_errors(
-        record,
-        centres,
+        cells.record,
+        cells.centres,
         calibration,
         view,
-        passed=shares_passed(frames, pairs),
+        passed=shares_passed(cells.frames, pairs),
         clearance_std=clearance_std(joint),
         flattening=_flattening(joint),
         texture=texture,

@@ -21,7 +21,13 @@ from erlif.pipeline.engines.engine import Threads
 from erlif.pipeline.engines.results import FrameResult, TriggerResult, shares_passed
 from erlif.pipeline.physics.dark import find_dark_levels
 from erlif.pipeline.physics.findings import LightFindings
-from erlif.pipeline.physics.gap import cells_of_region, describe_gap, find_errors, with_errors
+from erlif.pipeline.physics.gap import (
+    MeasuredCells,
+    cells_of_region,
+    describe_gap,
+    find_errors,
+    with_errors,
+)
 from erlif.pipeline.physics.reference import (
     describe_reference,
     describe_scale,
@@ -362,6 +368,7 @@ def find_light(
     options: LightOptions,
     reference: ReferenceSettings | None = None,
     texture: Texture | None = None,
+    cells: MeasuredCells | None = None,
 ) -> LightFindings:
     """Background, bleaching, course and errors of a run, and the scale of its ratio on a patch.
 
@@ -382,8 +389,8 @@ def find_light(
     # the lobes of a bore are no smooth gap
     smooth = plane.bore is None and bool(calibration.systematics)
     if smooth and texture is None:
-        cells = cells_of_region([lights[frame].cells for frame in sorted(lights)], plane)
-        texture = None if cells is None else find_texture(*cells, calibration.at(0.5))
+        coarse = cells_of_region([lights[frame].cells for frame in sorted(lights)], plane)
+        texture = None if coarse is None else find_texture(*coarse, calibration.at(0.5))
 
     background, scale = None, None
     if texture is None:  # a pattern of the ratio looks like light that is not film
@@ -404,7 +411,9 @@ def find_light(
     if not options.corrects_light and not beyond:
         # beside those that a patch shows
         known = calibration if scale is None else with_patch(calibration, scale)
-        errors = find_errors(lights, known, plane, pairs=triggers.size, texture=texture)
+        errors = find_errors(
+            lights, known, plane, pairs=triggers.size, texture=texture, cells=cells
+        )
     return LightFindings(
         background, bleaching, source, course, scale, errors, tuple(darks), texture
     )
@@ -485,8 +494,6 @@ def correct_light(
     chain: FrameChain, calibration: RunCurve, findings: LightFindings, options: LightOptions
 ) -> tuple[FrameChain, RunCurve, LightFindings]:
     """Apply the requested corrections to chain and calibration; findings without other errors."""
-    if findings.texture is not None and findings.texture.pattern is not None:
-        chain = replace(chain, pattern=findings.texture.pattern)
     if options.background == "correct" and findings.background is not None:
         chain = subtract(chain, findings.background)
         calibration = with_background(calibration, findings.background.error)

@@ -17,7 +17,7 @@ from erlif.pipeline.chain import FrameChain
 from erlif.pipeline.engines.engine import Threads
 from erlif.pipeline.engines.results import FrameResult, TriggerResult
 from erlif.pipeline.physics.findings import LightFindings
-from erlif.pipeline.physics.gap import cells_of_region
+from erlif.pipeline.physics.gap import MeasuredCells, cells_of_region
 from erlif.pipeline.physics.reference import flag_thick_films
 from erlif.pipeline.plane import ObjectPlane
 from erlif.ratio import LightCells, cell_centres, sample_cells
@@ -28,16 +28,21 @@ _FILMS = 400  # of the range, at which the error of a pixel is tabulated
 
 _MOST_MAPS = 100  # in which a pattern is sought
 
-# Rows and columns, at most, of the cells in which a pattern is mapped.
-_SMALL_CELLS = (32, 40)
+# Rows and columns, at most, of the cells in which a pattern is mapped; where they are more than
+# these, four are one in which the gap of the joint is fitted.
+_SMALL_CELLS, _OF_GAP = (32, 40), 400
 
 _ENOUGH_CELLS = 40  # of the 120 of a picture, with which it is sought in these: twice the fewest
 
 
 def measure_pattern(
-    chain: FrameChain, frames: Sequence[int], calibration: RunCurve, plane: ObjectPlane
-) -> Texture | None:
-    """What stands still in the image, with its pattern, from frames whose ratio is measured again.
+    chain: FrameChain,
+    frames: Sequence[int],
+    calibration: RunCurve,
+    plane: ObjectPlane,
+    pattern: float,
+) -> tuple[Texture, MeasuredCells] | None:
+    """What stands still in the image, from small cells of frames whose ratio is measured again.
 
     Parameters
     ----------
@@ -45,32 +50,61 @@ def measure_pattern(
     frames : sequence of int
     calibration : RunCurve
     plane : ObjectPlane
+    pattern : float
+        Size of it by the cells of the lights. [1]
 
     Returns
     -------
-    Texture or None
-        None where nothing is significant. Nothing is taken out on a patch of another film.
+    texture : Texture
+    cells : MeasuredCells
+        In which the gap of the joint is fitted, each a number of whole small cells.
+    None
+        In place of both, where nothing is significant.
     """
     down, along = (
         min(most, size // BLOCK) for most, size in zip(_SMALL_CELLS, plane.shape, strict=True)
     )
-    found: dict[int, LightCells] = {}
+    counts = [(down, along)]
+    if down * along > _OF_GAP:
+        down, along = down // 2, along // 2
+        counts = [(2 * down, 2 * along), (down, along)]
+    found: dict[int, list[LightCells]] = {}
 
-    def measure(frame: int) -> LightCells:
+    def measure(frame: int) -> list[LightCells]:
         pair = chain.measure(frame)
         flag_thick_films(pair, calibration, plane.patch)
         images = pair.light_one, pair.log_ratio, pair.variance, pair.flags
-        return sample_cells(*images, cells=(down, along))
+        return [sample_cells(*images, cells=count) for count in counts]
 
     Threads(None).compute(measure, frames, found.__setitem__)
-    cells = cells_of_region([found[frame] for frame in frames], plane, count=(down, along))
-    if cells is None:
+    cells = [
+        cells_of_region([found[frame][n] for frame in frames], plane, count=count)
+        for n, count in enumerate(counts)
+    ]
+    if cells[0] is None or cells[-1] is None:
         return None
-    texture = find_texture(*cells, calibration.at(0.5), shape=plane.shape)
-    if texture is not None and texture.pattern is not None and plane.patch is not None:
+    texture = find_texture(*cells[0], calibration.at(0.5), pattern)
+    return None if texture is None else (texture, MeasuredCells(np.array(frames), *cells[-1]))
+
+
+def take_out(
+    texture: Texture,
+    chain: FrameChain,
+    calibration: RunCurve,
+    findings: LightFindings,
+    plane: ObjectPlane,
+) -> tuple[FrameChain, LightFindings]:
+    """Chain and findings without what stands still in the image.
+
+    Nothing is taken out on a patch of another film.
+    """
+    means = None if findings.errors is None else findings.errors.pattern
+    texture = texture.mapped(plane.shape, calibration.at(0.5), means)
+    assert texture.pattern is not None
+    if plane.patch is not None:
         patch = plane.patch.rows, plane.patch.columns
         texture.pattern.log_ratio[patch], texture.pattern.std[patch] = 0.0, texture.found.size
-    return texture
+    return replace(chain, pattern=texture.pattern), replace(findings, texture=texture)
 
 
 def with_texture(
@@ -90,8 +124,7 @@ def with_texture(
     if texture is None:
         return list(results), calibration
     numbers = _changes_of_numbers(results, texture, calibration.at(0.5), plane, contact)
-    # what is taken out at the pixels is not smooth: numbers of a region keep their error
-    numbers *= texture.found.size / texture.left
+    numbers /= texture.left
     systematics, found = calibration.systematics, list(results)
     like = len(systematics.cross) + systematics.place("ratio", CONSTANT)
     parameters = TERMS["texture"].parameters
@@ -111,7 +144,7 @@ def _changes_of_numbers(
     plane: ObjectPlane,
     contact: GapShape,
 ) -> Array:
-    """Changes of mean and minimum of each trigger by the pattern, (trigger, number, part)."""
+    """Changes of mean and minimum of each trigger by the pattern, (trigger, number, part). [1]"""
     gaps, along_x = [one.statistics.gap for one in results], plane.sliding_along_x
 
     # a tilt below its error puts minima at either edge by chance: all at that of most triggers
@@ -120,11 +153,16 @@ def _changes_of_numbers(
     places[:, across] = np.sort(places[:, across])[known // 2]
 
     moved = [gap._replace(place=place) for gap, place in zip(gaps, places, strict=True)]
+    parts = texture.parts_in(plane.region, along_x=along_x)
     numbers = np.array(
-        [texture.in_numbers(plane.region, gap, curve, contact, along_x=along_x) for gap in moved]
+        [
+            texture.in_numbers(parts, plane.region, gap, curve, contact, along_x=along_x)
+            for gap in moved
+        ]
     )
     if contact is GapShape.PLATEAU:  # the minimum is that of few blocks, with the error of a pixel
-        numbers[:, 1] /= np.linalg.norm(numbers[:, 1], axis=-1, keepdims=True)
+        norms = np.linalg.norm(numbers[:, 1], axis=-1, keepdims=True)
+        numbers[:, 1] *= texture.left / norms
     return numbers
 
 

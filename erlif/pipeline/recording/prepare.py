@@ -22,11 +22,11 @@ from erlif.pipeline.audit.naming import naming
 from erlif.pipeline.chain import FrameChain, FrameCorrection
 from erlif.pipeline.engines.results import FrameResult
 from erlif.pipeline.physics.findings import LightFindings
-from erlif.pipeline.physics.gap import shows_errors
+from erlif.pipeline.physics.gap import MeasuredCells, shows_errors
 from erlif.pipeline.physics.light import correct_light, find_light, measure_lights
 from erlif.pipeline.physics.systematics import add_systematics, update_systematics
 from erlif.pipeline.physics.temperature import read_warming, without_warming
-from erlif.pipeline.physics.texture import measure_pattern
+from erlif.pipeline.physics.texture import measure_pattern, take_out
 from erlif.pipeline.plane import ObjectPlane
 from erlif.pipeline.recording.cameras import Characterised, characterise_cameras
 from erlif.pipeline.recording.noise import (
@@ -228,7 +228,11 @@ class PreparedRun:
         return ObjectPlane(self.run.settings, self.run.pairs.shape)
 
     def find_light(
-        self, lights: Mapping[int, FrameResult], reference: ReferenceSettings | None = None
+        self,
+        lights: Mapping[int, FrameResult],
+        reference: ReferenceSettings | None = None,
+        *,
+        cells: MeasuredCells | None = None,
     ) -> LightFindings:
         """Find the light that is not film; parameters as for `erlif.pipeline.physics.light`."""
         return find_light(
@@ -241,6 +245,7 @@ class PreparedRun:
             options=self.run.settings.light,
             reference=reference,
             texture=self.light.texture,
+            cells=cells,
         )
 
     def judge_light(
@@ -338,14 +343,18 @@ def prepare_run(
             patch = run.settings.reference if options.ratio == "correct" else None
             most = None if options.corrects else _FRAMES_OF_GAP
             lights = measure_lights(chain, curve, plane.patch, most=most)
-            findings = ready.find_light(lights, patch)
+            findings, texture = ready.find_light(lights, patch), None
             if findings.texture is not None and options.errors != "report":
                 # the same beside a pattern whose size and length small cells show better
                 frames = run.pairs.spread(_FRAMES_OF_GAP)
-                if (texture := measure_pattern(chain, frames, curve, plane)) is not None:
+                size = findings.texture.found.size
+                if (small := measure_pattern(chain, frames, curve, plane, size)) is not None:
+                    texture, cells = small
                     ready = replace(ready, light=LightFindings(texture=texture))
-                    findings = ready.find_light(lights, patch)
+                    findings = ready.find_light(lights, patch, cells=cells)
         chain, curve, findings = correct_light(chain, curve, findings, options)
+        if texture is not None:
+            chain, findings = take_out(texture, chain, ready.curve, findings, plane)
         if options.corrects or curve.follows_run or chain.pattern is not None:
             ready = replace(ready, chain=chain, curve=curve, light=findings)
 
