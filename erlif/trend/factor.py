@@ -111,9 +111,10 @@ def measure_factors(
     --------
     Four frames are too few:
 
+    >>> from erlif.ratio import cell_centres
     >>> from erlif.show.plots import example_calibration
-    >>> empty, places = LightCells(*np.full((4, 4, 120), np.nan)), np.zeros(120)
-    >>> measure_factors(empty, (places, places), example_calibration()) is None
+    >>> empty = LightCells(*np.full((4, 4, 120), np.nan))
+    >>> measure_factors(empty, cell_centres((80, 96)), example_calibration()) is None
     True
     """
     steps = np.unique(np.linspace(0, len(record.log_ratio) - 1, _MOST_FRAMES).round().astype(int))

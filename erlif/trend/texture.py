@@ -193,9 +193,10 @@ def find_texture(
     --------
     Four frames are too few:
 
+    >>> from erlif.ratio import cell_centres
     >>> from erlif.show.plots import example_calibration
-    >>> empty, places = LightCells(*np.full((4, 4, 120), np.nan)), np.zeros(120)
-    >>> find_texture(empty, (places, places), example_calibration()) is None
+    >>> empty = LightCells(*np.full((4, 4, 120), np.nan))
+    >>> find_texture(empty, cell_centres((80, 96)), example_calibration()) is None
     True
     """
     factors = measure_factors(record, centres, calibration, pattern)
