@@ -34,7 +34,7 @@ _DEPENDENT = 1e-2  # determinant over its largest value from which f and m are n
 _SHARES = np.linspace(0, 1, 11)  # of a wall in the factor, which are tried
 _REFLECTANCES = np.array([0, 0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.6])  # of it in the mean
 _MARKS = np.geomspace(0.01, 1.0, 9)  # um: standard deviations of the marks, which are tried
-_SHARE_STD = 0.15  # of the share of the wall, at least: what the derivative of the model is off
+_SHARE_STD = 0.3  # of the share of the wall, at least: marks take up a part of it
 
 
 class FactorKind(NamedTuple):
