@@ -51,8 +51,7 @@ def choose_cells(
     Returns
     -------
     array of bool, (frame, cell)
-        Films of `choosable_films`, of frames with 24 cells and of cells with 6
-        frames at least.
+        Films of `choosable_films`, of frames with 24 cells and of cells with 6 frames at least.
 
     Examples
     --------

@@ -59,9 +59,13 @@ class FactorKind(NamedTuple):
 
     def acts(self, film: npt.ArrayLike, calibration: RatioCurve) -> tuple[Array, Array]:
         """Factor of other films over that of `film`, and its standard deviation by `wall_std`."""
-        here, there = (calibration.by_wall(of, self.reflectance) for of in (film, self.film))
-        less = 1 - here / there
+        less = self.less_by_wall(film, calibration)
         return 1 - self.wall * less, self.wall_std * less
+
+    def less_by_wall(self, film: npt.ArrayLike, calibration: RatioCurve) -> Array:
+        """How much less a wall alone acts on films [um] than on `film`. [1]"""
+        here, there = (calibration.by_wall(of, self.reflectance) for of in (film, self.film))
+        return np.asarray(1 - here / there)
 
 
 @dataclass(frozen=True)
@@ -221,7 +225,7 @@ def _judge_kind(
     """
     found = []
     for reflectance in _REFLECTANCES:
-        less = 1 - FactorKind(middle, 1.0, reflectance=reflectance).acts(film, calibration)[0]
+        less = FactorKind(middle, reflectance=reflectance).less_by_wall(film, calibration)
         for share in _SHARES:
             sums = _Sums.of(rest, weight, slope, 1 - share * less)
             found.append([sums.likelihood(marks) for marks in _MARKS])

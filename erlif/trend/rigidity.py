@@ -146,9 +146,13 @@ def solve_equations(
     >>> round(float(covariance[0, 0] / 1e-4), 1)
     1.0
     """
-    cells = len(equations.form)
-    roots = [covariance_root(prior)]
-    roots += [covariance_root(pattern) for _ in equations.pattern if pattern is not None]
+    # causes of unit variance; all parts of the pattern have the same root
+    cells, roots, whitening = len(equations.form), [], []
+    for covariance, count in ((prior, 1), (pattern, len(equations.pattern))):
+        if covariance is not None:
+            one = covariance_root(covariance)
+            roots += [one] * count
+            whitening += [np.linalg.pinv(one)] * count
     causes, root = roots[0].shape[1], block_diag(*roots)
     shown, pull, solved = _add_frames(equations, roots, rest, at.motion)
 
@@ -157,16 +161,14 @@ def solve_equations(
     errors = np.r_[:causes, form.stop : len(pull)]
     known, start = np.eye(len(pull)), np.zeros(len(pull))
     known[form, form] = np.linalg.inv(equations.form)
-    start[form], start[errors] = at.form, np.linalg.pinv(root) @ at.errors
+    start[form], start[errors] = at.form, block_diag(*whitening) @ at.errors
     inverse = np.linalg.inv(known + shown)
     change = inverse @ (pull - known @ start)
     motion = solved[..., -1] - solved[..., :-1] @ change
     scatter = inverse @ shown @ inverse
     found = RigidityUnknowns(root @ change[errors], change[form], motion)
-    covariance, scatter = (
-        root @ one[np.ix_(errors, errors)] @ root.T for one in (inverse, scatter)
-    )
-    return found, covariance, scatter
+    whole, scatter = (root @ one[np.ix_(errors, errors)] @ root.T for one in (inverse, scatter))
+    return found, whole, scatter
 
 
 def _add_frames(

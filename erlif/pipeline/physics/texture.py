@@ -88,18 +88,15 @@ def measure_pattern(
 
 
 def take_out(
-    texture: Texture,
-    chain: FrameChain,
-    calibration: RunCurve,
-    findings: LightFindings,
-    plane: ObjectPlane,
+    chain: FrameChain, calibration: RunCurve, findings: LightFindings, plane: ObjectPlane
 ) -> tuple[FrameChain, LightFindings]:
-    """Chain and findings without what stands still in the image.
+    """Chain and findings whose texture, as `measure_pattern` gives it, is taken out of the ratio.
 
     Nothing is taken out on a patch of another film.
     """
+    assert findings.texture is not None
     means = None if findings.errors is None else findings.errors.pattern
-    texture = texture.mapped(plane.shape, calibration.at(0.5), means)
+    texture = findings.texture.mapped(plane.shape, calibration.at(0.5), means)
     assert texture.pattern is not None
     if plane.patch is not None:
         patch = plane.patch.rows, plane.patch.columns

@@ -343,18 +343,19 @@ def prepare_run(
             patch = run.settings.reference if options.ratio == "correct" else None
             most = None if options.corrects else _FRAMES_OF_GAP
             lights = measure_lights(chain, curve, plane.patch, most=most)
-            findings, texture = ready.find_light(lights, patch), None
+            findings, small = ready.find_light(lights, patch), None
             if findings.texture is not None and options.errors != "report":
                 # the same beside a pattern whose size and length small cells show better
                 frames = run.pairs.spread(_FRAMES_OF_GAP)
                 size = findings.texture.found.size
-                if (small := measure_pattern(chain, frames, curve, plane, size)) is not None:
+                small = measure_pattern(chain, frames, curve, plane, size)
+                if small is not None:
                     texture, cells = small
                     ready = replace(ready, light=LightFindings(texture=texture))
                     findings = ready.find_light(lights, patch, cells=cells)
         chain, curve, findings = correct_light(chain, curve, findings, options)
-        if texture is not None:
-            chain, findings = take_out(texture, chain, ready.curve, findings, plane)
+        if small is not None:
+            chain, findings = take_out(chain, ready.curve, findings, plane)
         if options.corrects or curve.follows_run or chain.pattern is not None:
             ready = replace(ready, chain=chain, curve=curve, light=findings)
 
