@@ -188,10 +188,9 @@ def pattern_unknowns(row: Row, rig: RigSettings, at: Blocks) -> tuple[np.ndarray
     """Derivatives of the log light by the pattern of each block, and covariance of these."""
     frames, blocks = at.film.shape
     acts = np.zeros((blocks, 2, frames, blocks))
-    of_ratio, typical = (
-        np.diff(by_wall(each, at.oil), axis=0)[0] for each in (at.film, PATTERN_FILM)
-    )
-    acts[np.arange(blocks), 1, :, np.arange(blocks)] = (of_ratio / typical).T
+    typical = np.diff(by_wall(PATTERN_FILM, at.oil), axis=0)[0]
+    of_wall = by_wall(at.film, at.oil) / typical
+    acts[np.arange(blocks), ..., np.arange(blocks)] = of_wall.transpose(2, 0, 1)
     covariance = np.full((blocks, blocks), row.pattern**2)
     sides = ((at.u, rig.field_width, COLUMNS), (at.v, rig.height * rig.pitch, ROWS))
     for place, side, count in sides:

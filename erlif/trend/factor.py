@@ -3,27 +3,22 @@
 The logarithm of the ratio of a cell less that of the smooth gap of its frame is a f + m s, beside
 noise. The marks m of the surfaces are film, and act by the slope s of the logarithm of the ratio at
 that film. Films that differ at one place from frame to frame separate both. What is smooth over the
-picture is left to the gap.
-
-Windows and flats act on all films alike, a is 1; the reflectance of a wall acts less on thin films,
-by its derivative at its mean. A run has a part of both: the share of the wall, its mean reflectance
-and the size of the marks are the most likely ones, over the values of f that they give.
+picture is left to the gap. How a factor acts on other films, a, is its `FactorKind`.
 """
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from erlif.calibration import RatioCurve
-from erlif.core.arrays import Array
+from erlif.core.arrays import Array, Mask
 from erlif.ratio.cells import LightCells
 from erlif.trend.cells import FEWEST_FRAMES, choose_cells
 from erlif.trend.curve import FilmCurve
+from erlif.trend.factor_kind import FactorKind
 
 _MOST_FRAMES = 100  # as for the errors of the gap
 _DEGREE = 3  # of the smooth gap, and of what is smooth over the picture: beyond the term field
@@ -31,41 +26,42 @@ _STEPS = 3  # of Gauss and Newton to the gap of each frame
 _FEWEST = 20  # cells whose factor is known
 _LITTLE = 1e-9  # ridge over the trace: the cells of a frame may lie in few columns
 _DEPENDENT = 1e-2  # determinant over its largest value from which f and m are not separated
-_SHARES = np.linspace(0, 1, 11)  # of a wall in the factor, which are tried
-_REFLECTANCES = np.array([0, 0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.6])  # of it in the mean
 _MARKS = np.geomspace(0.01, 1.0, 9)  # um: standard deviations of the marks, which are tried
-_SHARE_STD = 0.3  # of the share of the wall, at least: marks take up a part of it
 
 
-class FactorKind(NamedTuple):
-    """How a factor acts: as that of a window, as that of a wall, or as both.
+class FittedCells(NamedTuple):
+    """What the smooth gaps of all frames leave of the logarithms of the ratio of cells.
 
     Attributes
     ----------
-    film : float
-        Median film of the cells, for which the factor is given. [um]
-    wall : float
-        Share of it that acts as the reflectance of a wall, 0 to 1.
-    wall_std : float
-        Standard deviation of this.
-    reflectance : float
-        Of the wall in the mean.
+    rest : Array
+        (frame, cell) [1]
+    weight : Array
+        One over their variance, 0 where there is none, (frame, cell). [1]
+    slope : Array
+        Derivative of the logarithm of the ratio by the film, (frame, cell). [1/um]
+    film : Array
+        Of the smooth gap, (frame, cell). [um]
+    shapes : Array
+        Those of the gap, (shape, cell). [1]
+    known : Mask
+        Cells whose films differ enough to separate factor and mark, (cell,).
+    centres : tuple[Array, Array]
+        Columns and rows of the middles of all cells, (cell,). [px]
     """
 
-    film: float
-    wall: float = 0.0
-    wall_std: float = _SHARE_STD
-    reflectance: float = 0.0
+    rest: Array
+    weight: Array
+    slope: Array
+    film: Array
+    shapes: Array
+    known: Mask
+    centres: tuple[Array, Array]
 
-    def acts(self, film: npt.ArrayLike, calibration: RatioCurve) -> tuple[Array, Array]:
-        """Factor of other films over that of `film`, and its standard deviation by `wall_std`."""
-        less = self.less_by_wall(film, calibration)
-        return 1 - self.wall * less, self.wall_std * less
-
-    def less_by_wall(self, film: npt.ArrayLike, calibration: RatioCurve) -> Array:
-        """How much less a wall alone acts on films [um] than on `film`. [1]"""
-        here, there = (calibration.by_wall(of, self.reflectance) for of in (film, self.film))
-        return np.asarray(1 - here / there)
+    @property
+    def middle(self) -> float:
+        """Median film. [um]"""
+        return float(np.median(self.film[self.weight > 0]))
 
 
 @dataclass(frozen=True)
@@ -93,23 +89,29 @@ class CellFactors:
     kind: FactorKind
 
 
-def measure_factors(
+def fit_cells(
     record: LightCells,
     centres: tuple[Array, Array],
     calibration: RatioCurve,
     pattern: float = 0.0,
-) -> CellFactors | None:
-    """Measure the fixed factor of the cells of a run.
+) -> FittedCells | None:
+    """Fit the smooth gap of each frame of a run.
 
     Parameters
     ----------
-    record, centres, calibration, pattern
-        As for `erlif.trend.find_texture`.
+    record : LightCells
+        (frame, cell)
+    centres : tuple of two arrays, (cell,)
+        Columns and rows of the middles of the cells. [px]
+    calibration : RatioCurve
+        In the middle of the run.
+    pattern : float
+        Size of what stands still, where larger cells show it. [1]
 
     Returns
     -------
-    CellFactors or None
-        None where fewer than 20 cells show it.
+    FittedCells or None
+        None with fewer than twelve frames, or fewer than 20 cells whose films differ.
 
     Examples
     --------
@@ -118,7 +120,7 @@ def measure_factors(
     >>> from erlif.ratio import cell_centres
     >>> from erlif.show.plots import example_calibration
     >>> empty = LightCells(*np.full((4, 4, 120), np.nan))
-    >>> measure_factors(empty, cell_centres((80, 96)), example_calibration()) is None
+    >>> fit_cells(empty, cell_centres((80, 96)), example_calibration()) is None
     True
     """
     steps = np.unique(np.linspace(0, len(record.log_ratio) - 1, _MOST_FRAMES).round().astype(int))
@@ -139,21 +141,52 @@ def measure_factors(
         weight = np.where(chosen, 1 / np.where(chosen, variance, 1.0), 0.0)
         film, slope, rest = _fit_gaps(value, measured, weight, curve, shapes, rates)
 
-    # cells whose films differ
     plain = _Sums.of(rest, weight, slope, np.ones_like(rest))
     apart = plain.factor * plain.marks - plain.mixed**2
-    known = apart > _DEPENDENT * plain.factor * plain.marks
-    if known.sum() < _FEWEST:
+    differ = apart > _DEPENDENT * plain.factor * plain.marks
+    if differ.sum() < _FEWEST:
         return None
-    middle = float(np.median(film[weight > 0]))
-    cells = rest[:, known], weight[:, known], slope[:, known]
-    kind, marks = _judge_kind(*cells, film[:, known], middle, calibration)
-    acts = kind.acts(film, calibration)[0]
-    factor, noise, by_frame = _separate(*cells, acts[:, known], marks, len(shapes))
+    return FittedCells(rest, weight, slope, film, shapes, differ, centres)
+
+
+def measure_factors(cells: FittedCells, kind: FactorKind, calibration: RatioCurve) -> CellFactors:
+    """Measure the fixed factor of the cells of a run.
+
+    Parameters
+    ----------
+    cells : FittedCells
+    kind : FactorKind
+        How it acts.
+    calibration : RatioCurve
+        In the middle of the run.
+
+    Returns
+    -------
+    CellFactors
+
+    Examples
+    --------
+    >>> from erlif.show.plots import example_calibration
+    >>> frames, shapes = np.zeros((12, 30)), np.eye(4, 30)
+    >>> film = np.linspace(2, 8, 12)[:, None] + frames
+    >>> slope, centres = 1 / film, (np.arange(30.0) % 6, np.arange(30.0) // 6)
+    >>> cells = FittedCells(
+    ...     frames, 1 + frames, slope, film, shapes, np.ones(30, bool), centres
+    ... )
+    >>> found = measure_factors(cells, FactorKind(5.0), example_calibration())
+    >>> found.values.shape, found.shown.shape
+    ((26,), (26, 30))
+    """
+    known, shapes, slope = cells.known, cells.shapes, cells.slope
+    of = cells.rest[:, known], cells.weight[:, known], slope[:, known]
+    acts = kind.acts(cells.film, calibration)[0]
+    sums = _Sums.of(*of, acts[:, known])
+    marks = max(_MARKS, key=sums.likelihood)
+    factor, noise, by_frame = _separate(*of, acts[:, known], marks, len(shapes))
 
     # what the gaps of all frames take of the factors of all cells
     gaps = slope[:, None] * shapes
-    fitted = _fit_frames(gaps, weight) * acts[:, None]
+    fitted = _fit_frames(gaps, cells.weight) * acts[:, None]
     taken = np.tensordot(by_frame[:, None] * gaps[..., known], fitted, axes=((0, 1), (0, 1)))
 
     # changes of these cells that are orthogonal to the smooth shapes
@@ -163,7 +196,7 @@ def measure_factors(
         values=rough @ factor,
         noise=(rough * noise) @ rough.T,
         shown=rough @ (np.eye(known.size)[known] - taken),
-        centres=centres,
+        centres=cells.centres,
         kind=kind,
     )
 
@@ -216,30 +249,6 @@ def _fit_gaps(
     return film, slope, rest - np.einsum("fs,fsc->fc", change, acts)
 
 
-def _judge_kind(
-    rest: Array, weight: Array, slope: Array, film: Array, middle: float, calibration: RatioCurve
-) -> tuple[FactorKind, float]:
-    """How the factor acts, given for the film `middle` [um], and standard deviation of marks [um].
-
-    By the likelihood of all cells, factors and marks of any value.
-    """
-    found = []
-    for reflectance in _REFLECTANCES:
-        less = FactorKind(middle, reflectance=reflectance).less_by_wall(film, calibration)
-        for share in _SHARES:
-            sums = _Sums.of(rest, weight, slope, 1 - share * less)
-            found.append([sums.likelihood(marks) for marks in _MARKS])
-    gain = np.array(found).reshape(_REFLECTANCES.size, _SHARES.size, _MARKS.size)
-    likely = np.exp(gain - gain.max()).sum(axis=2)
-    of_reflectance, of_share = (likely.sum(axis=axis) / likely.sum() for axis in (1, 0))
-    mean = float(of_share @ _SHARES)
-    std = math.sqrt(float(of_share @ (_SHARES - mean) ** 2))
-    kind = FactorKind(
-        middle, mean, math.hypot(std, _SHARE_STD), float(of_reflectance @ _REFLECTANCES)
-    )
-    return kind, float(_MARKS[np.argmax(gain.max(axis=(0, 1)))])
-
-
 class _Sums(NamedTuple):
     """Weighted sums over the frames of each cell, (cell,): its normal equations for f and m."""
 
@@ -265,7 +274,7 @@ class _Sums(NamedTuple):
         return factor, mark, own / det
 
     def likelihood(self, marks: float) -> float:
-        """Logarithm of the likelihood, but for what is the same for all shares and marks."""
+        """Logarithm of the likelihood, but for what is the same for all marks."""
         factor, mark, variance = self.solve(marks)
         misfit = self.square - factor * self.right_factor - mark * self.right_marks
 

@@ -14,9 +14,10 @@ import numpy as np
 
 from erlif.calibration import RatioCurve
 from erlif.core.arrays import Array, Image
-from erlif.trend.factor import CellFactors, FactorKind
+from erlif.trend.factor import CellFactors
+from erlif.trend.factor_kind import FactorKind
 
-_LONGEST = 4  # cells: a third of the picture
+_LONGEST = 0.4  # of the shorter side of the picture: what is longer is smooth
 _LENGTHS, _SIZES = 8, 200  # that are tried; sizes to 3 %
 _SMALLEST, _LARGEST = 1e-3, 0.3  # sizes among which the true one is sought
 _STEPS = 3  # each leaves a tenth of what the one before did
@@ -122,7 +123,8 @@ def find_size(factors: CellFactors) -> PatternSize:
         return np.array(gains)
 
     # many cells leave a range of lengths that is narrower than the steps of the first search
-    lengths = np.geomspace(0.5 * max(widths), _LONGEST * min(widths), _LENGTHS)
+    side = min(float(np.ptp(at)) + width for at, width in zip(factors.centres, widths, strict=True))
+    lengths = np.geomspace(0.5 * max(widths), _LONGEST * side, _LENGTHS)
     best = int(np.argmax(find_gains(lengths).max(axis=1)))
     shortest, longest = lengths[max(best - 1, 0)], lengths[min(best + 1, _LENGTHS - 1)]
     lengths = np.geomspace(shortest, longest, _LENGTHS)

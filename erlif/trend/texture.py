@@ -16,7 +16,8 @@ from erlif.core.arrays import Array
 from erlif.core.statistics import covariance_root
 from erlif.ratio.cells import LightCells
 from erlif.trend.blocks import Region
-from erlif.trend.factor import CellFactors, FactorKind, measure_factors
+from erlif.trend.factor import CellFactors, fit_cells, measure_factors
+from erlif.trend.factor_kind import FactorKind, judge_kind
 from erlif.trend.gap import GapMinimum, GapShape, gap_shapes
 from erlif.trend.pattern import (
     CellPattern,
@@ -29,6 +30,7 @@ from erlif.trend.pattern import (
 
 _NOTED = 0.0015  # flat frames of small pictures leave as much
 _SIGNIFICANT = 18.0  # rise of the logarithm of the likelihood: six standard deviations
+_UNKNOWN = 0.95  # of the size: where as much is left, no cell shows the pattern
 _GRID = 24  # places along and across a region
 
 
@@ -58,8 +60,11 @@ class Texture:
 
     @property
     def left(self) -> float:
-        """Error of a pixel in the maps, the median over the picture. [1]"""
-        return self.found.size if self.pattern is None else float(np.median(self.pattern.std))
+        """Error of a pixel in the maps, the median where something is taken out. [1]"""
+        if self.pattern is None:
+            return self.found.size
+        lower = self.pattern.std < _UNKNOWN * self.found.size
+        return float(np.median(self.pattern.std[lower])) if lower.any() else self.found.size
 
     def in_cells(self, centres: tuple[Array, Array]) -> Array:
         """Covariance of its means over cells of these columns and rows, (cell, cell)."""
@@ -169,7 +174,7 @@ def find_texture(
     record: LightCells,
     centres: tuple[Array, Array],
     calibration: RatioCurve,
-    pattern: float = 0.0,
+    coarse: Texture | None = None,
 ) -> Texture | None:
     """Find what stands still in the image, beside marks and a smooth gap.
 
@@ -181,8 +186,8 @@ def find_texture(
         Columns and rows of the middles of the cells. [px]
     calibration : RatioCurve
         In the middle of the run.
-    pattern : float
-        Size of it by larger cells, where it was found there. [1]
+    coarse : Texture, optional
+        What larger cells show of it. How it acts is the same here.
 
     Returns
     -------
@@ -199,10 +204,17 @@ def find_texture(
     >>> find_texture(empty, cell_centres((80, 96)), example_calibration()) is None
     True
     """
-    factors = measure_factors(record, centres, calibration, pattern)
-    if factors is None:
+    cells = fit_cells(record, centres, calibration, 0.0 if coarse is None else coarse.found.size)
+    if cells is None:
         return None
+    kind = FactorKind.unknown(cells.middle) if coarse is None else coarse.kind
+    factors = measure_factors(cells, kind, calibration)
     found = find_size(factors)
     if found.gain < _SIGNIFICANT or found.size < _NOTED:
         return None
-    return Texture(found, factors.kind, factors)
+    if coarse is None:
+        expected = found.size**2 * correlate_cells(found.length, centres)
+        kind = judge_kind(cells, expected, calibration)
+        factors = measure_factors(cells, kind, calibration)
+        found = find_size(factors)
+    return Texture(found, kind, factors)

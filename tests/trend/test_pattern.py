@@ -5,7 +5,8 @@ import pytest
 from scenes.pattern import CURVE, act_of_wall, draw_field, photograph
 
 from erlif.ratio.cells import cell_centres
-from erlif.trend.factor import CellFactors, FactorKind, measure_factors
+from erlif.trend.factor import CellFactors, fit_cells, measure_factors
+from erlif.trend.factor_kind import FactorKind
 from erlif.trend.pattern import (
     CellPattern,
     Pattern,
@@ -57,7 +58,7 @@ def test_the_most_likely_pattern_is_as_near_to_the_drawn_one_as_it_states():
     for seed in range(8):
         factor = 0.02 * draw_field(24, np.random.default_rng(seed), CENTRES)
         record = photograph(factor, seed=seed, marks=0.03, centres=CENTRES)
-        factors = measure_factors(record, CENTRES, CURVE)
+        factors = measure_factors(fit_cells(record, CENTRES, CURVE), FactorKind(4.0), CURVE)
         taken, std, *_ = map_pattern(factors, found, SHAPE)
         off = factor - taken[middles]
         within.append(np.abs(off) / std[middles])
@@ -80,9 +81,8 @@ def test_means_over_cells_show_what_a_gap_of_any_form_would_take_up():
     for seed in range(4):
         rng = np.random.default_rng(seed)
         factor = 0.02 * draw_field(120, rng, CENTRES)
-        factors = measure_factors(
-            photograph(factor, seed=seed, marks=0.03, centres=CENTRES), CENTRES, CURVE
-        )
+        record = photograph(factor, seed=seed, marks=0.03, centres=CENTRES)
+        factors = measure_factors(fit_cells(record, CENTRES, CURVE), FactorKind(4.0), CURVE)
         merged = factor.reshape(12, 2, 16, 2).mean(axis=(1, 3)).ravel()
         merged += 0.002 * rng.standard_normal(merged.size)
         means = CellPattern(large, merged, 0.002**2 * np.eye(merged.size))

@@ -40,7 +40,7 @@ def measure_pattern(
     frames: Sequence[int],
     calibration: RunCurve,
     plane: ObjectPlane,
-    pattern: float,
+    coarse: Texture,
 ) -> tuple[Texture, MeasuredCells] | None:
     """What stands still in the image, from small cells of frames whose ratio is measured again.
 
@@ -50,8 +50,8 @@ def measure_pattern(
     frames : sequence of int
     calibration : RunCurve
     plane : ObjectPlane
-    pattern : float
-        Size of it by the cells of the lights. [1]
+    coarse : Texture
+        What the cells of the lights show of it.
 
     Returns
     -------
@@ -83,7 +83,7 @@ def measure_pattern(
     ]
     if cells[0] is None or cells[-1] is None:
         return None
-    texture = find_texture(*cells[0], calibration.at(0.5), pattern)
+    texture = find_texture(*cells[0], calibration.at(0.5), coarse)
     return None if texture is None else (texture, MeasuredCells(np.array(frames), *cells[-1]))
 
 

@@ -347,8 +347,7 @@ def prepare_run(
             if findings.texture is not None and options.errors != "report":
                 # the same beside a pattern whose size and length small cells show better
                 frames = run.pairs.spread(_FRAMES_OF_GAP)
-                size = findings.texture.found.size
-                small = measure_pattern(chain, frames, curve, plane, size)
+                small = measure_pattern(chain, frames, curve, plane, findings.texture)
                 if small is not None:
                     texture, cells = small
                     ready = replace(ready, light=LightFindings(texture=texture))
