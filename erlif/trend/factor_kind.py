@@ -9,17 +9,16 @@ films looks like one that acts on all, beside marks.
 
 from __future__ import annotations
 
+import itertools
 import math
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from erlif.calibration import RatioCurve
 from erlif.core.arrays import Array
-
-if TYPE_CHECKING:
-    from erlif.trend.factor import FittedCells  # which imports this module
+from erlif.trend.smooth_gap import FittedCells
 
 _SHARES = np.linspace(0, 1, 11)  # of a wall in the factor, which are tried
 _REFLECTANCES = np.array([0, 0.05, 0.1, 0.2, 0.3, 0.4, 0.6])  # of it in the mean
@@ -86,9 +85,9 @@ def judge_kind(cells: FittedCells, covariance: Array, calibration: RatioCurve) -
     Examples
     --------
     >>> from erlif.show.plots import example_calibration
-    >>> from erlif.trend.factor import FittedCells
     >>> none, shapes = np.zeros((4, 30)), np.eye(4, 30)
-    >>> few = FittedCells(none, none + 1, none + 0.1, none + 3, shapes, none[0] == 0, (none[0],) * 2)
+    >>> known, centres = none[0] == 0, (none[0], none[0])
+    >>> few = FittedCells(none, none + 1, none + 0.1, none + 3, shapes, known, centres)
     >>> judge_kind(few, 1e-4 * np.eye(30), example_calibration()).wall
     0.5
     """
@@ -117,8 +116,8 @@ def judge_kind(cells: FittedCells, covariance: Array, calibration: RatioCurve) -
     size, marks, noise = 1.0, float(_MARKS[1]), 1.0
     for _ in range(2):
         best = max(normals, key=lambda normal: normal.likelihood(size, marks, noise))
-        widths = [(one, other) for one in _SIZES.tolist() for other in _MARKS.tolist()]
-        size, marks = max(widths, key=lambda width: best.likelihood(*width, noise))
+        widths = itertools.product(_SIZES.tolist(), _MARKS.tolist())
+        size, marks = max(widths, key=lambda width: best.likelihood(width[0], width[1], noise))
         noise = max(best.misfit(size, marks, noise) / left.freedom, 1.0)
 
     gain = np.array([normal.likelihood(size, marks, noise) for normal in normals])
@@ -155,13 +154,14 @@ class _LeftByGaps(NamedTuple):
         normal = weighted @ np.swapaxes(gaps, 1, 2)
         trace = np.trace(normal, axis1=1, axis2=2)[:, None, None]
         root = np.linalg.cholesky(normal + _RIDGE * trace * np.eye(len(shapes)))
-        return cls(rest, weight, np.linalg.solve(root, weighted))
+        return cls(rest, weight, np.asarray(np.linalg.solve(root, weighted), float))
 
     @property
     def freedom(self) -> int:
         """Values less unknowns, of which each cell has two."""
         frames, shapes, cells = self.taken.shape
-        return max(int(np.sum(self.weight > 0)) - frames * shapes - 2 * cells, 1)
+        left = np.count_nonzero(self.weight) - frames * shapes - 2 * cells
+        return max(int(left), 1)
 
     def product(self, one: Array, other: Array) -> Array:
         """Sums over frames of the weights between the values of two cells, (cell, cell)."""

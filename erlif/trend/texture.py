@@ -16,7 +16,7 @@ from erlif.core.arrays import Array
 from erlif.core.statistics import covariance_root
 from erlif.ratio.cells import LightCells
 from erlif.trend.blocks import Region
-from erlif.trend.factor import CellFactors, fit_cells, measure_factors
+from erlif.trend.factor import CellFactors, measure_factors
 from erlif.trend.factor_kind import FactorKind, judge_kind
 from erlif.trend.gap import GapMinimum, GapShape, gap_shapes
 from erlif.trend.pattern import (
@@ -27,6 +27,7 @@ from erlif.trend.pattern import (
     find_size,
     map_pattern,
 )
+from erlif.trend.smooth_gap import fit_cells
 
 _NOTED = 0.0015  # flat frames of small pictures leave as much
 _SIGNIFICANT = 18.0  # rise of the logarithm of the likelihood: six standard deviations

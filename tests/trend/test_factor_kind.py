@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from scenes.pattern import CENTRES, CURVE, act_of_wall, draw_field, photograph
 
-from erlif.trend.factor import fit_cells
 from erlif.trend.factor_kind import judge_kind
 from erlif.trend.pattern import correlate_cells
+from erlif.trend.smooth_gap import fit_cells
 
 
 def test_derivative_by_a_wall_is_that_of_its_mean_reflectance():

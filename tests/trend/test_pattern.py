@@ -5,7 +5,7 @@ import pytest
 from scenes.pattern import CURVE, act_of_wall, draw_field, photograph
 
 from erlif.ratio.cells import cell_centres
-from erlif.trend.factor import CellFactors, fit_cells, measure_factors
+from erlif.trend.factor import CellFactors, measure_factors
 from erlif.trend.factor_kind import FactorKind
 from erlif.trend.pattern import (
     CellPattern,
@@ -15,6 +15,7 @@ from erlif.trend.pattern import (
     find_size,
     map_pattern,
 )
+from erlif.trend.smooth_gap import fit_cells
 
 SHAPE = 192, 256
 CENTRES = cell_centres(SHAPE, cells=(24, 32))
