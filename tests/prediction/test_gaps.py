@@ -6,6 +6,7 @@ import numpy as np
 import numpy.testing as npt
 import pytest
 import xarray as xr
+from scenes.kept import kept_orbit, name_of
 from scenes.orbits import RIG, SPEED, STATED
 from scenes.pin import follow_true_pin
 from scipy.interpolate import CubicSpline
@@ -30,8 +31,9 @@ def guided_pin():
 @pytest.fixture(scope="module")
 def along(guided_pin):
     """Its displacement along the load [m] as a function of time."""
-    time = np.linspace(0.0, 1.01 * PERIOD, 4001)
-    return CubicSpline(time, follow_pin(time, guided_pin.rig)[:, 0])
+    time, rig = np.linspace(0.0, 1.01 * PERIOD, 4001), guided_pin.rig
+    place = kept_orbit(f"1.01 turns, {name_of(rig)}", lambda: follow_pin(time, rig))
+    return CubicSpline(time, place[:, 0])
 
 
 def fill(pin, missing, position=None):
