@@ -108,7 +108,8 @@ def test_pixels_beside_a_step_are_left_out_as_in_the_film(lab, tmp_path):
 def test_an_uneven_wall_on_the_patch_is_in_the_budget_as_in_the_film(tmp_path):
     """The patch has the scale of the ratio taken out, and its wall is as uneven as the others."""
     wall = {"wall": (0.1, 0.1), "wall_texture": (0.5, 1.0), "brightness": (1.0, 1.03)}
-    lab = Laboratory.simulated(tmp_path, seed=81, rig=small_rig(**wall, reference=6.5))
+    rig = small_rig(**wall, reference=6.5, fixture_frames=3)
+    lab = Laboratory.simulated(tmp_path, seed=81, rig=rig)
     lab.edit("run/run.toml", ("[thickness]", '[light]\nratio = "correct"\n\n[thickness]'))
     film = erlif.process(lab.run).isel(trigger=2)
     column = erlif.budget(lab.run, trigger=2).sel(quantity="mean film")
