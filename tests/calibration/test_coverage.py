@@ -27,7 +27,7 @@ from erlif.calibration import Profile, compare_calibrations
 
 pytestmark = pytest.mark.slow
 
-COUNT = 100 if FULL else 50
+COUNT = 100 if FULL else 40
 
 
 @pytest.fixture(scope="module")

@@ -1,5 +1,6 @@
 """A plan against its rehearsal: the virtual rig shares no code with the prediction."""
 
+import functools
 import tomllib
 from dataclasses import replace
 from pathlib import Path
@@ -248,6 +249,7 @@ bore = """
 LOBE = '{ lobes = ["50 mm"], lobe_radius = "200 mm", lobe_height = "20 um" }'
 
 
+@functools.cache
 def planned_with(bore):
     return plan(settings_of(('width = "19.2 mm"\n', f"{BORE}{bore}\n")))
 
