@@ -267,7 +267,8 @@ def test_plan_states_which_part_of_a_lobe_is_measurable():
     assert f"{text}{2 * reach[0]:.3g} of its 16 mm are measurable." in summarise_plan(planned)
 
 
-def test_plan_reads_the_profile_beside_it_and_names_it_from_its_output(tmp_path):
+def test_plan_reads_the_profile_beside_it_and_names_it_from_its_output(tmp_path, monkeypatch):
+    monkeypatch.setattr("erlif.show.plots.save_figure", lambda _, path: path.touch())
     place = np.linspace(-118.5, 118.5, 4000)
     height = np.maximum(20 - (place - 50) ** 2 / 0.4, 0)
     rows = [f"{one:.5f},{up:.5f}" for one, up in zip(place, height, strict=True)]
