@@ -70,7 +70,7 @@ def remedies() -> str:
 def list_of_means() -> str:
     """The list for 1 % of the film of a virtual rig that states nothing."""
     with tempfile.TemporaryDirectory() as scratch:
-        rig = RigSettings(width=160, height=128, spacing=2.0, fixture_frames=6, bubbles=0)
+        rig = RigSettings(width=128, height=96, spacing=4.0, fixture_frames=3, bubbles=0)
         simulate(Path(scratch) / "rig", seed=1, rig=replace(rig, write_systematics=False))
         budget = erlif.budget(Path(scratch) / "rig" / "run", target="1 %")
     text = wrap(print_remedies(budget.target_std, "the median film of the run"))

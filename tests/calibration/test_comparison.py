@@ -35,7 +35,7 @@ def pair(rng, *, shared, **later):
 @pytest.mark.parametrize(("later", "bends"), [({"k": 1.01 * K}, False), ({"q": 1.03 * Q}, True)])
 def test_changed_parameters_are_found_and_distinguished(shared, later, bends):
     rng = np.random.default_rng(2)
-    for _ in range(5):
+    for _ in range(3):
         found = compare_calibrations(*pair(rng, shared=shared, **later))
         assert found.drifted
         assert found.bends == bends

@@ -27,7 +27,7 @@ from erlif.calibration import Profile, compare_calibrations
 
 pytestmark = pytest.mark.slow
 
-COUNT = 100 if FULL else 50
+COUNT = 100 if FULL else 40
 
 
 @pytest.fixture(scope="module")
@@ -82,7 +82,7 @@ def test_films_before_a_wall_that_reflects_cover(reflectance):
     Measured with fifty each: 70 to 73 % and 93 to 97 %.
     """
     rng, true = np.random.default_rng(11), through_filters(reflectance)
-    pulls, count = [], 50 if FULL else 15
+    pulls, count = [], 50 if FULL else 10
     for _ in range(count):
         found = calibrate_wedge(rng, noise=0.1, true=true)
         low, high = found.thickness_range
@@ -106,7 +106,7 @@ def test_films_of_a_fixture_with_steps_cover(film):
     position = np.arange(0, PITCH * film.size, 0.1)
     readings = film[np.minimum(np.rint(position / PITCH).astype(int), film.size - 1)]
     light = gaussian_filter1d(np.exp(log_ratio(film)), 1.0, mode="nearest")
-    count = 50 if FULL else 10
+    count = 50 if FULL else 7
     for _ in range(count):
         profile = Profile(
             position, readings + rng.normal(0, 0.1, position.size), np.full(position.size, 0.1)

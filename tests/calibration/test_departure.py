@@ -129,7 +129,7 @@ def test_range_ends_at_the_maximum_of_a_ratio_that_falls_and_films_cover():
     def true(film):
         return log_ratio(film) + 0.01 * np.sin(film / 2)
 
-    count = 30 if FULL else 10
+    count = 30 if FULL else 6
     for _ in range(count):
         found = calibrate_wedge(rng, noise=0.1, true=true)
         low, high = found.thickness_range
@@ -230,7 +230,7 @@ def test_films_cover_whatever_smooth_form_the_ratio_has(height, middle, width, n
     def true(film):
         return log_ratio(film) + height * np.exp(-(((film - middle) / width) ** 2) / 2)
 
-    count = 50 if FULL else 10
+    count = 50 if FULL else 6
     for _ in range(count):
         found = calibrate_wedge(rng, noise=noise, true=true)
         assert found.departure is not None

@@ -173,7 +173,7 @@ def test_unknown_cmm_noise_does_not_hide_the_pose():
 def test_straight_wedges_are_left_as_given():
     """Noise of the CMM is not taken for form: no straight wedge is moved or scaled."""
     rng = np.random.default_rng(5)
-    for _ in range(50 if FULL else 25):
+    for _ in range(50 if FULL else 12):
         ratios, profile = turned_line(
             rng, along=0.0, scale=0.0, turn=0.0, film=straight, noise=0.15
         )

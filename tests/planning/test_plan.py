@@ -1,5 +1,6 @@
 """A plan against its rehearsal: the virtual rig shares no code with the prediction."""
 
+import functools
 import tomllib
 from dataclasses import replace
 from pathlib import Path
@@ -248,6 +249,7 @@ bore = """
 LOBE = '{ lobes = ["50 mm"], lobe_radius = "200 mm", lobe_height = "20 um" }'
 
 
+@functools.cache
 def planned_with(bore):
     return plan(settings_of(('width = "19.2 mm"\n', f"{BORE}{bore}\n")))
 
@@ -265,7 +267,8 @@ def test_plan_states_which_part_of_a_lobe_is_measurable():
     assert f"{text}{2 * reach[0]:.3g} of its 16 mm are measurable." in summarise_plan(planned)
 
 
-def test_plan_reads_the_profile_beside_it_and_names_it_from_its_output(tmp_path):
+def test_plan_reads_the_profile_beside_it_and_names_it_from_its_output(tmp_path, monkeypatch):
+    monkeypatch.setattr("erlif.show.plots.save_figure", lambda _, path: path.touch())
     place = np.linspace(-118.5, 118.5, 4000)
     height = np.maximum(20 - (place - 50) ** 2 / 0.4, 0)
     rows = [f"{one:.5f},{up:.5f}" for one, up in zip(place, height, strict=True)]

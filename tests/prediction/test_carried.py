@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 from scenes.carried import KINDS, compare, pulls
 
-SEEDS = 2
+from conftest import FULL
+
+SEEDS = 2 if FULL else 1
 GUIDED = [name for name in KINDS if name.startswith("guided")]
 
 

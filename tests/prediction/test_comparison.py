@@ -49,7 +49,7 @@ def test_free_pin_is_recognised_by_its_positions():
         measure(free_orbit(START), 1),
         STATED,
         steady=STEADY,
-        sideways=["free", "guided"],
+        sideways=["free"],
     )
     assert found.candidates[0].name == "a pin that is free sideways"
     assert found.candidates[1].bic > 10

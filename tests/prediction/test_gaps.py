@@ -6,7 +6,9 @@ import numpy as np
 import numpy.testing as npt
 import pytest
 import xarray as xr
+from scenes.kept import kept_orbit, name_of
 from scenes.orbits import RIG, SPEED, STATED
+from scenes.pin import RIG as RIG_OF_PIN
 from scenes.pin import follow_true_pin
 from scipy.interpolate import CubicSpline
 
@@ -22,19 +24,33 @@ CLOSING = np.arange(39, 44)
 """Triggers about which a cavity closes and another opens: the pin turns within two of them."""
 
 
-@pytest.fixture(scope="module")
-def guided_pin():
-    return follow_true_pin(COUNT, sideways="guided", elapsed=6.0, load=2000.0)
+GUIDED = replace(RIG_OF_PIN, sideways="guided", elapsed=6.0, load=2000.0)
 
 
 @pytest.fixture(scope="module")
-def along(guided_pin):
-    """Its displacement along the load [m] as a function of time."""
+def path():
+    """Displacements of the guided pin [m] as a function of time."""
     time = np.linspace(0.0, 1.01 * PERIOD, 4001)
-    return CubicSpline(time, follow_pin(time, guided_pin.rig)[:, 0])
+    place = kept_orbit(f"1.01 turns, {name_of(GUIDED)}", lambda: follow_pin(time, GUIDED))
+    return CubicSpline(time, place)
 
 
-def fill(pin, missing, position=None):
+@pytest.fixture(scope="module")
+def free_pin():
+    return follow_true_pin(COUNT)
+
+
+@pytest.fixture(scope="module")
+def guided_pin(path, free_pin):
+    return replace(free_pin, rig=GUIDED, position=np.pad(path(free_pin.time), ((0, 0), (0, 2))))
+
+
+@pytest.fixture(scope="module")
+def along(path):
+    return lambda time: path(time)[..., 0]
+
+
+def fill(pin, missing):
     """The path without some triggers."""
     kept = np.setdiff1d(np.arange(COUNT), missing)
     time = np.append(pin.time[kept], pin.time[kept[0]] + PERIOD)
@@ -45,14 +61,13 @@ def fill(pin, missing, position=None):
         "joint_load": np.full(time.size, pin.rig.load),
     }
     frames = xr.Dataset({name: ("frame", values) for name, values in frames.items()})
-    place = pin.position if position is None else position
     noise = np.random.default_rng(2).multivariate_normal(np.zeros(4), NOISE, COUNT)
     return find_motion_in_gaps(
         replace(STATED, cavitation_pressure=1e3 * pin.rig.cavitation_pressure),
         follow_motion(frames, RIG, crank_speed=SPEED, viscosity=STATED.viscosity),
         time=time,
         turning=pin.turning[kept],
-        position=(place + noise)[kept],
+        position=(pin.position + noise)[kept],
         random_cov=np.tile(NOISE, (kept.size, 1, 1)),
         surface_cov=np.tile(0.1 * NOISE, (kept.size, 1, 1)),
         gradient=np.zeros((kept.size, 4, 1)),
@@ -89,8 +104,6 @@ def test_a_corner_in_a_gap_is_cut_by_no_more_than_without_a_prediction(guided_pi
     npt.assert_allclose(found.position[far, 0], along(found.time[far]), atol=3e-8)
 
 
-def test_no_gap_is_filled_that_is_too_long_or_by_a_pin_that_is_not_guided(guided_pin):
+def test_no_gap_is_filled_that_is_too_long_or_by_a_pin_that_is_not_guided(guided_pin, free_pin):
     assert fill(guided_pin, np.arange(20, 20 + int(MOST_FILLED * COUNT) + 1)) is None
-    free = follow_true_pin(COUNT)
-    pin = replace(guided_pin, rig=free.rig)
-    assert fill(pin, CLOSING, free.position) is None
+    assert fill(free_pin, CLOSING) is None

@@ -102,7 +102,8 @@ def test_a_given_number_without_a_film_leaves_an_error_that_is_not_known(guided,
 def test_a_given_load_line_of_a_guided_pin_is_not_fitted(guided):
     """Its error is one of the place at rest: r sin(line) of a pin at a displacement r."""
     joint, line = replace(STATED, long=True), 0.5e-3
-    found = fit(guided, GivenErrors(load_line=line), joint=joint, sideways="guided")
+    found = fit(guided, GivenErrors(load_line=line, tilt=4e-5), joint=joint, sideways="guided")
+    assert found["viscosity"].parts["tilt"] > 0  # of a long joint by slices
     assert "load_line" not in found
     displaced = float(np.mean(guided.value[:, 0]))
     expected = displaced * line / STATED.radius
@@ -117,12 +118,12 @@ def test_the_error_of_a_fitted_load_line_is_that_of_the_likelihood(guided):
     joint, line = replace(STATED, long=True), 1.5e-3 / STATED.radius
     turned = np.array([[np.cos(line), np.sin(line)], [-np.sin(line), np.cos(line)]])
     measured = replace(guided, value=guided.value @ turned)
-    options = {"joint": joint, "sideways": "guided", "load_line_std": 5e-3}
-    near, far = fit(guided, **options), fit(measured, **options)
-    free, fixed = (
-        fit_motion(measured, joint, MOVED, profiles=False, sideways="guided", load_line_std=std)
-        for std in (5e-3, 0.0)
+    options = {"profiles": False, "sideways": "guided"}
+    near, free, fixed = (
+        fit_motion(one, joint, MOVED, load_line_std=std, **options)
+        for one, std in ((guided, 5e-3), (measured, 5e-3), (measured, 0.0))
     )
+    near, far = near.estimates, free.estimates
     gain = free.minimum.log_likelihood - fixed.minimum.log_likelihood
     found = far["load_line"]
     npt.assert_allclose(found.std, abs(found.value) / np.sqrt(2 * gain), rtol=0.2)
@@ -143,7 +144,7 @@ def test_a_tilt_holds_a_free_pin_as_thicker_oil_does(free):
     npt.assert_allclose(found.parts["tilt"], np.sqrt(3) * told, rtol=0.1)
 
 
-def test_a_tilt_holds_a_guided_pin_as_its_own_film_does(guided):
+def test_a_tilt_holds_a_guided_pin_as_its_own_film_does():
     short = replace(STATED, viscosity=VISCOSITY)
     motion = crank_motion(RIG, crank_speed=SPEED, load=222.4, cycles=5, steps_per_cycle=200)
     half, found = 4e-5 * STATED.length / 2, []
@@ -162,9 +163,6 @@ def test_a_tilt_holds_a_guided_pin_as_its_own_film_does(guided):
         found.append(fit(films, given, sideways="guided")["viscosity"])
     told = found[1].value - found[0].value
     npt.assert_allclose(found[0].parts["tilt"], np.sqrt(3) * told, rtol=0.25)
-    # of a long joint by slices, which are thicker by more than a film with cavities
-    long = {"joint": replace(STATED, long=True), "sideways": "guided"}
-    assert fit(guided, GivenErrors(load_line=0.0, tilt=4e-5), **long)["viscosity"].parts["tilt"] > 0
 
 
 def test_a_drift_of_the_viscosity_is_found_within_its_width(free):
@@ -227,12 +225,12 @@ def test_the_cavitation_pressure_is_found_within_its_width(guided):
     """Both change the film alike: without a width the viscosity is known to less."""
     joint = replace(STATED, long=True)
     options = {"joint": joint, "sideways": "guided", "load_line_std": 0.0}
-    exact, narrow, wide = (
+    exact, known = (
         fit(guided, GivenErrors(load_line=0.0, cavitation_pressure=std), **options)["viscosity"]
-        for std in (0.0, 1e3, 3e4)
+        for std in (0.0, 1e3)
     )
-    assert exact.std < narrow.std < wide.std
-    assert set(narrow.parts) == {"fit", "cavitation_pressure"}
+    assert exact.std < known.std
+    assert set(known.parts) == {"fit", "cavitation_pressure"}
     assert "cavitation_pressure" not in fit(
         guided, GivenErrors(cavitation_pressure=1e3), joint=joint
     )
@@ -240,14 +238,12 @@ def test_the_cavitation_pressure_is_found_within_its_width(guided):
 
 @pytest.mark.slow
 def test_a_cavitation_pressure_beside_the_stated_one_is_found():
-    """The cavities of the rig open at -75 kPa, where -60 are stated; that alone is 15 % of oil."""
+    """The cavities of the rig open at -75 kPa, where -60 are stated: else 15 % of viscosity."""
     joint = replace(STATED, cavitation_pressure=-6e4)
     films = measure(cavitated_orbit("cavities at -75 kPa", cavity=-7.5e4), 4)
-    options = {"joint": joint, "sideways": "guided"}
-    exact = fit(films, GivenErrors(load_line=0.0), **options)["viscosity"]
-    found = fit(films, GivenErrors(load_line=0.0, cavitation_pressure=1.5e4), **options)
+    given = GivenErrors(load_line=0.0, cavitation_pressure=1.5e4)
+    found = fit(films, given, joint=joint, sideways="guided")
     pressure, viscosity = found["cavitation_pressure"], found["viscosity"]
-    assert abs(exact.value / VISCOSITY - 1) > 0.1
     assert abs(pressure.value + 7.5e4) < 3 * pressure.std
     assert pressure.std < 3e3
     assert abs(viscosity.value - VISCOSITY) < 3 * viscosity.std

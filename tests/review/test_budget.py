@@ -31,7 +31,7 @@ ROOT = Path(__file__).parents[2]
 def lab(tmp_path_factory):
     out = tmp_path_factory.mktemp("lab")
     rig = RigSettings(
-        width=224, height=160, field_width=13.44, spacing=7.0, fixture_frames=4, cycles=2
+        width=160, height=112, field_width=13.44, spacing=7.0, fixture_frames=4, cycles=2
     )
     simulate(out, seed=71, rig=rig)
     calibration = erlif.calibrate(out / "fixture")
@@ -95,7 +95,7 @@ def test_pixels_beside_a_step_are_left_out_as_in_the_film(lab, tmp_path):
     copy = shutil.copytree(out / "run", tmp_path / "run")
     for path in (copy / "camera2").iterdir():
         page = tifffile.imread(path).astype(float)
-        page[:, 112:] += 0.2 * (page[:, 112:] - 64)
+        page[:, 80:] += 0.2 * (page[:, 80:] - 64)
         tifffile.imwrite(path, np.rint(page).astype(np.uint16), photometric="minisblack")
     film = erlif.process(copy, calibration=calibration).isel(trigger=2)
     assert (film["flags"] & Flag.FILM_STEP).any()
@@ -108,7 +108,8 @@ def test_pixels_beside_a_step_are_left_out_as_in_the_film(lab, tmp_path):
 def test_an_uneven_wall_on_the_patch_is_in_the_budget_as_in_the_film(tmp_path):
     """The patch has the scale of the ratio taken out, and its wall is as uneven as the others."""
     wall = {"wall": (0.1, 0.1), "wall_texture": (0.5, 1.0), "brightness": (1.0, 1.03)}
-    lab = Laboratory.simulated(tmp_path, seed=81, rig=small_rig(**wall, reference=6.5))
+    rig = small_rig(**wall, reference=6.5, fixture_frames=3)
+    lab = Laboratory.simulated(tmp_path, seed=81, rig=rig)
     lab.edit("run/run.toml", ("[thickness]", '[light]\nratio = "correct"\n\n[thickness]'))
     film = erlif.process(lab.run).isel(trigger=2)
     column = erlif.budget(lab.run, trigger=2).sel(quantity="mean film")

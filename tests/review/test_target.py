@@ -1,14 +1,13 @@
 """Errors of a run before and after remedies, against its maps."""
 
-from dataclasses import replace
-
 import numpy as np
 import numpy.testing as npt
 import pytest
 import xarray as xr
+from scenes.rig import small_rig
 
 import erlif
-from erlif.rig import RigSettings, simulate
+from erlif.rig import simulate
 
 pytestmark = pytest.mark.usefixtures("without_theory")
 
@@ -16,9 +15,8 @@ pytestmark = pytest.mark.usefixtures("without_theory")
 @pytest.mark.parametrize("patch", [0.0, 6.5])
 def test_the_run_as_it_is_has_the_errors_of_its_maps(tmp_path, patch):
     """With the gap of the joint, alone and beside a patch that shows the scale of the ratio."""
-    rig = RigSettings(width=160, height=128, spacing=2.0, fixture_frames=6, bubbles=0)
     changes = {"brightness": (1.0, 1.03 if patch else 1.01), "reference": patch}
-    rig = replace(rig, write_systematics=False, **changes)
+    rig = small_rig(write_systematics=False, **changes)
     simulate(tmp_path / "rig", seed=72, rig=rig)
     run = tmp_path / "rig" / "run"
     if patch:

@@ -11,11 +11,11 @@ CURVE = example_calibration()
 NOISE = 1e-3
 
 
-def draw_field(length, rng, places=CENTRES):
+def draw_field(length, rng, places=CENTRES, count=()):
     """Gaussian fields of standard deviation 1 at places, correlated as exp(-d^2 / length^2)."""
     apart = sum(np.subtract.outer(at, at) ** 2 for at in places)
     root = np.linalg.cholesky(np.exp(-apart / length**2) + 1e-9 * np.eye(len(apart)))
-    return root @ rng.standard_normal(len(apart))
+    return rng.standard_normal((*count, len(apart))) @ root.T
 
 
 def photograph(

@@ -111,8 +111,8 @@ def test_a_contact_at_rest_has_no_error_of_a_formula():
 
 
 @pytest.mark.filterwarnings("ignore::erlif.core.errors.UnitWarning")  # groups alone count
-@pytest.mark.parametrize("across", [0.2, 1.0, 3.0, 10.0])
-@pytest.mark.parametrize("share", [1e-3, 0.3, 0.6, 0.8, 0.97, 1 - 1e-9])
+@pytest.mark.parametrize("across", [0.2, 1.0, 10.0])
+@pytest.mark.parametrize("share", [1e-3, 0.6, 0.97, 1 - 1e-9])
 def test_rigid_film_between_two_regimes_is_within_the_error_of_the_formula(across, share):
     """From constant viscosity to the load at which the reduced pressure is exhausted."""
     gV, number = rigid_film(across, share, cells=80, far=200.0)

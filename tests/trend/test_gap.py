@@ -236,8 +236,9 @@ def test_error_bar_covers_the_gap_that_each_contact_has(contact):
         marks, minima, truth = draw_marks(rig, rng), [], []
         for film in (1.1, 2.1):
             gap = Gap(rig, film, marks)
-            sums = sum_blocks(noisy_ratios(gap(x, y) + bend, 0.0135, rng), WHOLE)
-            truth.append(((gap.smooth(x, y) + bend).min(), (gap(x, y) + bend).mean()))
+            true = gap(x, y) + bend
+            sums = sum_blocks(noisy_ratios(true, 0.0135, rng), WHOLE)
+            truth.append(((gap.smooth(x, y) + bend).min(), true.mean()))
             options = {"region": WHOLE, "sliding_along_x": True, "contacts": contacts}
             minima.append(find_gap_minima(sums, curve, **options))
         chosen = choose_contact(minima)

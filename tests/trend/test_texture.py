@@ -55,7 +55,7 @@ def in_numbers(gap, *, along_x=True):
 def draw_fields(seed):
     """Fields of the log ratio over the region, (field, place)."""
     rng = np.random.default_rng(seed)
-    return np.array([draw_field(TEXTURE.found.length, rng, (150 * U, 100 * V)) for _ in range(300)])
+    return draw_field(TEXTURE.found.length, rng, (150 * U, 100 * V), count=(300,))
 
 
 @pytest.mark.parametrize("along_x", [True, False])

@@ -44,7 +44,7 @@ def test_a_stiff_wall_wears_as_the_circle_that_sinks():
     F = p0 w R (a + sin a cos a) and ds = w R (a + sin a cos a) de / (k F).
     """
     clearance, load = 2e-7, 400.0
-    stiff = {**PTFE, "bushing_radius": 5e-3 + clearance, "modulus": 1e13, "thickness": 1e-5}
+    stiff = {**PTFE, "bushing_radius": 5e-3 + clearance, "modulus": 5e12, "thickness": 1e-5}
 
     def path(half_angle):
         to = clearance / np.cos(half_angle)
@@ -52,7 +52,7 @@ def test_a_stiff_wall_wears_as_the_circle_that_sinks():
         return PTFE["width"] * 5e-3 / (5e-13 * load) * quad(arc, clearance, to)[0]
 
     angles = np.array([0.6, 0.9, 1.2, 1.4])
-    found = run_in_bushing(load, sliding_distance=[path(a) for a in angles], cells=720, **stiff)
+    found = run_in_bushing(load, sliding_distance=[path(a) for a in angles], cells=640, **stiff)
     npt.assert_allclose(found.torque_ratio, truncated_cosine_torque_ratio(angles), rtol=5e-4)
     npt.assert_allclose(found.half_angle, angles, rtol=5e-3)
 

@@ -78,15 +78,15 @@ def test_a_pin_sinks_on_a_shaped_bore_as_plain_differences_say(name):
     assert abs(straight / expected - 1) > 0.3
 
 
-@pytest.mark.parametrize(("name", "rough"), [("lobes", 1e-6), ("edges", 0.0)])
-def test_dampings_of_a_full_film_are_those_of_plain_differences(name, rough):
-    """Between smooth walls the damping at 2 um on the lobes is 2 or 13 % less."""
-    joint = replace(STRAIGHT, axial_shape=SHAPES[name], roughness=rough or None)
+def test_dampings_of_a_full_film_are_those_of_plain_differences():
+    """Between smooth walls the damping at 2 um is 2 or 13 % less."""
+    shape, rough = SHAPES["lobes"], 1e-6
+    joint = replace(STRAIGHT, axial_shape=shape, roughness=rough)
     films = np.array([30e-6, 12e-6, 5e-6, 2e-6])
     found = FullFilm.of(joint).damping(films / joint.least_clearance)[:, 0]
-    plain = [damping(film, joint, SHAPES[name], rough) for film in films]
+    plain = [damping(film, joint, shape, rough) for film in films]
     npt.assert_allclose(found, plain, rtol=1e-3)
-    assert not rough or found[-1] > 1.01 * damping(films[-1], joint, SHAPES[name])
+    assert found[-1] > 1.01 * damping(films[-1], joint, shape)
 
 
 @pytest.mark.parametrize("name", SHAPES)

@@ -151,19 +151,17 @@ def thinnest(orbit):
 
 def test_full_film_follows_the_mobility_of_a_short_bearing():
     exact = mobility_orbit(full_velocity)
-    found = solved_orbit("short", (256, 6), [], FULL)
     joint, motion = bearing("short")
     start = CLEARANCE * np.array([[START.real, START.imag]])
-    followed = follow_full_film(joint, motion, start=start)[0] @ [1, 1j] / CLEARANCE
-    for orbit in (found, followed):
-        npt.assert_allclose(orbit, exact, atol=5e-4)
-        npt.assert_allclose(1 - abs(orbit), 1 - abs(exact), rtol=5e-4)
+    orbit = follow_full_film(joint, motion, start=start)[0] @ [1, 1j] / CLEARANCE
+    npt.assert_allclose(orbit, exact, atol=5e-4)
+    npt.assert_allclose(1 - abs(orbit), 1 - abs(exact), rtol=5e-4)
 
 
 def test_full_film_with_ends_follows_the_mobility_of_chebyshev_collocation():
     rig = Mobility(RigidBearing(RADIUS, CLEARANCE, LENGTH["quarter"], VISCOSITY))
     exact = mobility_orbit(lambda eccentricity, force: force / rig.damping(eccentricity), CLEARANCE)
-    found = solved_orbit("quarter", (256, 8), [], FULL)
+    found = solved_orbit("quarter", (192, 8), [], FULL)
     npt.assert_allclose(found, exact, atol=1e-3)
     npt.assert_allclose(1 - abs(found), 1 - abs(exact), rtol=1e-3)
 
@@ -180,14 +178,13 @@ def test_half_film_is_approached_as_cavities_are_refilled():
     """
     half = mobility_orbit(half_velocity)
     apart = []
-    for count in (2, 8, 16):
+    for count in (2, 16):
         orbit = solved_orbit("short", (1024, 3), lines(count), 0.0)
         npt.assert_allclose(thinnest(orbit), thinnest(half), rtol=0.005 if count == 2 else 0.02)
         assert thinnest(orbit) < thinnest(half)  # as in Yu and Sawicki (2002)
         apart.append(abs(orbit - half).max())
     assert apart[0] > 0.2
-    assert apart[1] < apart[0] / 2
-    assert apart[2] < apart[1] / 2
+    assert apart[1] < apart[0] / 4
 
 
 @pytest.mark.parametrize("turning", [0.5, 1.0])

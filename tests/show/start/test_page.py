@@ -14,7 +14,6 @@ import tifffile
 import xarray as xr
 from PIL import Image
 from scenes import browser
-from scenes.checkout import copy_part
 from scenes.rig import small_rig
 from scenes.start import OF_THE_SAMPLE, at, drag, take, type_in
 
@@ -30,7 +29,7 @@ FIXTURE_BY_HAND = """
 [fixture]
 name = "lab"
 profile = "profile.csv"
-origin = [0.0, 104.0]
+origin = [0.0, 48.0]
 [camera1]
 files = "camera1/*.tif"
 band = "580 nm"
@@ -44,7 +43,7 @@ bit_depth = 12
 dark = "camera2_dark.tif"
 flat = "camera2_flat.tif"
 [optics]
-pixel_pitch = "75 um"
+pixel_pitch = "150 um"
 x_axis = "sliding"
 """
 
@@ -93,12 +92,12 @@ dark = "camera2_dark.tif"
 flat = "camera2_flat.tif"
 background = "camera2_background.tif"
 [optics]
-pixel_pitch = "75 um"
+pixel_pitch = "150 um"
 x_axis = "sliding"
 [encoder]
 file = "encoder.csv"
 mounted_on = "rocker"
-triggers_per_cycle = 50
+triggers_per_cycle = 16
 [mechanism]
 kind = "crank-rocker"
 crank = "5.5 cm"
@@ -146,15 +145,18 @@ def visit(chromium):
     return start
 
 
-@pytest.fixture(scope="module")
-def sample(tmp_path_factory):
-    """Frames of the sample and of its fixture, without settings."""
-    lab = tmp_path_factory.mktemp("sample") / "lab"
-    copy_part("data_samples/straight_bushing", lab / "run")
-    copy_part("calibration/wedge", lab / "fixture")
-    for file in lab.glob("*/*.toml"):
+def photograph(directory, **changes):
+    """Frames of a rig and of its fixture, without settings."""
+    simulate(directory, seed=3, rig=small_rig(**changes))
+    for file in directory.glob("*/*.toml"):
         file.unlink()
-    return lab
+    return directory
+
+
+@pytest.fixture
+def joint(tmp_path):
+    """Frames of a joint, whose bushing was photographed without dye too."""
+    return photograph(tmp_path / "lab", background=0.01, background_pages=2)
 
 
 def work(page, task, name):
@@ -180,55 +182,53 @@ def assert_same_film(one, two):
         assert found.attrs["settings"] == expected.attrs["settings"]
 
 
-def test_from_the_frames_of_the_sample_to_the_film_of_the_command_line(
-    visit, sample, tmp_path, command
+@pytest.mark.usefixtures("maps_alone")
+def test_from_the_frames_of_a_joint_to_the_film_of_the_command_line(
+    visit, joint, tmp_path, command
 ):
-    with visit(sample) as page:
+    with visit(joint) as page:
         take(page, "fixture")
 
-        # the scale by two marks 150 pixels apart, and the origin by a click
+        # the scale by two marks 75 pixels apart, and the origin by a click
         page.check("input[value=scale]")
-        drag(page, (50, 20), (200, 20))
+        drag(page, (25, 20), (100, 20))
         page.fill("#distance", "11.25")
         page.click("#apply")
         page.wait_for_selector('#changes >> text="fixture.toml: optics.pixel_pitch"')
         page.check("input[value=origin]")
-        page.mouse.click(*at(page, 0, 104))
+        page.mouse.click(*at(page, 0, 48))
         page.wait_for_selector('#changes >> text="fixture.toml: fixture.origin"')
         type_in(page, "fixture", {"camera1.band": "580", "camera2.band": "610"})
         assert page.inner_text("#left") == "Nothing is asked for any more."
 
         take(page, "run")
-        page.click('[data-place="optics.pixel_pitch"] >> text="75 um, as in fixture.toml"')
+        page.click('[data-place="optics.pixel_pitch"] >> text="150 um, as in fixture.toml"')
         page.wait_for_selector('.field:not(.gap)[data-place="optics.pixel_pitch"]')
         type_in(page, "run", OF_THE_SAMPLE)
         page.check("input[value=roi]")
-        drag(page, (50, 30), (200, 180))
+        drag(page, (25, 15), (100, 90))
         page.wait_for_selector('#changes >> text="run.toml: thickness.roi"')
 
         for name, text in (("run", RUN_BY_HAND), ("fixture", FIXTURE_BY_HAND)):
-            written = tomllib.loads((sample / name / f"{name}.toml").read_text())
+            written = tomllib.loads((joint / name / f"{name}.toml").read_text())
             assert written == tomllib.loads(text)
 
         assert "camera1" in work(page, "check", "run")
         assert "calibrated range" in work(page, "calibrate", "fixture")
-        assert "50 triggers" in work(page, "process", "run")
+        assert "16 triggers" in work(page, "process", "run")
         with page.context.expect_page() as opened:
             page.click("#film a")
         opened.value.wait_for_selector("#panel-a canvas[data-text^='trigger']")
 
-    run = by_hand(tmp_path, sample, RUN_BY_HAND, FIXTURE_BY_HAND)
+    run = by_hand(tmp_path / "again", joint, RUN_BY_HAND, FIXTURE_BY_HAND)
     command("process", run)
-    assert_same_film(sample / "run/film.nc", run / "film.nc")
+    assert_same_film(joint / "run/film.nc", run / "film.nc")
 
 
 @pytest.fixture
 def disc(tmp_path):
     """Frames of a pin on disc and of its fixture, without settings."""
-    simulate(tmp_path / "lab", seed=3, rig=small_rig(mechanism="rotation", pictures=8))
-    for file in tmp_path.glob("lab/*/*.toml"):
-        file.unlink()
-    return tmp_path / "lab"
+    return photograph(tmp_path / "lab", mechanism="rotation", pictures=8)
 
 
 def reach(page, selector):
@@ -245,6 +245,7 @@ def press(page, *keys):
         page.keyboard.press(key)
 
 
+@pytest.mark.usefixtures("maps_alone")
 def test_a_pin_on_disc_by_the_keyboard_alone_on_a_narrow_dark_screen(
     visit, disc, tmp_path, command
 ):
@@ -289,7 +290,7 @@ def test_a_pin_on_disc_by_the_keyboard_alone_on_a_narrow_dark_screen(
         assert page.evaluate("document.documentElement.scrollWidth") <= 390
         reach(page, "#film a")
 
-    fixture = FIXTURE_BY_HAND.replace("75 um", "150 um").replace("[0.0, 104.0]", "[0, 48]")
+    fixture = FIXTURE_BY_HAND.replace("[0.0, 48.0]", "[0, 48]")
     for name, text in (("run", DISC_BY_HAND), ("fixture", fixture)):
         assert tomllib.loads((disc / name / f"{name}.toml").read_text()) == tomllib.loads(text)
     run = by_hand(tmp_path / "again", disc, DISC_BY_HAND, fixture)

@@ -208,15 +208,16 @@ def test_one_length_and_two_targets_give_the_best_of_their_family(monkeypatch):
     npt.assert_allclose(shapes[0], shapes[1], rtol=1e-4)
     others = [
         design.least_transmission
-        for ratio in np.linspace(1.0, 1.4, 11)
+        for ratio in np.linspace(1.0, 1.4, 7)
         for design in synthesise_crank_rocker(**targets, rocker=0.26, ground=0.26 * ratio).designs
     ]
     assert max(others) <= best.least_transmission * (1 + 1e-6)
     assert max(others) > 0.98 * best.least_transmission
 
 
-def test_a_centric_crank_rocker_of_one_length_has_the_crank_of_the_closed_form():
+def test_a_centric_crank_rocker_of_one_length_has_the_crank_of_the_closed_form(monkeypatch):
     """With equal strokes the pin moves by twice the crank: sin(swing / 2) = crank / rocker."""
+    monkeypatch.setattr(f"{MODULE}.SCALES", 9)
     (best,) = synthesise_crank_rocker(swing=np.radians(26), time_ratio=1.0, rocker=0.26).designs
     assert best.linkage.crank == pytest.approx(0.26 * np.sin(np.radians(13)), rel=1e-6)
 
