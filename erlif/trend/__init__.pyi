@@ -21,6 +21,10 @@ from .course import CourseChange as CourseChange
 from .course import find_ratio_change as find_ratio_change
 from .course import find_shift as find_shift
 from .curve import FilmCurve as FilmCurve
+from .equations import RatioEquations as RatioEquations
+from .equations import RigidityUnknowns as RigidityUnknowns
+from .equations import gap_of_pin as gap_of_pin
+from .equations import solve_equations as solve_equations
 from .exponent import LARGEST_BEYOND as LARGEST_BEYOND
 from .exponent import LEAST_TRIGGERS as LEAST_TRIGGERS
 from .exponent import SLOWEST as SLOWEST
@@ -53,12 +57,8 @@ from .profile import place_of_minimum as place_of_minimum
 from .profile import rigid_gap as rigid_gap
 from .rigidity import CLEARANCE_STD as CLEARANCE_STD
 from .rigidity import ErrorEstimate as ErrorEstimate
-from .rigidity import RatioEquations as RatioEquations
-from .rigidity import RigidityUnknowns as RigidityUnknowns
 from .rigidity import estimate_errors as estimate_errors
-from .rigidity import gap_of_pin as gap_of_pin
 from .rigidity import of_curve as of_curve
-from .rigidity import solve_equations as solve_equations
 from .statistics import FilmStatistics as FilmStatistics
 from .statistics import summarise_blocks as summarise_blocks
 from .statistics import summarise_film as summarise_film

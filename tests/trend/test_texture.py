@@ -8,7 +8,7 @@ from scenes.pattern import CENTRES, CURVE, NOISE, draw_field, photograph
 
 from erlif.ratio.cells import LightCells
 from erlif.trend import GapMinimum, GapShape, Region, find_texture
-from erlif.trend.factor import FactorKind
+from erlif.trend.factor_kind import FactorKind
 from erlif.trend.pattern import CellPattern, PatternSize
 from erlif.trend.texture import Texture
 
