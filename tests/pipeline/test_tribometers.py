@@ -10,8 +10,8 @@ import numpy.testing as npt
 import pytest
 import xarray as xr
 from oracles.point_contact import rigid_film
-from scenes.draft import draft_film
 from scenes.fixture import assert_covers
+from scenes.measured import statistics_of
 
 import erlif
 from conftest import FULL, SMALL, Laboratory
@@ -312,7 +312,7 @@ def test_error_bar_of_film_min_covers_whole_runs(contact, kind, tmp_path):
     pulls, contacts, count = [], [], 24 if FULL else 12
     for seed in range(count):
         lab = Laboratory.simulated(tmp_path / str(seed), seed=400 + seed, rig=rig)
-        film = draft_film(lab.run).film
+        film = statistics_of(lab.run)
         error = film.film_min.values - np.array(rig.film_table)
         pulls.append((error / film.film_min_std.values)[seed % 2])
         contacts.append(film.attrs["contact"])

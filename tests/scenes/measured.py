@@ -1,0 +1,32 @@
+"""The film of a run without theory and maps, for tests of its statistics and notes alone."""
+
+from pathlib import Path
+
+import pytest
+import xarray as xr
+
+import erlif
+from erlif.pipeline.film import with_record
+
+
+class _MeasuredError(Exception):
+    """All but the maps is known."""
+
+
+def statistics_of(run: Path) -> xr.Dataset:
+    """Statistics, positions, errors and notes of a run; nothing is written.
+
+    Writing the maps and reading them back takes most of the time of a small run.
+    """
+    films: list[xr.Dataset] = []
+
+    def end(*measured):
+        films.append(with_record(*measured)[0])
+        raise _MeasuredError
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("erlif.pipeline.run.with_theory", lambda draft: draft)
+        patch.setattr("erlif.pipeline.run.with_record", end)
+        with pytest.raises(_MeasuredError):
+            erlif.process(run, workers=1)
+    return films[0]
