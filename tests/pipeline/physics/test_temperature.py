@@ -22,7 +22,7 @@ WARMER = 10.0
 """Last frame over the first, whose oil is that of the fixture. [K]"""
 
 RIG = small_rig(
-    width=160, height=128, spacing=2.0, film_reference=4.0, warming=WARMER, fixture_after=True
+    width=160, height=128, spacing=4.0, film_reference=4.0, warming=WARMER, fixture_after=True
 )
 
 
@@ -60,9 +60,9 @@ corrected = processed("lab", "corrected", add=STATED)
 
 
 def last_films(film, lab):
-    """Median error over the true film [1] and stated standard deviation, last ten frames. [um]"""
+    """Median error over the true film [1] and stated standard deviation, last five frames. [um]"""
     inside, error = lab.errors(film, above=3, below=8)
-    inside[:-10] = False
+    inside[:-5] = False
     relative = float(np.median(error[inside] / lab.truth.film.values[inside]))
     return relative, float(np.median(error[inside])), film.thickness_std_shared.values[inside]
 
