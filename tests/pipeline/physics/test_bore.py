@@ -190,8 +190,11 @@ def test_load_line_is_found_in_the_orbit(lab, film):
 
 
 PLACE = np.linspace(-1.0, 1.0, 121)
+FEW = replace(RIG, spacing=8.0)
+"""Six triggers."""
+
 WAVY = replace(
-    RIG,
+    FEW,
     lobes=None,
     profile=tuple((18 * PLACE**2 + 3 * np.cos(2 * np.pi * PLACE / 0.6) + 2 * PLACE).tolist()),
     roughness=0.4,
@@ -201,7 +204,7 @@ WAVY = replace(
 )
 """A worn bore with waves of 9 mm, whose roughness is in flow and picture."""
 
-LINED = replace(RIG, lobes=None, liner=(2.0, 0.5, 0.4), load=120.0)
+LINED = replace(FEW, lobes=None, liner=(2.0, 0.5, 0.4), load=120.0)
 """A straight bore, lined with 2 mm that yield by 0.8 um, under films of 8 to 6 um."""
 
 
