@@ -178,7 +178,7 @@ def test_crank_pin_of_a_slider_crank(encoder, log, tmp_path):
         SMALL, mechanism="slider-crank", crank=16.0, pictures=12, encoder=encoder, log=log
     )
     lab = Laboratory.simulated(tmp_path, seed=33, rig=rig)
-    film = erlif.process(lab.run)
+    film = statistics_of(lab.run, theory=True)
     turn, ratio = np.radians(lab.truth.crank_angle.values), 16 / 44
     speed = 1 + ratio * np.cos(turn) / np.sqrt(1 - (ratio * np.sin(turn)) ** 2)
     npt.assert_allclose(film.rocker_speed, 114 * 2 * np.pi / 60 * speed, rtol=5e-4)
@@ -280,7 +280,7 @@ def test_film_of_a_ball_is_that_of_reynolds_equation(tmp_path):
 
     # surfaces that roll shear the film by the difference of their speeds, 0 to all of the faster
     stated = BALL.replace("[oil]", "slide_to_roll = 0.1\n\n[oil]")
-    drag = lab.process_copy("rolls", add=stated).film_drag
+    drag = statistics_of(lab.copy_run("rolls", add=stated), theory=True).film_drag
     npt.assert_allclose(drag, film.film_drag * 0.1 / 1.05, rtol=1e-6)
 
     # the formula of the other regime is named by what it is

@@ -1,6 +1,7 @@
-"""The film of a run without theory and maps, for tests of its statistics and notes alone."""
+"""The film of a run without its maps, for tests of statistics, notes and theory."""
 
 from pathlib import Path
+from typing import Any
 
 import pytest
 import xarray as xr
@@ -13,8 +14,10 @@ class _MeasuredError(Exception):
     """All but the maps is known."""
 
 
-def statistics_of(run: Path) -> xr.Dataset:
-    """Statistics, positions, errors and notes of a run; nothing is written.
+def statistics_of(run: Path, *, theory: bool = False, **options: Any) -> xr.Dataset:
+    """Statistics, positions, errors and notes of a run, with theory on request; nothing is written.
+
+    Options are those of `process`.
 
     Writing the maps and reading them back takes most of the time of a small run.
     """
@@ -25,8 +28,9 @@ def statistics_of(run: Path) -> xr.Dataset:
         raise _MeasuredError
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("erlif.pipeline.run.with_theory", lambda draft: draft)
+        if not theory:
+            patch.setattr("erlif.pipeline.run.with_theory", lambda draft: draft)
         patch.setattr("erlif.pipeline.run.with_record", end)
         with pytest.raises(_MeasuredError):
-            erlif.process(run, workers=1)
+            erlif.process(run, workers=1, **options)
     return films[0]

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scenes.kept import kept_orbit, name_of
+from scenes.measured import statistics_of
 
 import erlif
 from conftest import FULL, Laboratory
@@ -132,13 +133,13 @@ def test_pressure_of_the_lobed_film_carries_the_load(lab, pressure):
 
 @pytest.mark.slow
 def test_a_straight_gap_describes_no_lobes(lab):
-    straight = lab.process_copy(
+    run = lab.copy_run(
         "straight",
         ("[joint.bore]\n", "[joint.none]\n"),
         ('[joint.none]\nlobes = ["-4 mm", "4.5 mm"]\n', ""),
         ('lobe_radius = "200 mm"\nlobe_height = "20 um"\n', ""),
     )
-    assert np.isnan(straight.film_min).sum() >= 10  # no smooth gap describes the map
+    assert np.isnan(statistics_of(run).film_min).sum() >= 10  # no smooth gap describes the map
 
 
 @pytest.mark.slow
@@ -184,7 +185,8 @@ def test_fit_finds_the_viscosity_of_the_rig(lab, film):
 @pytest.mark.slow
 def test_load_line_is_found_in_the_orbit(lab, film):
     given = film.pin_displacement.attrs["load_line"]
-    line = lab.process_copy("line", (f'load_line = "{given:g} mm"\n', "")).pin_displacement.attrs
+    run = lab.copy_run("line", (f'load_line = "{given:g} mm"\n', ""))
+    line = statistics_of(run, theory=True).pin_displacement.attrs
     assert line["load_line_source"] == "fitted"
     assert abs(line["load_line"] - given) < 2 * line["load_line_std"]
 

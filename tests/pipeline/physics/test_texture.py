@@ -33,7 +33,7 @@ def test_the_error_bar_holds_an_exponent_before_an_uneven_wall(tmp_path):
     size = {"width": 160, "height": 128, "spacing": 2.0, "dark_pages": 4, "flat_pages": 3}
     walls = {"wall": (0.1, 0.1), "wall_texture": (0.5, 3.0)}
     rig = RigSettings(fixture_frames=6, **size, **walls)
-    film = erlif.process(Laboratory.simulated(tmp_path, seed=5, rig=rig).run)
+    film = statistics_of(Laboratory.simulated(tmp_path, seed=5, rig=rig).run, theory=True)
     assert abs(film.speed_exponent - 0.62) < 2 * film.speed_exponent_std < 0.08
 
 
