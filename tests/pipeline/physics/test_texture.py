@@ -28,6 +28,7 @@ def share_within(film, truth, stds):
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("without_prediction")
 def test_the_error_bar_holds_an_exponent_before_an_uneven_wall(tmp_path):
     """The minimum is fitted at the wrong edge; with one error of all films it was off by 3.1."""
     size = {"width": 160, "height": 128, "spacing": 2.0, "dark_pages": 4, "flat_pages": 3}
