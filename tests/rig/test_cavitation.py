@@ -180,7 +180,7 @@ def test_a_liner_deflects_nothing_beyond_the_ends_of_the_joint():
 
 
 def test_a_pin_sinks_on_lobes_as_finite_volumes_do():
-    """A swinging bushing of 24 mm with two lobes, by two solvers; films of 12 to 9 um."""
+    """A swinging bushing of 24 mm with two lobes, by two solvers; films of 12 to 10 um."""
     lobed = RigSettings(length=24.0, lobes=(-5.0, 4.0), lobe=(200.0, 20.0))
     bearing = RigidBearing(
         ACRYLIC.radius, ACRYLIC.clearance, 0.024, 0.12, lambda z: 1e-6 * bore_height(lobed, 1e3 * z)
@@ -195,4 +195,4 @@ def test_a_pin_sinks_on_lobes_as_finite_volumes_do():
     solved = solve_journal(joint, motion, start=start, cells=(192, 16))
     volumes = solved[["displacement_load", "displacement_side"]].to_array().values.T
     films = [joint.least_clearance - np.hypot(*place.T) for place in (rig, volumes)]
-    npt.assert_allclose(films[0], films[1], rtol=0.03)
+    npt.assert_allclose(films[0], films[1], rtol=0.005)
