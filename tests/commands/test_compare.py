@@ -52,6 +52,7 @@ def test_a_comparison_that_fails_leaves_the_earlier_one_whole(
     assert {path.name: path.read_bytes() for path in out.iterdir()} == before
 
     # of an earlier comparison nothing stays that is not of this one
+    monkeypatch.setattr("erlif.show.plots.write_comparison_figures", lambda *_: [])
     command("compare", films[1], thicker, "-o", out, "--overwrite")
     assert "control_patch.png" not in {path.name for path in out.iterdir()}
     assert (out / "notes.txt").read_text() == "of the user"

@@ -13,7 +13,7 @@ from scenes.terminal import unwrapped
 from conftest import read_film
 
 
-def test_a_run_is_checked_and_processed(lab, film, command):
+def test_a_run_is_checked_and_processed(lab, film, command, monkeypatch):
     checked = command("check", lab.run)
     assert "error" not in checked.stdout
     assert checked.stderr.splitlines()[-1] == f"next: erlif process {lab.run}"
@@ -25,6 +25,7 @@ def test_a_run_is_checked_and_processed(lab, film, command):
     assert result.stdout.splitlines()[-1] == f"next: erlif figures {lab.film}"
     assert "film: 6 done" in result.stderr
     assert lab.film.read_bytes() == film.read_bytes()
+    monkeypatch.setattr("erlif.pipeline.run.with_theory", lambda draft: draft)
     verbose = command("-v", "process", lab.run, "--overwrite").stdout
     assert f"used: {lab.fixture / 'calibration.nc'}" in verbose
     assert "largest error" in verbose

@@ -13,8 +13,9 @@ from erlif.calibration import calibration_of
 
 pytestmark = pytest.mark.usefixtures("without_theory")
 
-PULSES = 17
+PULSES = 9
 RIG = small_rig(
+    spacing=6.0,
     film_reference=4.0,
     bleaching=(1 - 0.975 ** (1 / PULSES), 1 - 0.95 ** (1 / PULSES)),
     warming=-10.0,

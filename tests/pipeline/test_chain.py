@@ -13,21 +13,17 @@ pytestmark = pytest.mark.usefixtures("without_theory")
 REUSE = ("[thickness]", "[registration]\nreuse = true\n\n[thickness]")
 
 
-def test_map_stored_with_the_calibration_is_used_for_a_run(lab):
+def test_map_stored_with_the_calibration_is_used_for_a_run(lab, film, opened):
     """Camera 2 has moved since the fixture; the map is as good as one of the run's own frames."""
-    own = erlif.process(lab.run, output=lab.directory / "own.nc")
     lab.edit("run/run.toml", REUSE)
-    reused = erlif.process(lab.run, output=lab.directory / "reused.nc")
-    groups = [
-        erlif.open_film(lab.directory / name, group="registration")
-        for name in ("own.nc", "reused.nc")
-    ]
+    reused = erlif.process(lab.run, output=lab.film)
+    groups = [erlif.open_film(path, group="registration") for path in (film, lab.film)]
     for name in ("displacement_x", "displacement_y"):
         npt.assert_allclose(
             groups[1][name].values[8:-8, 8:-8], groups[0][name].values[8:-8, 8:-8], atol=0.08
         )
     assert "stored with the calibration" in groups[1].attrs["registration_model"]
-    npt.assert_allclose(reused.film_mean, own.film_mean, rtol=0.01)
+    npt.assert_allclose(reused.film_mean, opened.film_mean, rtol=0.01)
 
 
 @pytest.mark.parametrize("camera", [1, 2])

@@ -15,6 +15,7 @@ RIG = small_rig(spacing=1.2, gain_step=(18, 1.05), bump=(25, 6.0, 0.0), blur_ste
 
 DARK = replace(
     RIG,
+    spacing=2.4,
     gain_step=(0, 1.0),
     bump=(0, 0.0, 0.0),
     blur_step=(0, 0.0),

@@ -23,8 +23,8 @@ from erlif.pipeline.watch.live import LiveFilm, run_of
 
 pytestmark = pytest.mark.usefixtures("without_theory")
 
-RIG = small_rig()
-"""Sixteen triggers on 128 x 96 pixels of 150 um."""
+RIG = small_rig(spacing=6.0)
+"""Eight triggers on 128 x 96 pixels of 150 um."""
 
 Y, X = np.indices((96, 128), dtype=float)
 BOLT, RADIUS, PARALLAX = (48.0, 60.0), 9.0, 3.0  # px

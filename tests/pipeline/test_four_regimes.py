@@ -6,6 +6,7 @@ import numpy as np
 import numpy.testing as npt
 import pytest
 from oracles.point_contact import rigid_film, solve_point
+from scenes.measured import statistics_of
 
 from conftest import SMALL, Laboratory
 
@@ -78,7 +79,8 @@ counterbody = {{ {solid} }}
 viscosity = "{U * modulus * radius / (TOP / 2):.9g} Pa s"
 pressure_viscosity = "{1e9 * G / modulus:.9g} 1/GPa"
 """
-    film = Laboratory.simulated(tmp_path, seed=8, rig=rig).process_copy("theory", add=contact)
+    lab = Laboratory.simulated(tmp_path, seed=8, rig=rig)
+    film = statistics_of(lab.copy_run("theory", add=contact), theory=True)
     assert set(film.film_regime.values) == {regime}
     assert film.attrs["contact"] == ("plateau" if elastic else "point")
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scenes.processes import start_command
+from scenes.processes import leave_theory_out, start_command
 from scenes.stores import contents
 
 from conftest import FULL, SMALL, Laboratory
@@ -27,7 +27,8 @@ class Command:
 
     def __init__(self, lab, output, log):
         self.log = log
-        self.process = start_command(log, "process", lab.run, "-o", output)
+        arguments = ("process", lab.run, "-o", output)
+        self.process = start_command(log, *arguments, before=leave_theory_out)
         key = output.with_name(output.name + ".partial") / "key"
         while self.process.is_alive() and not key.is_file():
             time.sleep(0.01)

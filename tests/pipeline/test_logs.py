@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 import xarray as xr
 from scenes.linkage import apart
+from scenes.measured import statistics_of
 
-import erlif
 from conftest import SMALL
 from erlif.io.ingest import open_run
 from erlif.pipeline.physics.joint import locate_run
@@ -57,6 +57,6 @@ def test_pulses_that_do_not_repeat_are_averaged_by_bins_of_one_stroke(small_rig,
         assert abs(np.sign(truth.rocker_speed.values[members]).sum()) == members.sum()
 
     shutil.copy(small_rig.fixture / "calibration.nc", tmp_path / "fixture" / "calibration.nc")
-    film = erlif.process(run.directory, workers=1)
+    film = statistics_of(run.directory)
     assert film.frames_used.sum() == 25
     assert set(film.stroke.values.tolist()) == {-1, 1}

@@ -9,7 +9,7 @@ from conftest import Laboratory
 
 pytestmark = pytest.mark.usefixtures("without_theory")
 
-RIG = small_rig(film_reference=4.0, wall=(0.1, 0.3))
+RIG = small_rig(film_reference=4.0, wall=(0.1, 0.3), spacing=6.0)
 OPTICS = 'x_axis = "sliding"'
 
 

@@ -180,14 +180,14 @@ def test_a_liner_deflects_nothing_beyond_the_ends_of_the_joint():
 
 
 def test_a_pin_sinks_on_lobes_as_finite_volumes_do():
-    """A swinging bushing of 24 mm with two lobes, by two solvers; films of 12 to 7 um."""
+    """A swinging bushing of 24 mm with two lobes, by two solvers; films of 12 to 10 um."""
     lobed = RigSettings(length=24.0, lobes=(-5.0, 4.0), lobe=(200.0, 20.0))
     bearing = RigidBearing(
         ACRYLIC.radius, ACRYLIC.clearance, 0.024, 0.12, lambda z: 1e-6 * bore_height(lobed, 1e3 * z)
     )
     z = np.arange(-1000, 1001) / 2000 * 0.024
     joint = Journal(0.03336, 0.03359, 0.024, 0.12, axial_shape=1e-6 * bore_height(lobed, 1e3 * z))
-    time, start = np.linspace(0, 0.5, 51), (joint.least_clearance - 12e-6, 0.0)
+    time, start = np.linspace(0, 0.25, 26), (joint.least_clearance - 12e-6, 0.0)
     motion = Motion(time, [bushing(one) for one in time], load=10.0)
     rig = follow_cavitated(
         bearing, time, load=lambda _: 10.0, angle=bushing, step=0.01, start=start
@@ -195,4 +195,4 @@ def test_a_pin_sinks_on_lobes_as_finite_volumes_do():
     solved = solve_journal(joint, motion, start=start, cells=(192, 16))
     volumes = solved[["displacement_load", "displacement_side"]].to_array().values.T
     films = [joint.least_clearance - np.hypot(*place.T) for place in (rig, volumes)]
-    npt.assert_allclose(films[0], films[1], rtol=0.03)
+    npt.assert_allclose(films[0], films[1], rtol=0.005)

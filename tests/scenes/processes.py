@@ -12,6 +12,7 @@ from pathlib import Path
 
 from erlif.commands.main import main
 from erlif.io.files import netcdf_maps
+from erlif.pipeline import run
 
 # a server that has loaded erlif starts a process in a tenth of the time
 _SERVER = "forkserver"
@@ -57,6 +58,11 @@ def lose_the_reader_of_messages() -> None:
     os.close(reader)
     os.dup2(writer, 2)
     sys.stderr = os.fdopen(2, "w", encoding="utf-8", closefd=False)  # the old one may be a file
+
+
+def leave_theory_out() -> None:
+    """As `maps_alone` of the tests in one process."""
+    run.with_theory = lambda draft: draft
 
 
 def limit_the_size_of_files() -> None:

@@ -8,6 +8,7 @@ from dataclasses import replace
 import pytest
 from damages.mistakes import MISTAKES, RIGS
 from damages.sound import draw_sound, use_instruments
+from scenes.measured import statistics_of
 
 import erlif
 from conftest import FULL, Laboratory
@@ -38,13 +39,9 @@ def test_each_audit_has_a_name_of_its_own():
     assert len({audit.name for audit in AUDITS}) == len(AUDITS)
 
 
-USUAL = "the course of the minimum film is not that of a"
-"""A warning of rigs whose film is a formula."""
-
-
 def warnings_of(film):
     notes = split_notes(film.attrs["notes"])
-    return [text for level, text in notes if level is not Level.NOTE and USUAL not in text]
+    return [text for level, text in notes if level is not Level.NOTE]
 
 
 @pytest.fixture(scope="module")
@@ -62,7 +59,7 @@ def evidence(law):
         patch.setattr(
             "erlif.pipeline.film.audit_run", lambda one: given.append(one) or audit_run(one)
         )
-        assert warnings_of(erlif.process(law.run, workers=1)) == []
+        assert warnings_of(statistics_of(law.run)) == []
     return given[0]
 
 
@@ -98,15 +95,14 @@ def test_a_failure_of_an_audit_is_a_warning(evidence):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", CHOSEN)
-def test_the_mistake_is_named_first(monkeypatch, law, tmp_path, name):
+def test_the_mistake_is_named_first(law, tmp_path, name):
     """Of a film without theory, whose notes come last."""
-    monkeypatch.setattr("erlif.pipeline.run.with_theory", lambda draft: draft)
     (mistake,) = (one for one in MISTAKES if one.name == name)
     for part in ("run", "fixture"):
         shutil.copytree(law.directory / part, tmp_path / part)
     mistake.change(tmp_path)
     try:
-        found = warnings_of(erlif.process(tmp_path / "run", workers=1))
+        found = warnings_of(statistics_of(tmp_path / "run"))
     except ErlifError as error:
         found = [str(error)]
     assert re.search(mistake.cause, found[0])

@@ -33,9 +33,9 @@ def known():
 
 ahead.compile_kernels()
 names = known()
-calibration = erlif.calibrate("calibration/wedge")
+calibration = erlif.calibrate(sys.argv[1] + "/fixture")
 before = known()
-erlif.process("data_samples/straight_bushing", calibration=calibration)
+erlif.process(sys.argv[1] + "/run", calibration=calibration)
 after = known()
 print(*names)
 print(*(name for name in after if after[name] != before.get(name)))
@@ -43,9 +43,9 @@ print(*(name for name in after if after[name] != before.get(name)))
 
 
 @pytest.mark.slow
-def test_a_run_calls_no_kernel_with_other_arguments_than_those_compiled_ahead():
+def test_a_run_calls_no_kernel_with_other_arguments_than_those_compiled_ahead(small_rig):
     """numba compiles a kernel for the types of its arguments, and keeps it for later processes."""
-    command = [sys.executable, "-c", CALLED]
+    command = [sys.executable, "-c", CALLED, str(small_rig.directory)]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True)
     names, others = done.stdout.splitlines()
     kernels = "pipeline.passes.film._measure_film", "ratio.log_ratio.divide_rows"

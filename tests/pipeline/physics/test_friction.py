@@ -6,8 +6,8 @@ import numpy as np
 import numpy.testing as npt
 import pytest
 from scenes.friction import true_friction
+from scenes.measured import statistics_of
 
-import erlif
 from conftest import Laboratory
 from erlif.rig import RigSettings
 
@@ -34,7 +34,7 @@ def lab(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def film(lab):
-    return erlif.process(lab.run, workers=2)
+    return statistics_of(lab.run, theory=True)
 
 
 @pytest.mark.slow
@@ -79,7 +79,8 @@ def test_logged_torque_less_that_of_the_film_is_the_rest(film):
 def test_error_of_the_viscosity_counts_and_no_oil_has_no_friction(lab, film):
     """A stated error of the viscosity widens friction; a film without [oil] has none."""
     oil = 'viscosity = "0.12 Pa s"'
-    wide = lab.process_copy("wide", (oil, f'{oil}\nviscosity_std = "0.012 Pa s"'))
+    run = lab.copy_run("wide", (oil, f'{oil}\nviscosity_std = "0.012 Pa s"'))
+    wide = statistics_of(run, theory=True)
     couette = film.friction_torque - film.friction_torque_pressure
     expected = np.hypot(film.friction_torque_std, 0.1 * couette)
     npt.assert_allclose(wide.friction_torque_std, expected, rtol=1e-3)
@@ -89,7 +90,7 @@ def test_error_of_the_viscosity_counts_and_no_oil_has_no_friction(lab, film):
     text = (lab.run / "run.toml").read_text(encoding="utf-8")
     start = text.index("[oil]")
     table = text[start : text.index("\n[", start)]
-    bare = lab.process_copy("bare", (table, ""))
+    bare = statistics_of(lab.copy_run("bare", (table, "")), theory=True)
     added = ("friction", "film_drag", "hersey", "torque_not_film")
     assert not [name for name in bare if name.startswith(added)]
     npt.assert_array_equal(bare.film_mean, film.film_mean)

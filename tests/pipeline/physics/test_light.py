@@ -13,7 +13,7 @@ from erlif.pipeline.engines.results import FrameResult
 from erlif.pipeline.physics.light import find_bleaching
 from erlif.ratio import NO_CELLS
 
-pytestmark = pytest.mark.usefixtures("without_prediction")
+pytestmark = pytest.mark.usefixtures("without_theory")
 
 SHARE = 0.06
 RIG = small_rig(spacing=0.96, film_reference=3.0, background=SHARE)

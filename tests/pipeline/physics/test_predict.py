@@ -32,10 +32,9 @@ def test_the_prediction_of_a_film_is_the_one_that_it_holds(prediction, film):
         npt.assert_array_equal(prediction.film_min, measured.film_min)
 
 
-def test_a_run_is_predicted_with_its_present_settings(lab, film):
+def test_a_run_is_predicted_with_its_present_settings(lab, film, prediction):
     lab.film.write_bytes(film.read_bytes())
-    same = erlif.predict(lab.run)
-    npt.assert_array_equal(same.film_predicted, erlif.predict(lab.film).film_predicted)
+    npt.assert_array_equal(erlif.predict(lab.run).film_predicted, prediction.film_predicted)
 
     lab.edit("run/run.toml", ("[joint]", '[prediction]\nsideways = "guided"\n[joint]'))
     guided = erlif.predict(lab.run)

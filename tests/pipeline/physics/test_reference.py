@@ -7,6 +7,7 @@ import numpy as np
 import numpy.testing as npt
 import pytest
 from scenes.fixture import with_systematics
+from scenes.measured import statistics_of
 from scenes.rig import small_rig
 
 import erlif
@@ -54,7 +55,7 @@ def test_bleaching_is_that_of_the_dyes(reported, dyes):
 def test_cycles_show_the_bleaching_without_a_patch(dyes, reported):
     settings = (dyes.run / "run.toml").read_text(encoding="utf-8")
     patch = settings[settings.index("[reference]") :]
-    plain = dyes.process_copy("cycles", (patch, ""))
+    plain = statistics_of(dyes.copy_run("cycles", (patch, "")))
     assert "reference_film" not in plain
     both = np.hypot(plain.bleaching_ratio_std, reported.bleaching_ratio_std)
     # the change depends a little on the film, which differs between patch and field
@@ -86,14 +87,14 @@ def test_films_are_nearer_to_the_truth_once_it_is_corrected(dyes, reported, corr
 
 
 def test_one_cycle_without_a_patch_cannot_be_corrected(lab):
-    film = lab.process_copy("corrected", add=CORRECT)
+    film = statistics_of(lab.copy_run("corrected", add=CORRECT))
     assert "cannot be separated from a change of the film" in film.attrs["notes"]
 
 
 def test_a_wrong_film_of_the_patch_is_reported(dyes):
     """It is 0.6 um too thick, also where an error of the ratio of 5 % is allowed for."""
     changes = (('thickness = "4 um"', 'thickness = "4.6 um"'), ('ratio = "0 %"', 'ratio = "5 %"'))
-    film = dyes.process_copy("wrong", *changes)
+    film = statistics_of(dyes.copy_run("wrong", *changes))
     assert "reference: " in film.attrs["notes"]
     assert "4.600 um known" in film.attrs["notes"].split("reference: ")[1]
     assert "Calibrate again" in film.attrs["notes"]
@@ -105,7 +106,7 @@ SCALED = '\n[light]\nratio = "correct"\n[systematics]\nfield = "0 %"\n'
 
 UNLIKE = replace(
     RIG,
-    spacing=3.0,
+    spacing=4.0,
     cycles=1,
     film_reference=4.0,
     reference=5.0,
@@ -221,7 +222,7 @@ def test_a_window_over_one_camera_is_in_the_errors_of_a_ratio_that_a_patch_sets(
     rig = replace(RIG, cycles=1, spacing=3.0, reference=6.0, bleaching=(0.0, 0.0))
     lab = Laboratory.simulated(tmp_path, seed=53, rig=replace(rig, shading=(0.026, 0, 0, 0, 0)))
     stated = ("[systematics]\n", '[systematics]\nfield = "1.5 %"\n')
-    film = lab.process_copy("shaded", stated, add='\n[light]\nratio = "correct"\n')
+    film = statistics_of(lab.copy_run("shaded", stated, add='\n[light]\nratio = "correct"\n'))
     off = film.film_min - lab.truth.film_min
     pull = float(np.abs(off / film.film_min_std).median())
     assert 0.3 < pull < 2

@@ -6,6 +6,7 @@ import numpy as np
 import numpy.testing as npt
 import pytest
 import xarray as xr
+from scenes.measured import statistics_of
 
 import erlif
 from conftest import SMALL, Laboratory, reorder
@@ -19,13 +20,13 @@ pytestmark = pytest.mark.usefixtures("without_theory")
 def test_copies_at_both_ends_are_not_those_of_all_pairs(lab):
     for k in (0, -1):
         shutil.copy(lab.frames(1)[k], lab.frames(2)[k])
-    assert "both cameras show the same image in frame pairs 0, 5," in erlif.process(lab.run).notes
+    assert "both cameras show the same image in frame pairs 0, 5," in statistics_of(lab.run).notes
 
 
 def test_a_stuck_pair_is_named_in_the_notes(lab):
     for camera in (1, 2):
         shutil.copy(lab.frames(camera)[2], lab.frames(camera)[3])
-    film = erlif.process(lab.run)
+    film = statistics_of(lab.run)
     assert "frame pairs 2, 3: they show the same image to the last count" in film.notes
 
 
@@ -41,7 +42,7 @@ def longer(tmp_path_factory):
 def test_an_image_of_a_pulse_that_camera_1_lacks_is_named_in_the_notes(lab, longer):
     """Camera 2 shows the same film in a later pulse."""
     shutil.copy(longer.frames(2)[10], lab.frames(2)[4])
-    film = erlif.process(lab.run)
+    film = statistics_of(lab.run)
     assert "frame pairs 4: camera 2 shows another laser pulse than camera 1" in film.notes
 
 
@@ -80,7 +81,7 @@ def test_a_camera_stuck_in_the_first_triggers_alone_is_not_refused(
             shutil.copy(frames[0], frames[k])
     monkeypatch.setattr(triggers, "EARLY", 2)
     calibration = small_rig.fixture / "calibration.nc"
-    notes = erlif.process(lab.run, calibration=calibration, workers=1).notes.split("\n")
+    notes = statistics_of(lab.run, calibration=calibration).notes.split("\n")
     assert any(line.startswith("warning: ") and "stuck" in line for line in notes)
 
 
