@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import zip_longest
@@ -356,9 +357,13 @@ def _budget_of_mean(
             total = float(np.sqrt((rate[region] ** 2 * variance[region]).sum() / spread))
             terms[_term(what, camera)] = total / int(region.sum())
 
-    # what the noise of the mean holds beyond these terms is the registration
-    known = sum(value**2 for value in terms.values())
-    terms["registration"] = float(np.sqrt(max(statistics.mean.random_std**2 - known, 0.0)))
+    # What the noise of the mean holds beyond these terms is the registration. Where the films of a
+    # block differ much, as near the end of the range, its mean has less noise than its pixels by
+    # their slopes: the terms are then shares of it.
+    known, random = sum(value**2 for value in terms.values()), statistics.mean.random_std**2
+    share = math.sqrt(min(random / known, 1.0)) if known else 0.0
+    terms = {term: share * value for term, value in terms.items()}
+    terms["registration"] = math.sqrt(max(random - known, 0.0))
     terms |= calibration.split_error(statistics.mean.gradient)
     return _Column("mean film", statistics.mean.value, terms)
 

@@ -18,6 +18,7 @@ import numpy.typing as npt
 
 from erlif.calibration import RatioCurve
 from erlif.core.arrays import Array
+from erlif.trend.cells import FEWEST_VISITS
 from erlif.trend.smooth_gap import FittedCells
 
 _SHARES = np.linspace(0, 1, 11)  # of a wall in the factor, which are tried
@@ -26,7 +27,6 @@ _SIZES = np.geomspace(0.5, 1.5, 7)  # of the factor over that expected
 _MARKS = np.array([0.02, 0.05, 0.1, 0.2, 0.4])  # um: standard deviations of the marks
 _SHARE_STD = 0.2  # of the share of the wall, at least: marks take up what the derivative lacks
 _LINEAR = 0.7  # of the slope at a film that the factor moves: below it nothing is linear
-_FEWEST = 20  # cells of a frame, and frames in all, whose likelihood is worth a search
 _RIDGE = 1e-6  # of the variance
 
 
@@ -98,9 +98,9 @@ def judge_kind(cells: FittedCells, covariance: Array, calibration: RatioCurve) -
     # where the factor moves a film so far that the slope is another, the gap is another
     moved = math.sqrt(float(np.mean(np.diag(covariance)))) / slope
     weight = np.where(calibration.slope(film + moved) > _LINEAR * slope, weight, 0.0)
-    frames = np.sum(weight > 0, axis=1) > _FEWEST
+    frames = np.sum(weight > 0, axis=1) > len(cells.shapes)  # the others are left to their gaps
     middle = cells.middle
-    if frames.sum() < _FEWEST:
+    if frames.sum() < FEWEST_VISITS:
         return FactorKind.unknown(middle)
 
     film, slope, rest, weight = (one[frames] for one in (film, slope, rest, weight))
