@@ -11,6 +11,9 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -19,7 +22,7 @@ import numpy.typing as npt
 from erlif.calibration import RatioCurve
 from erlif.core.arrays import Array
 from erlif.trend.cells import FEWEST_VISITS
-from erlif.trend.smooth_gap import FittedCells
+from erlif.trend.smooth_gap import FittedCells, fit_frames
 
 _SHARES = np.linspace(0, 1, 11)  # of a wall in the factor, which are tried
 _REFLECTANCES = np.array([0, 0.05, 0.1, 0.2, 0.3, 0.4, 0.6])  # of it in the mean
@@ -27,7 +30,7 @@ _SIZES = np.geomspace(0.5, 1.5, 7)  # of the factor over that expected
 _MARKS = np.array([0.02, 0.05, 0.1, 0.2, 0.4])  # um: standard deviations of the marks
 _SHARE_STD = 0.2  # of the share of the wall, at least: marks take up what the derivative lacks
 _LINEAR = 0.7  # of the slope at a film that the factor moves: below it nothing is linear
-_RIDGE = 1e-6  # of the variance
+_RIDGE = 1e-6  # over the mean variance of the factors, and over the trace of a gap's equations
 
 
 class FactorKind(NamedTuple):
@@ -91,36 +94,24 @@ def judge_kind(cells: FittedCells, covariance: Array, calibration: RatioCurve) -
     >>> judge_kind(few, 1e-4 * np.eye(30), example_calibration()).wall
     0.5
     """
-    known = cells.known
-    film, slope, rest, weight = (
-        one[:, known] for one in (cells.film, cells.slope, cells.rest, cells.weight)
-    )
-    # where the factor moves a film so far that the slope is another, the gap is another
-    moved = math.sqrt(float(np.mean(np.diag(covariance)))) / slope
-    weight = np.where(calibration.slope(film + moved) > _LINEAR * slope, weight, 0.0)
-    frames = np.sum(weight > 0, axis=1) > len(cells.shapes)  # the others are left to their gaps
-    middle = cells.middle
-    if frames.sum() < FEWEST_VISITS:
+    known, middle = cells.known, cells.middle
+    part = covariance[np.ix_(known, known)]
+    variance = float(np.mean(np.diag(part)))
+    linear = _linear_part(cells, math.sqrt(variance), calibration)
+    if len(linear.film) < FEWEST_VISITS:
         return FactorKind.unknown(middle)
 
-    film, slope, rest, weight = (one[frames] for one in (film, slope, rest, weight))
-    part = covariance[np.ix_(known, known)]
-    root = np.linalg.cholesky(part + _RIDGE * np.trace(part) / len(part) * np.eye(len(part)))
-    left = _LeftByGaps.of(rest, weight, slope, cells.shapes[:, known])
+    left = _LeftByGaps(linear)
+    root = np.asarray(np.linalg.cholesky(part + _RIDGE * variance * np.eye(len(part))), float)
     kinds = [
         FactorKind(middle, share, reflectance=reflectance)
         for reflectance in _REFLECTANCES
         for share in _SHARES
     ]
-    normals = [left.normal(kind.acts(film, calibration)[0], slope, root) for kind in kinds]
-    size, marks, noise = 1.0, float(_MARKS[1]), 1.0
-    for _ in range(2):
-        best = max(normals, key=lambda normal: normal.likelihood(size, marks, noise))
-        widths = itertools.product(_SIZES.tolist(), _MARKS.tolist())
-        size, marks = max(widths, key=lambda width: best.likelihood(width[0], width[1], noise))
-        noise = max(best.misfit(size, marks, noise) / left.freedom, 1.0)
+    normals = [left.equations(kind.acts(linear.film, calibration)[0], root) for kind in kinds]
+    widths = _find_widths(normals, left.freedom)
 
-    gain = np.array([normal.likelihood(size, marks, noise) for normal in normals])
+    gain = np.array([normal.likelihood(*widths) for normal in normals])
     likely = np.exp(gain - gain.max()).reshape(_REFLECTANCES.size, _SHARES.size)
     of_reflectance, of_share = (likely.sum(axis=axis) / likely.sum() for axis in (1, 0))
     mean = float(of_share @ _SHARES)
@@ -130,63 +121,96 @@ def judge_kind(cells: FittedCells, covariance: Array, calibration: RatioCurve) -
     )
 
 
-class _LeftByGaps(NamedTuple):
-    """What gaps of any amplitudes leave: weights W - U^T U of each frame, W diagonal.
+def _linear_part(cells: FittedCells, size: float, calibration: RatioCurve) -> FittedCells:
+    """Known cells and their frames, without films that a factor of this size [1] moves too far.
 
-    Attributes
-    ----------
-    rest : Array
-        (frame, cell) [1]
-    weight : Array
-        (frame, cell) [1]
-    taken : Array
-        U, (frame, shape, cell).
+    Where the slope at the moved film is another, so is the gap that takes up a part of the factor.
+    Frames with fewer cells than their gaps have amplitudes are left out.
     """
+    known = cells.known
+    film, slope, weight = cells.film[:, known], cells.slope[:, known], cells.weight[:, known]
+    near = calibration.slope(film + size / slope) > _LINEAR * slope
+    weight = np.where(near, weight, 0.0)
+    frames = np.sum(weight > 0, axis=1) > len(cells.shapes)
+    columns, rows = cells.centres
+    return FittedCells(
+        cells.rest[:, known][frames],
+        weight[frames],
+        slope[frames],
+        film[frames],
+        cells.shapes[:, known],
+        known[known],
+        (columns[known], rows[known]),
+    )
 
-    rest: Array
-    weight: Array
-    taken: Array
 
-    @classmethod
-    def of(cls, rest: Array, weight: Array, slope: Array, shapes: Array) -> _LeftByGaps:
-        gaps = slope[:, None] * shapes
-        weighted = gaps * weight[:, None]
-        normal = weighted @ np.swapaxes(gaps, 1, 2)
-        trace = np.trace(normal, axis1=1, axis2=2)[:, None, None]
-        root = np.linalg.cholesky(normal + _RIDGE * trace * np.eye(len(shapes)))
-        return cls(rest, weight, np.asarray(np.linalg.solve(root, weighted), float))
+def _find_widths(normals: Sequence[_NormalEquations], freedom: int) -> tuple[float, float, float]:
+    """Most likely size of the factor over that expected, of the marks [um], and factor of the
+    variance of the noise.
+    """
+    size, marks, noise = 1.0, float(_MARKS[1]), 1.0
+    for _ in range(2):  # in turn with the kind, on which they hardly depend
+        best = max(normals, key=lambda normal: normal.likelihood(size, marks, noise))
+        tried = itertools.product(_SIZES.tolist(), _MARKS.tolist())
+        size, marks = max(tried, key=lambda width: best.likelihood(width[0], width[1], noise))
+        noise = max(best.misfit(size, marks, noise) / freedom, 1.0)
+    return size, marks, noise
+
+
+@dataclass(frozen=True)
+class _LeftByGaps:
+    """What gaps of any amplitudes leave of the logarithms of the ratio of cells."""
+
+    cells: FittedCells
 
     @property
     def freedom(self) -> int:
         """Values less unknowns, of which each cell has two."""
-        frames, shapes, cells = self.taken.shape
-        left = np.count_nonzero(self.weight) - frames * shapes - 2 * cells
-        return max(int(left), 1)
+        (frames, count), shapes = self.cells.rest.shape, len(self.cells.shapes)
+        values = np.count_nonzero(self.cells.weight)
+        return max(int(values - frames * shapes - 2 * count), 1)
+
+    @cached_property
+    def gaps(self) -> tuple[Array, Array]:
+        """Weighted acts of the amplitudes, and amplitudes by values, (frame, shape, cell)."""
+        acts = self.cells.slope[:, None] * self.cells.shapes
+        return acts * self.cells.weight[:, None], fit_frames(acts, self.cells.weight, ridge=_RIDGE)
+
+    @cached_property
+    def pull(self) -> Array:
+        """What is left of the weighted rest, (frame, cell)."""
+        weighted, fitted = self.gaps
+        amplitudes = np.einsum("fsc,fc->fs", fitted, self.cells.rest)
+        taken = np.einsum("fsc,fs->fc", weighted, amplitudes)
+        return np.asarray(self.cells.weight * self.cells.rest - taken)
 
     def product(self, one: Array, other: Array) -> Array:
         """Sums over frames of the weights between the values of two cells, (cell, cell)."""
         first, second = (
-            (self.taken * values[:, None]).reshape(-1, values.shape[1]) for values in (one, other)
+            (gaps * values[:, None]).reshape(-1, values.shape[1])
+            for gaps, values in zip(self.gaps, (one, other), strict=True)
         )
-        return np.asarray(np.diag((self.weight * one * other).sum(axis=0)) - first.T @ second)
+        return np.asarray(np.diag((self.cells.weight * one * other).sum(axis=0)) - first.T @ second)
 
-    def normal(self, acts: Array, slope: Array, root: Array) -> _Normal:
-        """Normal equations of factors, in parts by `root` of their covariance, and of marks."""
-        mixed = root.T @ self.product(acts, slope)
-        matrix = np.block(
-            [
-                [root.T @ self.product(acts, acts) @ root, mixed],
-                [mixed.T, self.product(slope, slope)],
-            ]
+    @cached_property
+    def marks(self) -> Array:
+        """Normal equations of the marks, (cell, cell)."""
+        return self.product(self.cells.slope, self.cells.slope)
+
+    def equations(self, acts: Array, root: Array) -> _NormalEquations:
+        """Those of factors, in parts by `root` of their covariance, and of marks."""
+        factors = root.T @ self.product(acts, acts) @ root
+        mixed = root.T @ self.product(acts, self.cells.slope)
+        right = root.T @ (self.pull * acts).sum(axis=0), (self.pull * self.cells.slope).sum(axis=0)
+        return _NormalEquations(
+            np.block([[factors, mixed], [mixed.T, self.marks]]),
+            np.concatenate(right),
+            float(np.sum(self.pull * self.cells.rest)),
         )
-        along = np.einsum("fsc,fc->fs", self.taken, self.rest)
-        weighted = self.weight * self.rest - np.einsum("fsc,fs->fc", self.taken, along)
-        right = root.T @ (weighted * acts).sum(axis=0), (weighted * slope).sum(axis=0)
-        return _Normal(matrix, np.concatenate(right), float(np.sum(weighted * self.rest)))
 
 
-class _Normal(NamedTuple):
-    """Normal equations of the parts of the factors and of the marks."""
+class _NormalEquations(NamedTuple):
+    """Normal equations of the parts of the factors and of the marks, and the square of the rest."""
 
     matrix: Array
     right: Array

@@ -81,13 +81,15 @@ def fit_cells(
 
     Examples
     --------
-    Four frames are too few:
+    A film that is even, and moves:
 
     >>> from erlif.ratio import cell_centres
     >>> from erlif.show.plots import example_calibration
-    >>> empty = LightCells(*np.full((4, 4, 120), np.nan))
-    >>> fit_cells(empty, cell_centres((80, 96)), example_calibration()) is None
-    True
+    >>> curve, film = example_calibration(), np.linspace(2, 6, 12)[:, None] + np.zeros(120)
+    >>> record = LightCells(0 * film, curve.predict_log(film), 0 * film, 1e-6 + 0 * film)
+    >>> cells = fit_cells(record, cell_centres((80, 96)), curve)
+    >>> bool(np.allclose(cells.film, film, atol=0.01)), round(cells.middle, 1)
+    (True, 4.0)
     """
     steps = np.unique(np.linspace(0, len(record.log_ratio) - 1, _MOST_FRAMES).round().astype(int))
     value, variance = (np.asarray(one, float)[steps] for one in (record[1], record[3]))
@@ -135,7 +137,7 @@ def _change_within(centres: tuple[Array, Array], places: Array) -> Array:
     return np.array(changes)
 
 
-def fit_frames(acts: Array, weight: Array) -> Array:
+def fit_frames(acts: Array, weight: Array, *, ridge: float = _LITTLE) -> Array:
     """Least squares of each frame.
 
     Parameters
@@ -143,6 +145,8 @@ def fit_frames(acts: Array, weight: Array) -> Array:
     acts : array, (frame, shape, cell)
         What an amplitude does.
     weight : array, (frame, cell)
+    ridge : float
+        Over the trace of the normal equations. [1]
 
     Returns
     -------
@@ -158,7 +162,7 @@ def fit_frames(acts: Array, weight: Array) -> Array:
     weighted = acts * weight[:, None]
     normal = weighted @ np.swapaxes(acts, 1, 2)
     trace = np.trace(normal, axis1=1, axis2=2)[:, None, None]
-    return np.asarray(np.linalg.solve(normal + _LITTLE * trace * np.eye(acts.shape[1]), weighted))
+    return np.asarray(np.linalg.solve(normal + ridge * trace * np.eye(acts.shape[1]), weighted))
 
 
 def _fit_gaps(
