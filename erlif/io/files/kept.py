@@ -7,6 +7,7 @@ in which it is written.
 
 from __future__ import annotations
 
+from functools import cached_property
 from pathlib import Path
 from typing import IO, Any
 
@@ -26,23 +27,53 @@ class _Dataset(h5py.Dataset):  # type: ignore[misc]
         return super().__getitem__(args, new_dtype)
 
 
+class _UnchangedDataset(_Dataset):
+    """A dataset that is read alone: its name and its attributes are read once."""
+
+    __module__ = h5py.Dataset.__module__
+    name = cached_property(h5py.Dataset.name.fget)
+
+    @cached_property
+    def attrs(self) -> _UnchangedAttributes:
+        """Attributes by their names."""
+        return _UnchangedAttributes(self)
+
+
+class _UnchangedAttributes(h5py.AttributeManager):  # type: ignore[misc]
+    """Attributes that are read once."""
+
+    def __init__(self, parent: h5py.Dataset) -> None:
+        super().__init__(parent)
+        self._values: dict[str, Any] = {}
+
+    def __getitem__(self, name: str) -> Any:
+        if name not in self._values:
+            self._values[name] = super().__getitem__(name)
+        return self._values[name]
+
+
 class _KeptFile(h5py.File):  # type: ignore[misc]
     """An HDF5 file that keeps its open parts by their paths."""
 
     def __init__(self, path: str | Path | IO[bytes], mode: str, **options: Any) -> None:
         super().__init__(path, mode, **options)
-        self._parts: dict[str, Any] = {}
+        self._parts: dict[Any, Any] = {}
         self._changes = mode != "r"
 
     def __getitem__(self, name: Any) -> Any:
-        # a reference to an object has no path
+        # a reference to an object has no path, and its object the same identity as that of a path
         if not isinstance(name, str):
-            return super().__getitem__(name)
+            part = super().__getitem__(name)
+            return part if self._changes else self._parts.setdefault(part.id, part)
         kept = self._parts.get(name)
         # a dimension without values gives way to its coordinate
         if kept is None or (self._changes and h5py.h5o.get_info(kept.id).rc == 0):
             part = super().__getitem__(name)
-            self._parts[name] = _Dataset(part.id) if isinstance(part, h5py.Dataset) else part
+            if isinstance(part, h5py.Dataset):
+                part = (_Dataset if self._changes else _UnchangedDataset)(part.id)
+            self._parts[name] = part
+            if not self._changes:
+                self._parts[name] = self._parts.setdefault(part.id, part)
         return self._parts[name]
 
     def close(self) -> None:
