@@ -57,27 +57,35 @@ class _KeptFile(h5py.File):  # type: ignore[misc]
 
     def __init__(self, path: str | Path | IO[bytes], mode: str, **options: Any) -> None:
         super().__init__(path, mode, **options)
-        self._parts: dict[Any, Any] = {}
+        self._parts: dict[str, Any] = {}
+        self._unchanged: dict[h5py.h5g.GroupID | h5py.h5d.DatasetID, Any] = {}
         self._changes = mode != "r"
 
     def __getitem__(self, name: Any) -> Any:
-        # a reference to an object has no path, and its object the same identity as that of a path
+        # a reference to an object has no path
         if not isinstance(name, str):
-            part = super().__getitem__(name)
-            return part if self._changes else self._parts.setdefault(part.id, part)
+            return self._keep(super().__getitem__(name))
+
         kept = self._parts.get(name)
         # a dimension without values gives way to its coordinate
         if kept is None or (self._changes and h5py.h5o.get_info(kept.id).rc == 0):
-            part = super().__getitem__(name)
-            if isinstance(part, h5py.Dataset):
-                part = (_Dataset if self._changes else _UnchangedDataset)(part.id)
-            self._parts[name] = part
-            if not self._changes:
-                self._parts[name] = self._parts.setdefault(part.id, part)
-        return self._parts[name]
+            kept = self._parts[name] = self._keep(super().__getitem__(name))
+        return kept
+
+    def _keep(self, part: Any) -> Any:
+        """Return a part that looks at its chunks; in a file that is read alone, always the same."""
+        is_dataset = isinstance(part, h5py.Dataset)
+        if self._changes:
+            return _Dataset(part.id) if is_dataset else part
+
+        # identifiers of one object are equal, whether it was found by a path or by a reference
+        if part.id not in self._unchanged:
+            self._unchanged[part.id] = _UnchangedDataset(part.id) if is_dataset else part
+        return self._unchanged[part.id]
 
     def close(self) -> None:
         self._parts.clear()
+        self._unchanged.clear()
         super().close()
 
 

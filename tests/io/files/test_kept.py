@@ -1,6 +1,7 @@
 """Files whose parts are kept open: the same dataset as that of xarray, and a file that closes."""
 
 import pickle
+import zlib
 
 import h5py
 import numpy as np
@@ -8,6 +9,7 @@ import pytest
 import xarray as xr
 
 from erlif.io.files import open_netcdf
+from erlif.io.files.kept import _KeptFile
 from erlif.io.files.netcdf import _fix_text, write_netcdf
 
 
@@ -63,3 +65,20 @@ def test_a_closed_file_may_be_written_again(tmp_path):
         file["a"][:] = [5, 6]
     with open_netcdf(path) as dataset:
         assert dataset.a.values.tolist() == [5, 6]
+
+
+@pytest.mark.parametrize("mode", ["r", "a"])
+def test_chunks_of_a_coordinate_are_looked_at_however_it_was_found(mode, tmp_path):
+    """A coordinate is found by the references of its variables too, and these may come first.
+
+    Its chunk of 1000 bytes would become 256 MiB.
+    """
+    path = tmp_path / "swollen.nc"
+    with h5py.File(path, "w") as file:
+        data = file.create_dataset("x", (1000,), "u1", chunks=(1000,), compression="gzip")
+        data.id.write_direct_chunk((0,), zlib.compress(bytes(2**28)))
+        file.attrs["scale"] = data.ref
+    with _KeptFile(path, mode) as file:
+        for part in (file[file.attrs["scale"]], file["x"], file["/x"]):
+            with pytest.raises(OSError, match="holds more than the 1000 bytes it states"):
+                part[:]
